@@ -1,8 +1,7 @@
 """What do many discrete contacts do? Compiled loops over contacts, spread over threads and ranks."""
 
-from eq_model.coupled.result import CoupledResult, CoupledSlips
 from eq_model.ensemble import CoupledEnsemble, Ensemble
-from eq_model.ensemble_result import EnsembleResult
+from eq_model.result import CoupledResult, CoupledSlips, EnsembleResult
 from eq_model.simulate import simulate
 
 __all__ = [

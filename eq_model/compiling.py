@@ -9,15 +9,24 @@ from typing import Any
 from numba import njit, types
 from numba.extending import intrinsic
 
-_HERE = Path(__file__).parent
 
-
-def compiled(function: Callable[..., Any]) -> Any:
+def compiled(function: Callable[..., Any], **more: bool) -> Any:
     """`function` compiled when first called and kept on disk, or in memory where no folder is.
 
-    It releases the interpreter's lock, so that blocks may run in threads.
+    It releases the interpreter's lock, so that blocks may run in threads. more : further options of numba.
     """
-    return _compiled(function)
+    options: Any = {"nogil": True, "error_model": "numpy", **more}
+    try:
+        made: Any = njit(**{"cache": True} | options)(function)
+    except RuntimeError:  # numba found no folder for its cache
+        return njit(**options)(function)
+    if hasattr(made._cache, "_cache_file"):  # not of inlined ones
+        # numba compares a kernel's own file alone with what is on disk; it calls others, in other files,
+        # so each version of them all has files of its own
+        file: Any = made._cache._cache_file
+        base = file._index_name.removesuffix(".nbi")
+        file.__init__(file._cache_path, f"{base}-{sources()[:12]}", file._source_stamp)
+    return made
 
 
 def bare(function: Callable[..., Any]) -> Any:
@@ -25,36 +34,20 @@ def bare(function: Callable[..., Any]) -> Any:
 
     Counting them for each array in a NamedTuple takes 5 ns at each use.
     """
-    return _compiled(function, _nrt=False)
+    return compiled(function, _nrt=False)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
     """As `bare`, for short functions that become a part of each kernel that calls them."""
-    return _compiled(function, cache=False, _nrt=False, forceinline=True)
-
-
-def _compiled(function: Callable[..., Any], cache: bool = True, **more: bool) -> Any:
-    jit: Any = njit  # its type hints do not know all of its options
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", **more}
-    if not cache:
-        return jit(**options)(function)
-    try:
-        made = jit(cache=True, **options)(function)
-    except RuntimeError:  # numba found no folder for its cache
-        return jit(**options)(function)
-    # numba compares a kernel's own file alone with what is on disk; it calls others, in other files,
-    # so each version of them all has files of its own
-    file: Any = made._cache._cache_file
-    base = file._index_name.removesuffix(".nbi")
-    file.__init__(file._cache_path, f"{base}-{sources()[:12]}", file._source_stamp)
-    return made
+    return compiled(function, cache=False, _nrt=False, forceinline=True)
 
 
 @cache
 def sources() -> str:
     """What tells these kernels from those of another version."""
-    laws = _HERE.parent / "origins" / "laws"
-    files = [*sorted(_HERE.rglob("*.py")), *sorted(laws.rglob("*.py"))]
+    here = Path(__file__).parent
+    folders = here, here.parent / "origins" / "laws"
+    files = [file for folder in folders for file in sorted(folder.rglob("*.py"))]
     return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 

@@ -1,6 +1,6 @@
-"""Compiled: one contact, the law that breaks it, and where its birth and its break are counted.
+"""Compiled: one contact, where it breaks by a law that leaves its threshold as it is, and where it is counted.
 
-A law is known to the loop by the type of its settings: LIVES holds the function that breaks a contact,
+A law is known to the loops by the type of its settings: LIVES holds the function that breaks a contact,
 SEEN the one that tells its threshold later on.
 """
 
@@ -8,30 +8,17 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from numba.extending import overload
 
 from eq_model.compiling import bare, inlined
-from eq_model.draws.births import Births
+from eq_model.draws.births import LEVEL_UNIT, Births
 from eq_model.draws.streams import Stream
 from eq_model.draws.tables import Table
-from eq_model.lattice import Bins, Course
-from eq_model.moments import STIFFNESS_UNIT
+from eq_model.lattice import STIFFNESS_UNIT, Way
+from origins.laws.compiled import CompiledRates
 
-Whole = npt.NDArray[np.int64]
 _U, _I, _F = np.uint64, np.int64, np.float64
-
-
-class Settings(NamedTuple):
-    """What all contacts share, beside their law."""
-
-    starts: Births  # at X = 0
-    again: Births
-    exposures: Table  # ln e, e of the exponential law of mean 1
-    mean: float  # threshold (units) of mean stiffness
-    wait: float  # a time
-    bears: bool  # whether the law asks what contacts bear
-    linked: bool  # stiffness to the threshold
+_NOTHING = 1e-300
 
 
 class Contact(NamedTuple):
@@ -58,26 +45,34 @@ class Break(NamedTuple):
     held: bool  # False of one that did not hold at all
 
 
-class Watch(NamedTuple):
-    """Points at which contacts are counted by stretch and threshold, in the order of the clock."""
-
-    before: Whole  # (bins + 2,): how many of them lie before each bin
-    moments: Whole  # (m,): the last moments that count
-    places: Whole  # (m,): slider there
-    per_stretch: float  # histogram bins per unit of |x|
-    per_threshold: float
-
-
 class Work(NamedTuple):
-    """What a block of contacts is followed with; `measured`: its squares count for the variance."""
+    """What a block of contacts is followed with."""
 
-    stream: Stream
-    settings: Settings
+    stream: Any  # Stream of the block
+    starts: Births  # at X = 0
+    again: Births
+    exposures: Table  # ln e, e of the exponential law of mean 1
     law: Any
-    course: Course
-    bins: Bins
-    watch: Watch
-    measured: bool
+    way: Way
+    mean: float  # threshold (units) of mean stiffness
+    wait: float  # a time
+    bears: bool  # whether the law asks what contacts bear
+    linked: bool  # stiffness to the threshold
+    measured: bool  # squares count for the variance
+
+
+class Cold(NamedTuple):
+    """Breaks at its threshold alone; which counts as met within `tie` units where the slider turns or stops."""
+
+    tie: np.int64
+
+
+class Warm(NamedTuple):
+    """Breaks at the rate of a law, its lengths and times those of the drive."""
+
+    rates: Any
+    unit: float  # a length
+    log_slow: Any  # (m,): ln of the time for a length, of each leg
 
 
 def by_law(choose: Callable[[type], Any]) -> Any:
@@ -97,42 +92,49 @@ def by_law(choose: Callable[[type], Any]) -> Any:
 
 LIVES: dict[type, Callable[..., Any]] = {}
 SEEN: dict[type, Callable[..., Any]] = {}
-# life(law, contact, course, watch, counts): the break of a contact
+RATES: dict[
+    type, CompiledRates
+] = {}  # by the class of their law; arguments are those of CompiledRates
+# life(law, contact, way, counts): the break of a contact
 life = by_law(LIVES.__getitem__)
-# seen(law, contact, course, moment): its threshold at a later moment; below 0 where `life` counts it
+# seen(law, contact, way, moment): its threshold at a later moment; below 0 where `life` counts it
 seen = by_law(SEEN.__getitem__)
+rate = by_law(lambda law: RATES[law].rate)
+passed = by_law(lambda law: RATES[law].passed)
+reached = by_law(lambda law: RATES[law].reached)
+most = by_law(lambda law: RATES[law].most)
 
 
 @inlined
-def bin_of(clock, bins):  # type: ignore[no-untyped-def]
+def bin_of(clock, way):  # type: ignore[no-untyped-def]
     """The first point at or after a moment of the clock, which is not after the end."""
-    if bins.even:
-        return max((clock + bins.offset) >> bins.shift, _I(0))
-    j = _I(bins.first[_U(clock >> bins.shift)])
-    while bins.points[_U(j)] < clock:
+    if way.even:
+        return max((clock + way.offset) >> way.shift, _I(0))
+    j = _I(way.first[_U(clock >> way.shift)])
+    while way.points[_U(j)] < clock:
         j += 1
     return j
 
 
 @inlined
-def place_of(clock, leg, course):  # type: ignore[no-untyped-def]
+def place_of(clock, leg, way):  # type: ignore[no-untyped-def]
     """The slider's position (whole)."""
     k = _U(leg)
-    return course.positions[k] + course.directions[k] * (clock - course.begins[k])
+    return way.positions[k] + way.directions[k] * (clock - way.begins[k])
 
 
 @bare
-def later(clock, leg, time, course):  # type: ignore[no-untyped-def]
+def later(clock, leg, time, way):  # type: ignore[no-untyped-def]
     """The clock when `time` has passed, and the leg; beyond the drive's end where it is over by then."""
-    while leg < course.directions.size:
-        pace = course.paces[leg]
-        left = (course.begins[leg + 1] - clock) * pace
+    while leg < way.directions.size:
+        pace = way.paces[leg]
+        left = (way.begins[leg + 1] - clock) * pace
         if time <= left:
             ticks = _I(np.floor(time / pace + 0.5)) if pace > 0.0 else _I(0)
-            return min(clock + ticks, course.begins[leg + 1]), leg
+            return min(clock + ticks, way.begins[leg + 1]), leg
         time -= left
         leg += 1
-        clock = course.begins[leg]
+        clock = way.begins[leg]
     return clock + 1, leg
 
 
@@ -145,32 +147,106 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     summed. The last row is of no use.
     """
     j = _U(j)
-    y, square = birth - work.bins.places[j], work.bins.square
+    y, k, square = birth - work.way.places[j], stiffness * stiffness, work.way.square
     exact = _F(y)
     sums[j, _U(0)] += sign
-    if not work.settings.linked:
+    if work.measured:
+        sums[j, _U(3)] += sign * _I(np.floor(k * exact * exact * square + 0.5))
+    if not work.linked:
         sums[j, _U(1)] += sign * y
-        if work.measured:
-            sums[j, _U(3)] += sign * _I(np.floor(exact * exact * square + 0.5))
         return
     sums[j, _U(1)] += sign * _I(np.floor(stiffness * exact + 0.5))
     sums[j, _U(2)] += sign * _I(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
     if work.measured:
-        k = stiffness * stiffness
-        sums[j, _U(3)] += sign * _I(np.floor(k * exact * exact * square + 0.5))
         sums[j, _U(4)] += sign * _I(np.floor(k * exact + 0.5))
         sums[j, _U(5)] += sign * _I(np.floor(k * STIFFNESS_UNIT + 0.5))
 
 
 @bare
-def look_at(k, birth, threshold, watch, counts):  # type: ignore[no-untyped-def]
+def look_at(k, birth, threshold, way, counts):  # type: ignore[no-untyped-def]
     """Count a contact at the k-th watched point.
 
     birth : slider where the contact is relaxed (whole). counts : (points, 2, bins), of stretches of
     either sign and of thresholds.
     """
     many = counts.shape[2]
-    x = _F(watch.places[k] - birth) * (0.5 * watch.per_stretch) + 0.5 * many
-    y = threshold * watch.per_threshold
+    x = _F(way.spots[k] - birth) * way.per_stretch + 0.5 * many
+    y = threshold * way.per_threshold
     counts[k, 0, _I(min(max(np.floor(x), 0.0), many - 1.0))] += 1
     counts[k, 1, _I(min(max(y, 0.0), many - 1.0))] += 1
+
+
+def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
+    """The break of a contact at T = 0."""
+    leg, clock, legs = contact.leg, contact.clock, way.directions.size
+    birth = place_of(clock, leg, way) - contact.stretch
+    while leg < legs:
+        beyond = abs(way.positions[leg + 1] - birth) - contact.threshold
+        if beyond >= 0 or (beyond >= -law.tie and leg + 1 < legs):
+            # met on the way out; within the tie of a turn at the turn itself
+            then = max(way.begins[leg + 1] - max(beyond, 0), clock)
+            return Break(then, leg, contact.drawn, True)
+        leg += 1
+    return Break(way.begins[legs] + 1, leg, contact.drawn, True)
+
+
+def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
+    """The break of a contact that bears the integral of its rate up to e^exposure.
+
+    On a leg the integral over lengths from 0 to the stretch, odd in it, has to come to a goal.
+    """
+    clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
+    rates, unit, per, legs = law.rates, law.unit, 1.0 / law.unit, way.directions.size
+    threshold = _F(contact.threshold) * unit
+    # the integral at x, and what is left to bear, found when it is needed
+    here, bears = 0.0, -1.0
+    if x != 0:
+        here = np.copysign(passed(rates, 0.0, min(abs(_F(x)) * unit, threshold), threshold, k), x)
+    while leg < legs:
+        room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
+        log_goal, sign = contact.exposure - law.log_slow[leg], 1.0
+        if bears < 0.0 and (d == 0 or here != 0.0):
+            bears = np.exp(contact.exposure)
+        if d == 0:
+            hazard = rate(rates, abs(_F(x)) * unit, threshold, k) * pace
+            if hazard * room >= bears:
+                return Break(clock + min(_I(bears / hazard), room), leg, contact.drawn, True)
+            bears -= hazard * room
+        else:
+            slow = max(pace * per, _NOTHING)  # time for a length
+            if bears >= 0.0:
+                goal = d * here + bears / slow
+                log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
+            place = sign * min(reached(rates, log_goal, 0.0, threshold, k), threshold)
+            moved = max(_I(np.floor(place * per + 0.5)) - d * x, _I(0))
+            # at the end of the drive there is no branch, which could not be foreseen
+            if leg + 1 == legs or moved <= room:
+                return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
+            x += d * room
+            far = min(abs(_F(x)) * unit, threshold)
+            there = np.copysign(passed(rates, 0.0, far, threshold, k), _F(x))
+            bears = np.exp(contact.exposure) if bears < 0.0 else bears
+            bears = max(bears - d * (there - here) * slow, 0.0)
+            here = there
+        leg += 1
+        clock = way.begins[leg]
+    return Break(clock + 1, leg, contact.drawn, True)
+
+
+def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
+    """Put the stretches at which n contacts break in the place of their thresholds x: steadily forward from r on."""
+    rates, unit, per, slow = law.rates, law.unit, 1.0 / law.unit, law.log_slow[0]
+    for i in range(_U(n)):
+        threshold, log_goal, sign = _F(x[i]) * unit, _F(e[i]) * LEVEL_UNIT - slow, 1.0
+        if r[i] != 0:
+            far = min(abs(_F(r[i])) * unit, threshold)
+            goal = np.copysign(passed(rates, 0.0, far, threshold, 1.0), r[i]) + np.exp(log_goal)
+            log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
+        place = sign * min(reached(rates, log_goal, 0.0, threshold, 1.0), threshold)
+        x[i] = max(_I(np.floor(place * per + 0.5)), r[i])
+
+
+LIVES |= {Cold: _at_threshold, Warm: _by_rate}
+SEEN |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: _F(contact.threshold))
+# break_row(law, n, x, e, r): of contacts that move steadily forward; cold ones break at their thresholds
+break_row = by_law({Cold: lambda law, n, x, e, r: None, Warm: _row_by_rates}.__getitem__)

@@ -1,28 +1,15 @@
 """What blocks of independent contacts do, as sums of whole numbers, and what these say of the force."""
 
-from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.draws.drawn import births_of, cells_of, exposure_cells
-from eq_model.draws.tables import LEVEL_UNIT
-from eq_model.histogram import (
-    BINS,
-    Counts,
-    Histogram,
-    Made,
-    chosen_points,
-    histogram,
-    make_range,
-    no_counts,
-)
-from eq_model.lattice import TIE, make_lattice
+from eq_model.histogram import BINS, chosen_points, histogram, make_edges, no_counts
+from eq_model.lattice import COLUMNS, STIFFNESS_UNIT, TIE, make_way
 from eq_model.layout import Blocks, is_measured
-from eq_model.moments import COARSER, COLUMNS, EACH, Readout, split
-from eq_model.physics import furthest_threshold, law_of, seconds_of
-from eq_model.state import Found, State
+from eq_model.physics import Reach, law_of, seconds_of
+from eq_model.state import State
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
@@ -30,7 +17,27 @@ from origins.errors import InputError
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
+_LIMB = 32  # bits of the low one of the two numbers that hold a sum of all blocks
+# one in EACH contacts of a block is followed once more in steps COARSER times longer, whose force tells
+# the error of the steps
+COARSER, EACH = 8, 8
+# breaks expected: a threshold so rare is the largest that n contacts are thought to meet
+_RARE = 0.01
+_NEVER = 1e-9  # breaks expected that need not be thought of
 _TOLD = 256  # units in which half of the contacts break again: their mean is told to 1e-5
+
+
+class Moments(NamedTuple):
+    """At the points of the path: fraction that holds, mean force (a length), its variance between contacts."""
+
+    holding: Array
+    force: Array
+    variance: Array
+
+
+def _split(sums: Whole) -> Whole:
+    """Whole sums as two limbs, shape (2, ...), high and low; limbs of many blocks and ranks may be added up."""
+    return np.stack([sums >> _LIMB, sums & ((1 << _LIMB) - 1)])
 
 
 class Engine:
@@ -41,145 +48,198 @@ class Engine:
     def __init__(
         self, contacts: Contacts, drive: Drive, seed: int, histograms: npt.ArrayLike, total: int
     ) -> None:
+        """Choose unit, bins and law; InputError for contacts and drives that cannot be followed."""
         check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
-        for name, law in (("thermal", contacts.thermal), ("ageing", contacts.ageing)):
-            if law is not None and law.closure == "paper":
-                raise InputError(
-                    f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single '
-                    'contacts do not know; use closure = "exact"'
-                )
+        if contacts.each_by_itself() is not contacts:
+            name = "thermal" if getattr(contacts.thermal, "closure", "") == "paper" else "ageing"
+            raise InputError(
+                f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single '
+                'contacts do not know; use closure = "exact"'
+            )
+        from eq_model.contact import Work
+        from eq_model.draws.births import LEVEL_UNIT, births_of, exposures
+
         self.contacts, self._seed, self._total = contacts, seed, total
-        self._points = chosen_points(histograms, drive.path.size)
         # alike all along the path: without laws contacts know no time
         steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
-        plain, scale = drive.forward and steady, contacts.mean_threshold
-        laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
-        furthest = max(abs(end) for law in laws for end in law.span)
-        path = np.append(0.0, drive.path)
-        high, low = np.maximum.accumulate(path)[1:], np.minimum.accumulate(path)[1:]
-        span, ends = high - low, contacts.start.span
-        begun = np.maximum(np.maximum(ends[1] + high, -ends[0] - low), max(np.abs(ends)))
-        fresh = max(cells_of(contacts)["thresholds"].largest, furthest)
-        largest = furthest_threshold(contacts, drive, fresh)
-        longest = min(largest, float(span[-1]) + furthest)
-        stiffest = max(largest / scale, 1.0) if contacts.stiffness == "linked" else 1.0
-        course = Drive(drive.path, drive.velocity) if plain else drive
+        self._plain, scale = drive.forward and steady, contacts.mean_threshold
+        self._reach = reach = Reach(contacts, drive)
+        linked = contacts.stiffness == "linked"
+        stiffest = max(reach.largest / scale, 1.0) if linked else 1.0
+        course = Drive(drive.path, drive.velocity) if self._plain else drive
         exact = contacts.thresholds.atoms[0].size > 0
-        self.lattice = make_lattice(course, scale, 2.0 * longest * stiffest, exact)
-        self._plain, unit = plain, self.lattice.unit
-        self._check_excess(unit)
-        self._watch_points(span, furthest, largest)
-        self._settings = self._make_settings()
-        self._law = law_of(contacts, self.lattice, TIE * exact)
-        self.seconds = seconds_of(contacts, drive, self._law)
-        # of a single start what its rounding leaves is told of the slider
-        start = contacts.start.mean()
-        beside = (start - round(start / unit) * unit) * contacts.start.is_single
-        told = self.lattice.path + beside
-        self._readout = Readout(contacts, self.lattice, told, furthest, longest, span, begun)
-
-    def _check_excess(self, unit: float) -> None:
-        """InputError where contacts all form again too near to the last thresholds for lengths of `unit`."""
-        reforming, thresholds = self.contacts.reforming, self.contacts.thresholds
-        if reforming is None or not reforming.law.is_single:
-            return
-        stretch = abs(reforming.law.mean())
-        excess = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
-        if excess < _TOLD * unit:
-            raise InputError(
-                f"reforming: at |x| = {stretch:g} half of the contacts break again within {excess:.1g}, and the "
-                f"ensemble takes lengths in steps of {unit:.1g}; use a smaller stretch, or a shorter path"
-            )
-
-    def _watch_points(self, span: Array, furthest: float, largest: float) -> None:
-        """What is counted at the chosen points, in the order of the clock."""
-        from eq_model.contact import Watch
-
-        bins, own = self.lattice.bins, self.lattice.place[self._points]
+        way = make_way(course, scale, 2.0 * reach.longest * stiffest, exact)
+        self._drive, unit = drive, way.unit
+        _check_excess(contacts, unit)
+        law = law_of(contacts, way, TIE * exact)
+        self.seconds = seconds_of(contacts, drive, law)
+        # what is counted, in the order of the clock
+        self._points = chosen_points(histograms, drive.path.size)
+        own = way.place[self._points]
         self._order = np.argsort(own, kind="stable")
-        own = own[self._order]
-        reach = float(span[self._points].max(initial=0.0)) + furthest
-        self._range = make_range(reach, largest, self.contacts)
-        before = np.searchsorted(own, np.arange(bins.points.size + 2))
-        per = self._range.per(self.lattice.unit)
-        self._watch = Watch(before, bins.points[own], bins.places[own], *per)
-
-    def _make_settings(self) -> Any:
-        from eq_model.contact import Settings
-
-        contacts, unit = self.contacts, self.lattice.unit
-        return Settings(
+        furthest = float(reach.span[self._points].max(initial=0.0)) + reach.furthest
+        self._edges = make_edges(furthest, reach.largest, contacts)
+        per = [unit / float(edges[2] - edges[1]) for edges in self._edges]
+        self._work = Work(
+            None,
             *births_of(contacts, unit),
-            exposures=exposure_cells().table(LEVEL_UNIT),
-            mean=contacts.mean_threshold / unit,
+            exposures=exposures().in_units(LEVEL_UNIT),
+            law=law,
+            way=way.watched(own[self._order], *per),
+            mean=scale / unit,
             wait=contacts.waiting_time,
             bears=contacts.thermal is not None or contacts.grains is not None,
-            linked=contacts.stiffness == "linked",
+            linked=linked,
+            measured=False,
         )
 
-    def nothing(self) -> tuple[Any, Any, Any]:
+    def nothing(self) -> State:
         """What no block found."""
         counts = no_counts(self._points.size, self._total)
-        return np.zeros(self._shape, np.int64).reshape(2, -1), counts, np.empty(0)
+        return State(np.zeros(self._shape, np.int64).reshape(2, -1), counts)
 
     @property
     def _shape(self) -> tuple[int, ...]:
         """Of the sums: limbs; of all blocks, of measured ones, with ageing of those in coarser steps; bins; columns."""
         kinds = 2 if self.contacts.ageing is None else 3
-        return 2, kinds, self.lattice.bins.points.size, COLUMNS
+        return 2, kinds, self._work.way.points.size, COLUMNS
 
-    def follow(self, blocks: Blocks, block: int) -> Found:
+    def follow(self, blocks: Blocks, block: int) -> State:
         """Follow a block of contacts to the drive's end; -1 does nothing, compiled."""
-        count = blocks.size(block) if block >= 0 else 0
+        from eq_model.draws.streams import make_stream
+        from eq_model.lanes import follow_lives, forward
+
+        count, measured = blocks.size(block) if block >= 0 else 0, is_measured(block)
         counts = np.zeros((self._points.size, 2, BINS), np.uint32)
-        out, measured = np.zeros(self._shape, np.int64), is_measured(block)
-        out[:, 0], breaks, steps = self._run(block, count, measured, self._law, counts)
+        out, kernel = np.zeros(self._shape, np.int64), forward if self._plain else follow_lives
+        work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)
+        # each column by itself: what is summed into most stays in the L1 cache
+        sums = np.zeros((self._shape[2] + 1, COLUMNS), np.int64, order="F")
+        breaks, steps = kernel(work, count, sums, counts)
+        out[:, 0] = _split(sums[:-1])
         if measured:
             out[:, 1] = out[:, 0]
         if self.contacts.ageing is not None:
-            some, coarser = -(-count // EACH), self._law.coarser(COARSER)
-            out[:, 2], _, _ = self._run(block, some, True, coarser, counts[:0])
-        return Found(out.reshape(2, -1), counts, np.empty(0), breaks, steps)
-
-    def _run(
-        self, block: int, count: int, measured: bool, law: Any, counts: Counts
-    ) -> tuple[Whole, int, int]:
-        """Limbs of the sums, breaks and steps of the first `count` contacts of a block."""
-        from eq_model.contact import Work
-        from eq_model.draws.streams import make_stream
-        from eq_model.forward import forward
-        from eq_model.lives import follow_lives
-
-        stream, lattice = make_stream(self._seed, max(block, 0)), self.lattice
-        course, bins, watch = lattice.course, lattice.bins, self._watch
-        work = Work(stream, self._settings, law, course, bins, watch, measured)
-        # each column by itself: what is summed into most stays in the L1 cache
-        sums = np.zeros((bins.points.size + 1, COLUMNS), np.int64, order="F")
-        kernel = forward if self._plain else follow_lives
-        breaks, steps = kernel(work, count, sums, counts)
-        return split(sums[:-1]), int(breaks), int(steps)
+            work = work._replace(law=work.law.coarser(COARSER), measured=True)
+            sums[:] = 0
+            kernel(work, -(-count // EACH), sums, counts[:0])
+            out[:, 2] = _split(sums[:-1])
+        return State(out.reshape(2, -1), counts, breaks=int(breaks), steps=int(steps))
 
     def told(self, blocks: Blocks, state: State) -> dict[str, Any]:
         """Fields of the result."""
         n, sums = state.contacts, state.sums.reshape(self._shape)
-        found = self._readout.moments(blocks, state.done, sums)
+        found = self._all_moments(blocks, state.done, sums)
         # where contacts may wait, or not pin, one that might have been is in the error
         waits = self.contacts.delay is not None or self.contacts.grains is not None
         varies = np.maximum(found.holding * (1.0 - found.holding), 1.0 / n if waits else 0.0)
+        order = np.argsort(self._order)[: len(state.counts)]  # none where they are not wanted
+        counts = zip(self._points.tolist(), state.counts[order], strict=False)
+        path = self._drive.path
         return {
             "force": found.force,
             "force_standard_error": np.sqrt(found.variance / n),
-            "step_error": self._readout.step_error(blocks, state.done, sums),
+            "step_error": self._step_error(blocks, state.done, sums),
             "holding": found.holding,
             "holding_standard_error": np.sqrt(varies / n),
+            "histograms": [histogram(k, float(path[k]), self._edges, own, n) for k, own in counts],
         }
 
-    def histograms(self, n: int, counts: Counts) -> Sequence[Histogram]:
-        """What stood at the chosen points, in their order."""
-        points, path, back = self._points, self.lattice.path, np.argsort(self._order)
+    def _moments(self, n: int, limbs: Whole) -> Moments:
+        """Of n contacts, from limbs of their sums; whole numbers, so nothing cancels.
 
-        def make(index: int) -> Histogram:
-            point = int(points[index])
-            return histogram(point, float(path[point]), self._range, counts[int(back[index])], n)
+        y is minus a contact's stretch when its bin ends, at `places`; k y sums are whole lengths, k sums
+        parts of STIFFNESS_UNIT.
+        """
+        way, part, unit = self._work.way, int(STIFFNESS_UNIT), self._work.way.unit
+        whole = limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)
+        count, ky, k, square, kky, kk = whole.reshape(-1, COLUMNS).T
+        if self.contacts.stiffness != "linked":
+            k, kky, kk = count * part, ky, count * part
+        places, per_square = way.places.astype(object), round(1.0 / way.square)
+        far = square * (per_square * part) + places * (2 * part * kky + kk * places)
+        born, squares_born = ky * part + k * places, kky * part + kk * places
+        changes = np.cumsum([count, k, born, kk, squares_born, far], axis=1)
+        holds, held, born, squares, squares_born, far = changes[:, way.place]
+        # of a single start what its rounding leaves is told of the slider
+        start = self.contacts.start
+        lost = (start.mean() - round(start.mean() / unit) * unit) * start.is_single
+        told = self._drive.path + lost
+        at = np.rint(told / unit).astype(np.int64)
+        beside, x = told - at * unit, at.astype(object)
+        force = held * x - born
+        spread = ((squares * x - 2 * squares_born) * x + far) * (part * n) - force * force
+        mean = (force.astype(float) * unit + held.astype(float) * beside) / (part * n)
+        variance = np.full(mean.size, np.inf)
+        if n > 1:
+            variance = spread.astype(float) * (unit / part) ** 2 / n / (n - 1)
+        return Moments(holds.astype(float) / n, mean, np.maximum(variance, 0.0))
 
-        return Made(points.size, make)
+    def _all_moments(self, blocks: Blocks, done: list[range], sums: Whole) -> Moments:
+        """Of these blocks, sums of all and of measured ones; the variance is no less than what could not be seen."""
+        n, measured = blocks.contacts(done), blocks.measured(done)
+        mean = self._moments(n, sums[:, 0])
+        if measured < 2:
+            return mean._replace(variance=np.full(mean.force.size, np.inf))
+        seen = self._moments(measured, sums[:, 1]).variance
+        return mean._replace(variance=self._no_less(seen, mean.force, n))
+
+    def _no_less(self, seen: Array, force: Array, n: int) -> Array:
+        """At least what one break more or less makes of the mean of n contacts."""
+        contacts, reach, start = self.contacts, self._reach, self.contacts.start
+        stretch = np.minimum(reach.span + reach.furthest, reach.longest)
+        law, again, mean = contacts.thresholds, contacts.reforming, contacts.mean_threshold
+        constant = contacts.ageing is None and contacts.grains is None
+        cold = constant and contacts.thermal is None
+        alike = start.is_single and not np.diff(law.support())[0]
+        if cold and alike and (again is None or again.law.is_single):
+            return np.zeros(force.size)  # but for rounding
+        # of so many contacts one break has been seen, where any can have been
+        share = np.full(force.size, 1.0 / n)
+        if cold:
+            held = law.sf(abs(start.mean()) if start.is_single else 0.0)
+            broken = n * (held - law.sf(reach.begun)) > _NEVER * held
+            share *= broken & (reach.span > 0.0)
+        if constant:
+            stretch = np.minimum(stretch, max(float(law.isf(_RARE / n)), reach.furthest))
+        reached, differ = stretch, 0.0
+        if contacts.stiffness == "linked":
+            # what breaks first is weak; but no contact is weaker than it is stretched
+            usual, rare = float(np.sqrt(law.moment(2))) / mean, float(law.isf(_RARE / n)) / mean
+            reached = stretch * np.maximum(stretch / mean, min(usual, rare))
+            differ = min(usual**2, rare) - 1.0
+        least = np.maximum(reached**2 * share, differ * force**2)
+        rounded = self._work.way.unit**2 / self._work.way.square  # squares of stretches are
+        if start.is_single:
+            return np.maximum(np.where(seen < rounded, 0.0, seen), least)
+        return np.maximum(seen, np.maximum(least, rounded))
+
+    def _step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
+        """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.
+
+        The error grows faster than in proportion to the step, so this is more than it is.
+        """
+        if sums.shape[1] == 2:
+            return np.zeros(self._drive.path.size)
+        n = blocks.measured(done)
+        some = sum(-(-blocks.size(block) // EACH) for part in done for block in part)
+        if not some or not n:
+            return np.full(self._drive.path.size, np.inf)
+        fine, other = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])
+        doubt = np.sqrt(fine.variance / n + other.variance / some)
+        return (np.abs(other.force - fine.force) + doubt) / (COARSER - 1.0)
+
+
+def _check_excess(contacts: Contacts, unit: float) -> None:
+    """InputError where contacts all form again too near to the last thresholds for lengths of `unit`."""
+    again = contacts.reforming
+    if again is None or not again.law.is_single:
+        return
+    stretch = abs(again.law.mean())
+    left = contacts.thresholds.isf(0.5 * contacts.thresholds.sf(stretch))
+    excess = float(left) - stretch
+    if excess < _TOLD * unit:
+        raise InputError(
+            f"reforming: at |x| = {stretch:g} half of the contacts break again within {excess:.1g}, and the "
+            f"ensemble takes lengths in steps of {unit:.1g}; use a smaller stretch, or a shorter path"
+        )

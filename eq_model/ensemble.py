@@ -14,12 +14,10 @@ import numpy.typing as npt
 
 from eq_model import layout
 from eq_model.coupled.ensemble import Replicas
-from eq_model.coupled.result import CoupledResult
 from eq_model.engine import Engine
-from eq_model.ensemble_result import EnsembleResult
-from eq_model.state import Found, State
+from eq_model.result import CoupledResult, EnsembleResult
+from eq_model.state import NUMBERS, TABLES, State, stacked
 from origins import Contacts, Drive
-from origins.drive import SlipRule
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import key_of
 
@@ -39,9 +37,9 @@ class Ensemble:
     parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
 
     Attributes: `total`, contacts in all; `expected`, how many of them will be followed, which with a tolerance is known
-    better after each round; `blocks`, how they are divided: with a spring each replica is one; `clock`, which returns
-    seconds: the wall time and the run time go by it. Another clock may take its place, on the class or before the first
-    block, so that work is counted instead.
+    better after each round; `blocks`, how they are divided: with a spring each replica is one; `state`, what this rank
+    has found so far, to go on from in another run; `clock`, which returns seconds: the wall time and the run time go
+    by it. Another clock may take its place, on the class or before the first block, so that work is counted instead.
     """
 
     clock: Callable[[], float] = staticmethod(perf_counter)
@@ -51,10 +49,6 @@ class Ensemble:
         contacts: Contacts,
         path: npt.ArrayLike,
         *,
-        velocity: float = 1.0,
-        time: npt.ArrayLike | None = None,
-        spring: float | None = None,
-        slip: SlipRule = "reset",
         slip_fraction: float | None = None,
         n_contacts: int = 100_000,
         n_replicas: int = 1,
@@ -65,46 +59,28 @@ class Ensemble:
         earlier: Iterable[State] = (),
         comm: Any = None,
         threads: int = 1,
+        **drive: Any,
     ) -> None:
+        """Check the arguments, make tables and blocks, and compile what will be needed.
+
+        drive : velocity, time, spring and slip, as of origins.Drive.
+        """
         started = self.clock()
         if comm is not None and not hasattr(comm, "Get_rank"):
-            refuse(
-                "comm", comm, "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None"
-            )
-        self.comm, self._threads = comm, whole("threads", threads, 1)
+            rule = "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None"
+            refuse("comm", comm, rule)
+        self.comm, self._threads, self._stopped = comm, whole("threads", threads, 1), False
         self.n_contacts = whole("n_contacts", n_contacts, 1)
         self.n_replicas = whole("n_replicas", n_replicas, 1)
         if self.n_replicas >= _MOST_REPLICAS:
             refuse("n_replicas", n_replicas, f"must be below {_MOST_REPLICAS}")
         self.total = self.expected = self.n_contacts * self.n_replicas
-        self._wall_time = None if wall_time is None else positive("wall_time", wall_time)
+        self._wall_time = np.inf if wall_time is None else positive("wall_time", wall_time)
         small = "such as 1e-4"
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
-        self.contacts, self._stopped = contacts, False
-        self.drive = Drive(path, velocity, time, spring, slip)
+        self.contacts, self.drive = contacts, Drive(path, **drive)
         key_of(seed)
-        coupled = spring is not None
-        self._check(coupled, slip_fraction, tolerance, histograms)
-        self._work: Engine | Replicas
-        if coupled:
-            self._work = Replicas(contacts, self.drive, self.n_contacts, seed, slip_fraction)
-        else:
-            self._work = Engine(contacts, self.drive, seed, histograms, self.total)
-        self.blocks = layout.make_blocks(self.n_contacts, self.n_replicas, self._work.seconds)
-        if coupled:
-            self.blocks = layout.Blocks(self.n_contacts, self.n_replicas, 1)
-        ready, started = self.clock() - started, self.clock()
-        layout.in_turn(comm, lambda: self._work.follow(self.blocks, -1))
-        self.compile_time = self.clock() - started
-        nothing = State(*self._work.nothing(), 0, 0, 0, [], ready)
-        found = list(earlier)
-        self._before = [part for state in found for part in state.done]
-        # what was found before counts on one rank
-        first = layout.rank_and_size(comm)[0] == 0
-        self._state = reduce(State.joined, found, nothing) if first else nothing
-
-    def _check(self, coupled: bool, slip_fraction: Any, tolerance: Any, histograms: Any) -> None:
-        """Refuse what only coupled, or only independent, contacts take."""
+        coupled = self.drive.spring is not None
         most = Replicas.MOST if coupled else Engine.MOST // self.n_replicas
         if self.n_contacts > most:
             refuse("n_contacts", self.n_contacts, f"must be at most {most}")
@@ -115,6 +91,23 @@ class Ensemble:
             if coupled and value is not None and np.size(value):
                 rule = "is of independent contacts; leave it out with a spring, and give n_replicas"
                 refuse(name, value, rule)
+        self._work: Engine | Replicas
+        if coupled:
+            self._work = Replicas(contacts, self.drive, self.n_contacts, seed, slip_fraction)
+            self.blocks = layout.Blocks(self.n_contacts, self.n_replicas, 1)
+        else:
+            self._work = Engine(contacts, self.drive, seed, histograms, self.total)
+            sizes = self.n_contacts, self.n_replicas
+            self.blocks = layout.make_blocks(*sizes, self._work.seconds)
+        nothing = replace(self._work.nothing(), run_time=self.clock() - started)
+        started = self.clock()
+        layout.in_turn(comm, lambda: self._work.follow(self.blocks, -1))
+        self.compile_time = self.clock() - started
+        found = list(earlier)
+        self._before = [part for state in found for part in state.done]
+        # what was found before counts on one rank
+        first = layout.rank_and_size(comm)[0] == 0
+        self.state = reduce(State.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
         """Do this rank's share, once; after each block (contacts done, contacts in the share), and while it waits for
@@ -129,22 +122,24 @@ class Ensemble:
             total, late, started = done + self.blocks.contacts(mine), False, self.clock()
             for block, found in self._each([block for part in mine for block in part]):
                 # one assignment: whatever interrupts, the state is that of whole blocks
-                size, seconds = self.blocks.size(block), self.clock() - started
-                self._state, started = self._state.after(block, size, found, seconds), self.clock()
+                size = self.blocks.size(block)
+                found = replace(found, contacts=size, done=[range(block, block + 1)])
+                seconds = self.state.run_time + self.clock() - started
+                self.state = replace(self.state.joined(found), run_time=seconds)
+                started = self.clock()
                 done += size
                 yield done, total
-                over = self._wall_time is not None and self.clock() - begun > self._wall_time
-                if late := self._stopped or over:
+                if late := self._stopped or self.clock() - begun > self._wall_time:
                     break
             for _ in layout.meeting(self.comm):
                 yield done, total
             if self._enough(one_round, late or self._stopped):
                 return
 
-    def _each(self, blocks: Sequence[int]) -> Iterator[tuple[int, Found]]:
+    def _each(self, blocks: Sequence[int]) -> Iterator[tuple[int, State]]:
         """The blocks in order, each followed; in threads several at once."""
 
-        def follow(block: int) -> Found:
+        def follow(block: int) -> State:
             return self._work.follow(self.blocks, block)
 
         if self._threads == 1:
@@ -158,11 +153,6 @@ class Ensemble:
     def stop(self) -> None:
         """Begin no further block of this rank's share: the result will be that of what is finished."""
         self._stopped = True
-
-    @property
-    def state(self) -> State:
-        """What this rank has found so far, to go on from in another run: see `earlier`."""
-        return self._state
 
     def _enough(self, one_round: range, late: bool) -> bool:
         """Whether no further round is wanted; every rank must call."""
@@ -191,37 +181,28 @@ class Ensemble:
 
     def _result(self, histograms: bool) -> EnsembleResult:
         """With the histograms, or without any."""
-        started, own = self.clock(), self._state
-        if self.comm is None:
-            states, whole = [own], own
-        else:
-            states = self.comm.allgather(own if own.rows.size else own.without_sums())
+        started, own, comm = self.clock(), self.state, self.comm
+        sums, counts = own.sums, own.counts if histograms else own.counts[:0]
+        states = [own]
+        if comm is not None:
+            states = comm.allgather(own if own.rows.size else own.without_sums())
             # whole numbers: the order does not matter
-            done = layout.joined([], [part for state in states for part in state.done])
-            rows, sums = np.concatenate([state.rows for state in states]), np.empty_like(own.sums)
-            if own.sums.size:
-                self.comm.Allreduce(own.sums, sums)
-            breaks, size = sum(state.breaks for state in states), self.blocks.contacts(done)
-            whole = replace(own, sums=sums, rows=rows, contacts=size, breaks=breaks, done=done)
-        contacts = self.blocks.contacts(whole.done)
-        if not contacts:
-            raise InputError(
-                "ensemble: no block of contacts is finished yet; iterate over it first, or give it more wall_time"
-            )
-        told = self._work.told(self.blocks, whole)
-        if own.counts.size and histograms:
-            counts = own.counts
-            if self.comm is not None:
-                counts = np.empty_like(own.counts)
-                self.comm.Allreduce(own.counts, counts)
-            told["histograms"] = self._work.histograms(contacts, counts)
-        run_time = max(state.run_time for state in states) + self._slowest(self.clock() - started)
+            sums, counts = (_sum_over(comm, array) for array in (sums, counts))
+        rest: dict[str, Any] = {name: sum(getattr(one, name) for one in states) for name in NUMBERS}
+        rest |= {name: stacked([getattr(one, name) for one in states]) for name in TABLES}
+        done = layout.joined([part for one in states for part in one.done])
+        all_of_it = State(sums, counts, **rest, done=done)
+        if not all_of_it.contacts:
+            rule = "no block of contacts is finished yet; iterate over it first, or give it more"
+            raise InputError(f"ensemble: {rule} wall_time")
+        told = self._work.told(self.blocks, all_of_it)
+        run_time, waited = max(state.run_time for state in states), self.clock() - started
         found = (CoupledResult if "slips" in told else EnsembleResult)(
             path=self.drive.path,
-            contacts=contacts,
-            breaks=whole.breaks,
+            contacts=all_of_it.contacts,
+            breaks=all_of_it.breaks,
             breaks_per_rank=[state.breaks for state in states],
-            run_time=run_time,
+            run_time=run_time + (waited if comm is None else max(comm.allgather(waited))),
             compile_time=self.compile_time,
             success=False,
             message="",
@@ -230,18 +211,15 @@ class Ensemble:
         success, message = self._judge(found)
         return replace(found, success=success, message=message)
 
-    def _slowest(self, seconds: float) -> float:
-        return seconds if self.comm is None else max(self.comm.allgather(seconds))
-
     def _judge(self, found: EnsembleResult) -> tuple[bool, str]:
         """Whether that is what was asked for, and in words."""
         largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
         told = f"largest standard error {largest:.2e} with {found.contacts} contacts"
         if self._tolerance is None:
-            if found.contacts < self.total:
-                many = self.n_replicas if self.drive.spring is not None else self.total
-                return False, f"{told}: stopped before all {many} were followed"
-            return True, told
+            if found.contacts == self.total:
+                return True, told
+            many = self.n_replicas if self.drive.spring is not None else self.total
+            return False, f"{told}: stopped before all {many} were followed"
         if largest <= self._tolerance:
             return True, f"{told}, within the tolerance {self._tolerance:.1e}"
         more, most = self._wanted(found), float(Engine.MOST)
@@ -251,6 +229,14 @@ class Ensemble:
         elif more > most:
             needs = f"it takes more than {most:.1e} contacts, the most there can be"
         return False, f"{told}, above the tolerance {self._tolerance:.1e}; {needs}"
+
+
+def _sum_over(comm: Any, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The sum of all ranks' arrays, each of which must call."""
+    out = np.empty_like(array)
+    if array.size:
+        comm.Allreduce(array, out)
+    return out
 
 
 CoupledEnsemble = Ensemble

@@ -1,8 +1,7 @@
 """What stretches and thresholds the contacts have that hold: counted where asked for, the contacts not kept."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -56,37 +55,17 @@ def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     points = np.atleast_1d(np.asarray(histograms))
     if not points.size:
         return np.empty(0, np.intp)
-    good = (
-        points.ndim == 1
-        and points.dtype.kind in "iu"
-        and ((points >= -size) & (points < size)).all()
-    )
-    if not good:
-        refuse(
-            "histograms",
-            histograms,
-            f"must be indices of points of the path, such as [0, {size - 1}]",
-        )
+    whole = points.ndim == 1 and points.dtype.kind in "iu"
+    if not whole or (points < -size).any() or (points >= size).any():
+        rule = f"must be indices of points of the path, such as [0, {size - 1}]"
+        refuse("histograms", histograms, rule)
     if points.size > MOST:
         refuse("histograms", f"{points.size} points", f"must be at most {MOST}, which take 65 MB")
     return np.asarray(points % size, dtype=np.intp)
 
 
-@dataclass(frozen=True)
-class Range:
-    """Where contacts are counted, lengths: stretches up to +-stretch and thresholds up to `threshold`, each of them
-    (near, far): bins are alike up to near, and the last reaches to far."""
-
-    stretch: tuple[float, float]
-    threshold: tuple[float, float]
-
-    def per(self, unit: float) -> tuple[float, float]:
-        """Bins per unit of |x| and of thresholds, for the whole of either."""
-        return BINS * unit / self.stretch[0], BINS * unit / self.threshold[0]
-
-
-def make_range(reach: float, largest: float, contacts: Contacts) -> Range:
-    """For stretches that cannot exceed `reach` and thresholds that cannot exceed `largest`."""
+def make_edges(reach: float, largest: float, contacts: Contacts) -> tuple[Array, Array]:
+    """Edges of bins for stretches that cannot exceed `reach` and thresholds that cannot exceed `largest` (lengths)."""
     typical = largest
     if not isinstance(contacts.grains, GrainContact):  # whose thresholds grow
         laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
@@ -94,43 +73,20 @@ def make_range(reach: float, largest: float, contacts: Contacts) -> Range:
         typical = max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
     # a little more: contacts that have all come as far as that lie within a bin, not at its edge
     reach, wide = min(1.01 * reach, largest) or largest, _WIDE * typical
-    return Range((min(reach, wide), reach), (min(largest, wide), largest))
+    stretch = np.linspace(-min(reach, wide), min(reach, wide), BINS + 1)
+    threshold = np.linspace(0.0, min(largest, wide), BINS + 1)
+    stretch[0], stretch[-1], threshold[-1] = -reach, reach, largest
+    return stretch, threshold
 
 
 def histogram(
-    point: int, position: float, over: Range, counts: npt.NDArray[Any], n: int
+    point: int, position: float, edges: tuple[Array, Array], counts: npt.NDArray[Any], n: int
 ) -> Histogram:
     """From counts (2, bins) of n contacts."""
-    held, (near, far) = int(counts[0].sum()), over.stretch
-    stretches = _density(counts[0], n, -near, near, -far, far)
-    near, far = over.threshold
-    thresholds = _density(counts[1], max(held, 1), 0.0, near, 0.0, far)
-    return Histogram(point, position, *stretches, *thresholds, held)
-
-
-def _density(
-    counts: npt.NDArray[Any], total: int, low: float, high: float, least: float, most: float
-) -> tuple[Array, Array, Array]:
-    """Edges, density and its standard error."""
-    edges = np.linspace(low, high, BINS + 1)
-    edges[0], edges[-1] = least, most
-    share, width = counts / total, np.diff(edges)
-    return edges, share / width, np.sqrt(share * (1.0 - share) / total) / width
-
-
-class Made(Sequence[Histogram]):
-    """Histograms that are made, or read, each when it is asked for: all of them at once might not fit."""
-
-    def __init__(self, size: int, make: Callable[[int], Histogram]) -> None:
-        self._size, self._make = size, make
-
-    def __len__(self) -> int:
-        return self._size
-
-    @overload
-    def __getitem__(self, index: int) -> Histogram: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Histogram]: ...
-    def __getitem__(self, index: int | slice) -> Histogram | list[Histogram]:
-        chosen = range(self._size)[index]
-        return self._make(chosen) if isinstance(chosen, int) else [self._make(k) for k in chosen]
+    held = int(counts[0].sum())
+    told: list[Any] = [point, position]
+    for own, seen, total in zip(edges, counts, (n, max(held, 1)), strict=True):
+        share, width = seen / total, np.diff(own)
+        told += [own, share / width, np.sqrt(share * (1.0 - share) / total) / width]
+    told.append(held)
+    return Histogram(*told)

@@ -70,38 +70,31 @@ def is_measured(block: int) -> bool:
 
 def left(blocks: range, done: list[range]) -> list[range]:
     """The part of `blocks` that is not done, in order."""
-    out, begin = [], blocks.start
-    for part in sorted(done, key=lambda part: part.start):
-        if part.stop > begin and part.start < blocks.stop:
-            out.append(range(begin, part.start))
-            begin = part.stop
-    out.append(range(begin, blocks.stop))
-    return [part for part in out if len(part)]
+    inner = joined([part for part in done if part.stop > blocks.start and part.start < blocks.stop])
+    begins = [blocks.start, *(part.stop for part in inner)]
+    ends = [*(part.start for part in inner), blocks.stop]
+    return [range(*both) for both in zip(begins, ends, strict=True) if both[0] < both[1]]
 
 
-def joined(done: list[range], more: list[range]) -> list[range]:
+def joined(done: list[range]) -> list[range]:
     """All of these blocks in order; those that follow each other are one."""
     out: list[range] = []
-    for part in sorted(done + more, key=lambda part: part.start):
+    for part in sorted(done, key=lambda part: part.start):
         if out and out[-1].stop == part.start:
-            out[-1] = range(out[-1].start, part.stop)
-        else:
-            out.append(part)
+            part = range(out.pop().start, part.stop)
+        out.append(part)
     return out
 
 
 def share(blocks: list[range], rank: int, size: int) -> list[range]:
     """The blocks of one rank: shares follow one another and differ by at most one block."""
     total = sum(map(len, blocks))
-    skip, end = (-(-total * one // size) for one in (rank, rank + 1))
-    take = end - skip
+    begin, end = (-(-total * one // size) for one in (rank, rank + 1))
     out = []
     for part in blocks:
-        mine = part[skip : skip + take]
-        skip, take = max(skip - len(part), 0), take - len(mine)
-        if len(mine):
-            out.append(mine)
-    return out
+        out.append(part[max(begin, 0) : max(end, 0)])
+        begin, end = begin - len(part), end - len(part)
+    return [part for part in out if len(part)]
 
 
 def rank_and_size(comm: Any) -> tuple[int, int]:
@@ -111,12 +104,11 @@ def rank_and_size(comm: Any) -> tuple[int, int]:
 
 def in_turn(comm: Any, work: Any) -> None:
     """Call `work` on rank 0 first, then on the others together: they find on disk what rank 0 compiled."""
-    rank = rank_and_size(comm)[0]
-    if rank == 0:
+    first = rank_and_size(comm)[0] == 0
+    if first:
         work()
-    for _ in meeting(comm):
-        pass
-    if rank > 0:
+    list(meeting(comm))
+    if not first:
         work()
 
 

@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, overload
+from typing import Any
 
 import numpy.typing as npt
 
-from eq_model.coupled.result import CoupledResult
 from eq_model.ensemble import Ensemble
-from eq_model.ensemble_result import EnsembleResult
 from origins import Contacts
 from origins.drive import SlipRule
 
 
-@overload
 def simulate(
-    contacts: Contacts, path: npt.ArrayLike, *, spring: float, **more: Any
-) -> CoupledResult: ...
-@overload
-def simulate(
-    contacts: Contacts, path: npt.ArrayLike, *, spring: None = None, **more: Any
-) -> EnsembleResult: ...
-def simulate(  # type: ignore[misc]  # the arguments are told once, below
     contacts: Contacts,
     path: npt.ArrayLike,
     *,
@@ -38,7 +28,7 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
     histograms: npt.ArrayLike = (),
     comm: Any = None,
     threads: int = 1,
-) -> EnsembleResult | CoupledResult:
+) -> Any:  # a union would be asked which it is at each use
     """Follow n_contacts * n_replicas discrete contacts along the path of a slider, rigid or pulled through a spring.
 
     A contact breaks where its stretch reaches its threshold, or before where its breaking rate says so, waits where
@@ -92,7 +82,7 @@ def simulate(  # type: ignore[misc]  # the arguments are told once, below
 
     Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
 
-    In plain Python: eq_model/plain.py follows one life, eq_model/closest.py is the paper's own algorithm (Sec. II).
+    In plain Python: tests/plain_life.py follows one life, eq_model/closest.py is the paper's own algorithm (Sec. II).
     """
     arguments = locals()  # all of them are those of Ensemble
     ensemble = Ensemble(**arguments)

@@ -84,24 +84,14 @@ def non_negative(name: str, value: object) -> float:
 
 def whole(name: str, value: object, least: int) -> int:
     """`value` as an int of at least `least`."""
+    rule = f"must be a whole number of at least {least}"
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        refuse(
-            name, value, f"must be a whole number of at least {least}{without_point(value, least)}"
-        )
+        if isinstance(value, float | np.floating) and least <= value < 1e16 and value % 1 == 0:
+            rule += f"; write {int(value)}"  # 100000 for 1e5
+        refuse(name, value, rule)
     if int(value) < least:
-        refuse(name, value, f"must be a whole number of at least {least}")
+        refuse(name, value, rule)
     return int(value)
-
-
-def without_point(value: object, least: int) -> str:
-    """How to write a float that is whole, as the end of a rule: "; write 100000" for 1e5; else nothing."""
-    if (
-        isinstance(value, float | np.floating)
-        and least <= value < 1e16
-        and value == math.floor(value)
-    ):
-        return f"; write {int(value)}"
-    return ""
 
 
 def finite_array(name: str, value: object) -> np.ndarray:

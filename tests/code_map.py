@@ -19,7 +19,6 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "code-map.md"
 ROOMS = ("origins", "master", "eq_model", "toolkit")
-
 EQUATIONS = """
 1 Q14e, 2 Q5c, 3 Q6, 4 Q2, 5 Q3, 6 PcP, 7 Q4, 8 Q5a, 9 Q5b, 10 Q6b, 11 Q10, 12 Q11a, 13 Nik04,
 14 Q11c, 15 Q11d, 19 PcPx2, 20 Q17, 21 Q18, 22 Q19, 23 Q20, 24 Q16x2, 28 Q16, 29 temper1,
@@ -32,7 +31,6 @@ D1 Q5adelay, E1 Q7b, E2 Q6e
 # Label by number, in the paper's order; equations without a label (16 to 18, 25 to 27, 56, B7, B8)
 # are steps from one of these to the next.
 LABELS = dict(pair.split() for pair in EQUATIONS.replace("\n", " ").split(","))
-
 # Why an equation stands nowhere.
 NOWHERE = {
     "PcPx2": "(PcP) the other way round: thresholds are given by P_c",
@@ -50,7 +48,6 @@ NOWHERE = {
     "Q14c": "as (Q14a)",
     "Q22b": "the hazard that follows from (Q22a)",
 }
-
 # What a newcomer looks for first, and the functions or classes that answer, wherever they stand.
 QUESTIONS = {
     "the force F(X) that (Q5a) gives": ("master:solve", "master:March"),
@@ -59,8 +56,8 @@ QUESTIONS = {
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "ageing, and the paper's (Q15)": ("origins:Ageing", "master:solve_q15"),
     "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),
-    "Gaussian heights, in metres": ("origins:from_moments", "origins:SummitThresholds"),
-    "Persson's stresses and thresholds": ("origins:persson", "origins:on_patches"),
+    "Gaussian heights, in metres": ("origins:from_moments", "origins:compressions"),
+    "Persson's stresses and thresholds": ("origins:persson", "origins:from_moments"),
     "the barrier of an island": ("origins:barrier",),
     "the draw of a threshold in the ensemble": ("eq_model:draw_values",),
     "how to add an origin": "[extending.md](extending.md#a-new-origin)",
@@ -68,7 +65,6 @@ QUESTIONS = {
         "[extending.md](extending.md#a-new-law-by-which-contacts-break-early)"
     ),
 }
-
 HEAD = """# Code map: where things stand
 
 | where is | in |

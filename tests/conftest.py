@@ -19,10 +19,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 HANGS = 600.0  # s after which a process of its own is given up: far longer than any takes on a slow machine
-
 ROOT = Path(__file__).parent.parent
 LAUNCHER_VARIABLES = ("PMI_", "PMIX_", "OMPI_", "MPI_", "MV2_", "SLURM_", "HYDI_")
-
 Runner = Callable[..., subprocess.CompletedProcess[str]]
 
 

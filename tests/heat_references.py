@@ -1,11 +1,11 @@
 """Contacts that break by heat, by sums over time and thresholds that follow the definitions."""
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from rate_laws import Tilted
 
-from origins import RateLaw, Thermal, gaussian, gw_elastic, mixture, rectangular
+from origins import Thermal, gaussian, gw_elastic, mixture, rectangular
 
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(20)
 GAUSS, WEIGHTS = 0.5 * (GAUSS + 1.0), 0.5 * WEIGHTS
@@ -14,7 +14,6 @@ STEP = 0.08
 SINH = 0.5 * np.pi * np.sinh(STEP * np.arange(-44, 45))
 FROM_0, FROM_1 = 1.0 / (1.0 + np.exp(-2.0 * SINH)), 1.0 / (1.0 + np.exp(2.0 * SINH))
 TANH_SINH = STEP * 0.25 * np.pi * np.cosh(STEP * np.arange(-44, 45)) / np.cosh(SINH) ** 2
-
 LAWS = {
     "gaussian": gaussian(1.0, 0.2),
     "gw_elastic": gw_elastic(1.6),
@@ -28,32 +27,6 @@ PATHS = {
     "turns": ([0.0, 1.0, 3.0, 5.0], [0.0, 0.8, -0.5, 0.9]),
     "across zero": ([0.0, 1.0], [0.6, -0.6]),
 }
-
-
-@dataclass(frozen=True)
-class Eyring(RateLaw):
-    """A user's own law: h = ω exp[-(1 - x/x_s)/α]."""
-
-    omega: float
-    alpha: float
-    name = "eyring"
-
-    @property
-    def scale(self):
-        return self.omega
-
-    def log_rate(self, x, threshold, stiffness):
-        return np.log(self.omega) - (1.0 - x / threshold) / self.alpha
-
-    def log_passed(self, near, far, threshold, stiffness):
-        with np.errstate(divide="ignore"):
-            way = np.log(-np.expm1(-(far - near) / threshold / self.alpha))
-        return np.log(self.alpha * threshold) + self.log_rate(far, threshold, stiffness) + way
-
-    def reached(self, log_amount, near, threshold, stiffness):
-        raise NotImplementedError
-
-
 HEAT = {
     "soft": (Thermal("soft", 0.1), lambda g, s, k: np.exp(-k * g * (2 * s - g) / 0.2)),
     "cooler": (
@@ -68,7 +41,7 @@ HEAT = {
         Thermal("stiff", 0.01, 100.0),
         lambda g, s, k: 100 * (g / s) ** 0.5 * np.exp(-k * s**2 * (g / s) ** 1.5 / 0.02),
     ),
-    "eyring": (Eyring(1e3, 0.03), lambda g, s, k: 1e3 * np.exp(-g / s / 0.03)),
+    "tilted": (Tilted(0.03, 1e3), lambda g, s, k: 1e3 * np.exp(-g / s / 0.03)),
 }
 
 

@@ -5,29 +5,26 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from eq_model.contact import Break, Contact, Watch, life
+from eq_model.contact import Break, Contact, life
 from eq_model.draws.streams import make_stream
-from eq_model.lattice import Lattice, make_lattice
+from eq_model.lattice import make_way
 from eq_model.physics import law_of
 from origins import Contacts, Drive
 
-NOTHING = np.zeros(0, np.int64)
-
 
 @njit
-def _life(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    return life(law, contact, course, watch, counts)
+def _life(law, contact, way, counts):  # type: ignore[no-untyped-def]
+    return life(law, contact, way, counts)
 
 
 class Lane:
     """Contacts of one kind on one drive; lengths are those of the drive."""
 
     def __init__(self, contacts: Contacts, drive: Drive, reach: float = 8.0) -> None:
-        self.lattice: Lattice = make_lattice(drive, 1.0, reach, exact=False)
-        self.unit, self.course = self.lattice.unit, self.lattice.course
-        self.law, self.contacts = law_of(contacts, self.lattice, 0), contacts
+        self.way = make_way(drive, 1.0, reach, exact=False)
+        self.law, self.contacts = law_of(contacts, self.way, 0), contacts
         # time at which each leg begins, and that of the end
-        self.times = np.append(0.0, np.cumsum(self.course.paces * np.diff(self.course.begins)))
+        self.times = np.append(0.0, np.cumsum(self.way.paces * np.diff(self.way.begins)))
 
     def follow(
         self,
@@ -41,12 +38,12 @@ class Lane:
     ) -> tuple[float, float]:
         """Time and stretch at which a contact breaks; inf where it holds to the end of the drive."""
         leg = int(np.searchsorted(self.times, born, side="right")) - 1
-        clock = int(self.course.begins[leg] + (born - self.times[leg]) / self.course.paces[leg])
+        clock = int(self.way.begins[leg] + (born - self.times[leg]) / self.way.paces[leg])
         contact = Contact(
             np.int64(clock),
             np.int64(leg),
-            np.int64(round(x / self.unit)),
-            np.int64(round(threshold / self.unit)),
+            np.int64(round(x / self.way.unit)),
+            np.int64(round(threshold / self.way.unit)),
             float(np.log(exposure)),
             float(self.contacts.relative_stiffness(threshold)),
             fresh,
@@ -54,16 +51,15 @@ class Lane:
             np.int64(0),
             make_stream(1, block),
         )
-        watch = Watch(np.zeros(2, np.int64), NOTHING, NOTHING, 1.0, 1.0)
         counts: Any = np.zeros((0, 2, 8), np.uint32)
-        found: Break = _life(self.law, contact, self.course, watch, counts)
-        if found.clock > self.course.begins[-1]:
+        found: Break = _life(self.law, contact, self.way, counts)
+        if found.clock > self.way.begins[-1]:
             return np.inf, np.inf
-        moved = found.clock - self.course.begins[found.leg]
-        place = self.course.positions[found.leg] + self.course.directions[found.leg] * moved
-        first = self.course.positions[leg] + self.course.directions[leg] * (
-            clock - self.course.begins[leg]
+        moved = found.clock - self.way.begins[found.leg]
+        place = self.way.positions[found.leg] + self.way.directions[found.leg] * moved
+        first = self.way.positions[leg] + self.way.directions[leg] * (
+            clock - self.way.begins[leg]
         )
-        return self.times[found.leg] + moved * self.course.paces[found.leg], x + (
+        return self.times[found.leg] + moved * self.way.paces[found.leg], x + (
             place - first
-        ) * self.unit
+        ) * self.way.unit

@@ -53,7 +53,9 @@ class PhaseType:
             force[i] = state[size:].sum()
         return np.where(moved > 0.0, force, start + path)
 
-    def force_from(self, path: Array, density: Callable[[Array], Array], edges: list[float]) -> Array:
+    def force_from(
+        self, path: Array, density: Callable[[Array], Array], edges: list[float]
+    ) -> Array:
         """F(X) from a density of starts, smooth between the edges, by 20 Gauss nodes in each piece."""
         nodes, weights = np.polynomial.legendre.leggauss(20)
         force = np.zeros(path.size)
@@ -94,7 +96,9 @@ def hyper_erlang(weights: list[float], stages: list[int], rates: list[float]) ->
                 generator[phase, phase + 1] = rate
         first += number
     laws = [scipy.stats.gamma(n, scale=1.0 / r) for n, r in zip(stages, rates, strict=True)]
-    return PhaseType(laws[0] if len(laws) == 1 else origins.mixture(laws, weights), begin, generator)
+    return PhaseType(
+        laws[0] if len(laws) == 1 else origins.mixture(laws, weights), begin, generator
+    )
 
 
 def coxian(first_rate: float, second_rate: float, on: float) -> PhaseType:
@@ -125,7 +129,9 @@ class _Coxian(origins.Thresholds):
         return sum(c * np.exp(-r * x) for c, r in self._terms)
 
 
-def gaussian_force(path: Array, mean: float, std: float, start: float = 0.0, start_std: float = 0.0) -> Array:
+def gaussian_force(
+    path: Array, mean: float, std: float, start: float = 0.0, start_std: float = 0.0
+) -> Array:
     """Closed form for Gaussian thresholds and starts whose weight below 0, and below |start|, is negligible."""
     n = np.arange(1, int(path.max() / mean * 1.5 + 12.0))[:, None]
     width = np.sqrt(n * std**2 + start_std**2)

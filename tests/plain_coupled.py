@@ -4,12 +4,27 @@ from __future__ import annotations
 
 import heapq
 from collections import deque
+from typing import NamedTuple
 
 import numpy as np
 
-from eq_model.coupled.draws import Draws, take
-from eq_model.coupled.result import SIZES, Followed
+from eq_model.coupled.ensemble import unit_of
+from eq_model.coupled.slide_kernel import make_supply, take
+from eq_model.draws.births import births_of
+from eq_model.draws.streams import make_stream
+from eq_model.result import SIZES
 from origins import Contacts, Drive
+
+
+class Followed(NamedTuple):
+    """What a replica did: fields of eq_model.CoupledResult, and its slips as a table."""
+
+    position: np.ndarray
+    force: np.ndarray
+    holding: np.ndarray
+    slips: np.ndarray
+    avalanches: np.ndarray
+    breaks: int
 
 
 class PlainReplica:
@@ -28,9 +43,10 @@ class PlainReplica:
         replica: int,
     ) -> None:
         assert drive.spring is not None
-        draws = Draws(contacts, seed)
+        self.unit, stream = unit_of(contacts), make_stream(seed, replica)
+        self.draws = [make_supply(births, stream) for births in births_of(contacts, self.unit)]
         self.contacts, self.drive, self.n, self.slip_fraction = contacts, drive, n, slip_fraction
-        self.spring, self.unit, self.draws = drive.spring * n, draws.unit, draws.of_replica(replica)
+        self.spring = drive.spring * n
         self.x = self.force = self.stiffness = 0.0
         self.held, self.breaks, self.arrival = 0, 0, 0
         self.waiting = list[tuple[float, int, float]]()  # where it breaks, arrival, threshold
@@ -134,5 +150,5 @@ class PlainReplica:
                 else:
                     avalanches[broken.bit_length() - 1] += 1
         position, force_told, holding = np.array(told).T
-        table, balance = np.reshape(slips, (-1, 6)), float(self.places[0])
-        return Followed(position, force_told, holding, table, avalanches, self.breaks, balance)
+        table = np.reshape(slips, (-1, 6))
+        return Followed(position, force_told, holding, table, avalanches, self.breaks)

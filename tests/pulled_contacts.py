@@ -41,7 +41,11 @@ def pull(
         return np.asarray(fresh.isf(fresh.sf(np.abs(above)) * (1.0 - generator.random(above.size))))
 
     start = contacts.start
-    x = np.full(count, start.mean()) if start.is_single else np.asarray(start.ppf(generator.random(count)))
+    x = (
+        np.full(count, start.mean())
+        if start.is_single
+        else np.asarray(start.ppf(generator.random(count)))
+    )
     limit, back = thresholds(x), np.full(count, -1.0)  # when a broken one is there again
     place, drive, dt = 0.0, float(x.mean()) / spring, step / velocity
     clock = 0.0
@@ -114,6 +118,8 @@ def pull(
         while known < path.size and path[known] <= drive:
             share = (path[known] - began) / step
             now = spring * (drive - place)
-            force[known] = spring * (path[known] - place) if slipped else (1.0 - share) * was + share * now
+            force[known] = (
+                spring * (path[known] - place) if slipped else (1.0 - share) * was + share * now
+            )
             known += 1
     return Pulled(np.array(slips).reshape(-1, 5).T, force)

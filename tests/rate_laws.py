@@ -14,7 +14,6 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 # panels of a way, halved towards both of its ends: roots at an end and steep rates there are seen
 HALVED = 0.5 ** np.arange(1, 50)
 EDGES = np.unique(np.concatenate([[0.0, 1.0], HALVED, 1.0 - HALVED[:30]]))
-
 SHARES = np.array([0.0, 1e-6, 0.2, 0.5, 0.9, 0.999, 1.0])  # of the threshold
 THRESHOLDS = np.array([0.3, 1.0, 4.0])
 STIFFNESSES = np.array([0.5, 1.0, 3.0])

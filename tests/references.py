@@ -10,7 +10,6 @@ import origins
 
 mp = mpmath.MPContext()  # a context of its own: other tests keep their digits
 mp.dps = 130
-
 Function = Callable[[mp.mpf], mp.mpf]
 
 

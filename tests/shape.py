@@ -32,12 +32,11 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 12_780, 200, 409),
-    "eq_model": Room(2200, 4415, 60, 161),
-    "origins": Room(4500, 10_060, 120, 281),
-    "toolkit": Room(4000, 5610, 100, 148),
+    "master": Room(7500, 12_787, 200, 408),
+    "eq_model": Room(2200, 3751, 60, 149),
+    "origins": Room(4500, 9570, 120, 278),
+    "toolkit": Room(4000, 4489, 100, 116),
 }
-
 Graph = dict[str, set[str]]
 
 

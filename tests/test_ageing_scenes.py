@@ -9,8 +9,7 @@ import pytest
 
 import toolkit
 from toolkit.command import main
-from toolkit.commands.run import report
-from toolkit.pictures.run import plot_defects
+from toolkit.commands import report
 from toolkit.results.records import AgeingRecord
 from toolkit.scene.scene import SHIPPED
 
@@ -47,11 +46,9 @@ def test_defects_are_drawn(outrun: tuple[Path, int]) -> None:
     from matplotlib.figure import Figure
 
     found = toolkit.load(outrun[0])
-    axes = Figure().subplots(1, 3)
-    toolkit.plot(found, axes[:2])
+    axes = Figure().subplots(1, 2)
+    toolkit.plot(found, axes)
     assert "contacts outrun $P_c$ (Q15)" in [text.get_text() for text in axes[0].get_legend().get_texts()]
-    plot_defects(axes[2], found)
-    np.testing.assert_array_equal(axes[2].lines[0].get_ydata(), found.master.mass_defect)  # type: ignore[union-attr]
     assert (outrun[0] / "picture.png").stat().st_size > 10_000
 
 

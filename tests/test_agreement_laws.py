@@ -15,8 +15,8 @@ import origins
 import toolkit
 from origins import Ageing, Contacts, Delay, Thermal
 from tests.test_agreement import LEVEL, judge
-from toolkit.commands.run import report
-from toolkit.judge.deviation import worst_deviation
+from toolkit.commands import report
+from toolkit.results.beside import deviation
 
 SEEDS = 100
 GAUSSIAN = origins.gaussian(1.0, 0.2)
@@ -114,7 +114,7 @@ def test_the_papers_closures_are_found_out(contacts: dict[str, Any], drive: dict
     """By how many standard errors, in the scene itself."""
     many = {"contacts": 100_000, "replicas": 1}
     result = toolkit.run({"contacts": contacts, "drive": drive, "master": {"tolerance": 1e-3}, "eq": many})
-    apart = worst_deviation(result)
+    apart = deviation(result).worst
     assert apart is not None and apart > 20.0
     said = report(result)[-1]
     assert f"at most {apart:.1f} standard errors" in said and "which single contacts do not follow" in said

@@ -18,7 +18,7 @@ from toolkit.scene.scene import SHIPPED
 WRONG = ("yes", True, 0, -5.0, math.nan, math.inf, 1e300, 1e-300, 10**30, [], {}, [math.nan])
 ONE_OF_EACH = ("ageing", "growing-grains", "kinetic-force", "reforming", "stick-slip", "two-peaks", "rough-gw-mixed")
 HELD = {"turns": [2.0, 2.0, 4.0], "times": [2.0, 102.0, 104.0], "hold_scale": 0.1, "points": 31, "velocity": 1.0}
-THERMAL = {"law": "soft", "temperature": 1e-20, "attempt_frequency": 1e12}
+THERMAL = {"law": "soft", "temperature": 1e-23, "attempt_frequency": 1e12}
 
 
 def places(table: dict[str, Any] | list[Any]) -> Iterator[list[Any]]:

@@ -15,7 +15,7 @@ import toolkit
 from origins.errors import InputError
 from toolkit.command import main
 from toolkit.scene.scene import shipped_scenes
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 MASTER_ONLY: dict[str, Any] = {
@@ -95,7 +95,7 @@ def test_run_of_a_surface_says_and_keeps_what_to_mind(write_scene, capsys) -> No
     told = [note.removeprefix("note    ") for note in notes]
     assert any("the scan does not resolve it" in note for note in interface.cautions)
     assert told[:-1] == list(interface.cautions)
-    assert told[-1].startswith("errors are numerical only, not those of the scan")
+    assert told[-1].startswith("errors are numerical only, not those of the surface")
     written = json.loads(Path("mine-output/summary.json").read_text())
     assert written["notes"] == told
     numbers = written["interface"]
@@ -138,7 +138,7 @@ def test_a_spring_of_a_surface_says_its_unit(write_scene, capsys) -> None:
     assert pulled("50 N/m", area=1e-4).drive.spring == pytest.approx(50.0 / (each * 1e-4))
     bad: list[tuple[object, dict[str, float], str]] = [
         ("50 N/m", {}, "needs drive.area"),
-        ("50 N/m", {"area": 1e-16}, "contacts; give the nominal area"),
+        ("50 N/m", {"area": 1e-16}, "needs drive.area"),
         ("50 kN", {}, "must be a number and a unit"),
         ("stiff", {}, "must be a number and a unit"),
         ("-1 N_c<k>", {}, "must be above zero"),

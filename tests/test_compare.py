@@ -12,9 +12,8 @@ import master
 import toolkit
 from toolkit.command import main
 from toolkit.judge.compare import compare, table
-from toolkit.pictures.compare import draw_comparison, save_comparison
-from toolkit.scene.surfaces import shared_surface
-from toolkit.scene.toml import to_toml
+from toolkit.pictures.compare import save_comparison
+from toolkit.scene.tables import to_toml
 
 NARROW: dict[str, Any] = {"kind": "gaussian", "mean": 2.0, "std": 0.1}
 WIDE: dict[str, Any] = {"kind": "gw-plastic", "B": 1.251}
@@ -46,7 +45,7 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Writer:
 def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawing takes longer than all the rest: only where it is looked at."""
     drawn = "toolkit.pictures.compare.save_comparison"
-    monkeypatch.setattr(drawn, lambda _, __, path: path.write_bytes(b"drawn"))
+    monkeypatch.setattr(drawn, lambda _, path: path.write_bytes(b"drawn"))
 
 
 def three(write: Writer) -> list[str]:
@@ -108,10 +107,10 @@ def test_ensemble_alone_and_master_alone() -> None:
     if witnessed.evidence is None:
         witnessed, without = without, witnessed
     assert without.evidence is None and witnessed.evidence is not None
-    assert witnessed.evidence.expected is None and witnessed.evidence.worst_deviation is None
+    assert witnessed.evidence["expected"] is None and witnessed.evidence["worst_deviation"] is None
     # the largest of its own forces lies near the exact ratio
-    off = witnessed.evidence.static_to_kinetic - witnessed.static_to_kinetic
-    assert abs(off) < 0.05 + 5.0 * witnessed.evidence.static_to_kinetic_error
+    off = witnessed.evidence["static_to_kinetic"] - witnessed.value("static_to_kinetic")
+    assert abs(off) < 0.05 + 5.0 * witnessed.evidence["static_to_kinetic_error"]
     lines = table([witnessed, without])
     assert lines[2].count("±") == 5 and lines[3].count("±") == 4
     assert "None" not in "\n".join(lines)
@@ -126,11 +125,11 @@ def test_rates_and_growth_feel_the_speed_of_the_scenes_own_legs() -> None:
     (verdict,) = compare([scene])
     steady = master.steady_state(scene.contacts, velocity=0.25)
     assert verdict.velocity == 0.25
-    assert verdict.kinetic_force * verdict.mean_threshold == pytest.approx(steady.force)
+    assert verdict.value("kinetic_force") * verdict.mean_threshold == pytest.approx(steady.force)
     known = master.propensity(scene.contacts, velocity=0.25)
-    assert verdict.critical_spring == known.critical_spring
-    assert verdict.static_to_kinetic == known.static_to_kinetic
-    told = "v = 0.25 (the first leg's, others slide at 0.1), thresholds that grow from the age 4 on; all else"
+    assert verdict.value("critical_spring") == known.critical_spring
+    assert verdict.value("static_to_kinetic") == known.static_to_kinetic
+    told = "v = 0.25 (the first leg's), thresholds that grow from the age 4 on; all else"
     assert f"scene: F_k, K*, F_s/F_k and X* at {told} is P_c alone" in table([verdict])
 
 
@@ -154,7 +153,7 @@ def test_why_a_spring_is_infinite(start: float) -> None:
     assert before - after == pytest.approx(0.25, abs=1e-6)
 
 
-def test_shared_surface_is_drawn_where_all_share_it(tmp_path: Path) -> None:
+def test_a_comparison_of_surfaces_is_drawn(tmp_path: Path) -> None:
     surface = {"kind": "self-affine", "shape": [32, 32], "pixel_size": 1e-8, "hurst": 0.8}
     material = {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4}
     law = {"kind": "from-topography", "model": "gw", "law": "amontons", "material": material}
@@ -164,11 +163,6 @@ def test_shared_surface_is_drawn_where_all_share_it(tmp_path: Path) -> None:
         for pressure in (1e6, 2e6)
     ]
     verdicts = compare(scenes)
-    assert all(0.0 < one.friction_coefficient < 0.4 and one.unit == "m" for one in verdicts)
-    shared = shared_surface(scenes)
-    assert shared is not None and shared_surface([*scenes, toolkit.load_scene("gaussian")]) is None
-    for given, many in ((None, 0), (shared, 1)):
-        figure = draw_comparison(verdicts, given)
-        assert sum(len(axes.images) for axes in figure.axes) == many
-    save_comparison(verdicts, scenes, tmp_path / "compare.png")
+    assert all(0.0 < one.value("friction_coefficient") < 0.4 and one.unit == "m" for one in verdicts)
+    save_comparison(verdicts, tmp_path / "compare.png")
     assert (tmp_path / "compare.png").read_bytes().startswith(b"\x89PNG")

@@ -1,7 +1,14 @@
-"""Delay, re-forming at other stretches and linked stiffness, alone, together and at a temperature."""
+"""Delay, re-forming at other stretches and linked stiffness, alone and together."""
 
+from __future__ import annotations
+
+import mpmath
 import numpy as np
 import pytest
+import scipy.special
+import scipy.stats
+from scipy.special import gamma as gamma_function
+from solving import held_to_claim
 
 import master
 from origins import (
@@ -10,80 +17,12 @@ from origins import (
     Thermal,
     boltzmann_reforming,
     gaussian,
-    gaussian_start,
     identical,
     mixture,
     rectangular,
 )
-from tests.sampling_contacts import sample
 
-PATH = np.linspace(0.05, 5.0, 23) + 0.013
-WIDE, WAIT, WARM = gaussian(1.0, 0.2), Delay(0.3), Thermal("soft", 0.1)
-CASES = {
-    "delay": lambda: Contacts(WIDE, gaussian_start(0.1, 0.05), delay=WAIT),
-    "delay, exact values": lambda: Contacts(
-        mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3]), delay=WAIT
-    ),
-    "delay, jumps": lambda: Contacts(rectangular(0.5, 1.5), delay=WAIT),
-    "linked": lambda: Contacts(WIDE, gaussian_start(0.1, 0.05), stiffness="linked"),
-    "linked, delay, behind": lambda: Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
-    "linked, warm, delay": lambda: Contacts(
-        WIDE, -0.4, stiffness="linked", thermal=WARM, delay=WAIT
-    ),
-    "ahead": lambda: Contacts(WIDE, reforming=0.2),
-    "behind, delay": lambda: Contacts(WIDE, reforming=-0.2, delay=WAIT),
-    "around": lambda: Contacts(WIDE, 0.1, reforming=boltzmann_reforming(0.01)),
-    "around, linked, delay": lambda: Contacts(
-        WIDE, reforming=gaussian_start(0.05, 0.05), stiffness="linked", delay=WAIT
-    ),
-    "ahead, warm, delay": lambda: Contacts(WIDE, 0.1, reforming=0.1, thermal=WARM, delay=WAIT),
-    "ahead, warm, linked": lambda: Contacts(
-        WIDE, 0.1, reforming=0.1, thermal=WARM, stiffness="linked"
-    ),
-}
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_transients_are_those_of_discrete_contacts(name: str) -> None:
-    contacts = CASES[name]()
-    solved = master.solve(contacts, PATH, 1e-7)
-    assert solved.success, solved.message
-    count = 100_000
-    force, error, holding = sample(contacts, PATH, 1.0, count)
-    assert (np.abs(solved.force - force) < 5.0 * (error + solved.force_error)).all()
-    spread = np.sqrt(np.maximum(holding * (1.0 - holding), 1.0 / count) / count)
-    assert (np.abs(solved.holding - holding) < 5.0 * spread + 1e-7).all()
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_long_paths_end_in_the_steady_state(name: str) -> None:
-    contacts = CASES[name]()
-    steady = master.steady_state(contacts)
-    assert steady.force_error < 1e-9
-    long = master.solve(contacts, np.linspace(60.0, 150.0, 40), 1e-9)
-    assert long.success, long.message
-    off = np.abs(long.force - steady.force)
-    assert off[-1] <= 3e-9 or off[-8:].max() < 0.3 * off[:8].max()  # exact values decay slowly
-    assert np.abs(long.holding[-1] - steady.holding) <= 1e-8 or off[-1] > 3e-9
-
-
-def test_holding_is_the_ratio_of_lengths_and_nothing_is_lost() -> None:
-    contacts = Contacts(rectangular(0.5, 1.5), 0.2, delay=Delay(0.125))
-    solved = master.solve(contacts, [200.0], 1e-10, velocity=2.0)
-    assert solved.holding[0] == pytest.approx(1.0 / 1.25, abs=1e-10)
-    assert master.steady_state(contacts, velocity=2.0).holding == pytest.approx(0.8, abs=1e-15)
-    # what holds, counted from Q(x;X), and what broke within the last wait make one
-    contacts = Contacts(gaussian(1.0, 0.1), delay=Delay(0.25))
-    path = np.array([0.4, 1.1, 1.3, 2.0, 3.3])
-    solved = master.solve(contacts, path, 1e-10)
-    nodes, weights = np.polynomial.legendre.leggauss(200)
-    for x, holding in zip(path, solved.holding, strict=True):
-        spread = solved.distribution(float(x))
-        panels = np.linspace(0.0, x, 9)
-        half = 0.5 * np.diff(panels)[:, None]
-        at = panels[:-1, None] + half * (nodes + 1.0)
-        counted = float((half * weights * spread.density(at)).sum()) + spread.delta_weights.sum()
-        assert counted == pytest.approx(holding, abs=1e-9)
+WIDE, WAIT = gaussian(1.0, 0.2), Delay(0.3)
 
 
 def test_one_value_with_a_delay_is_a_sawtooth_with_gaps() -> None:
@@ -113,19 +52,6 @@ def test_steady_forces_in_closed_form() -> None:
     assert around.force == pytest.approx((box.moment(2) - 1e-3) / 2.0, rel=1e-10)
 
 
-@pytest.mark.parametrize("name", ["delay", "ahead", "around", "ahead, warm, delay"])
-def test_steady_distribution_carries_what_holds_and_the_force(name: str) -> None:
-    contacts = CASES[name]()
-    steady = master.steady_state(contacts)
-    edges = np.unique(np.concatenate([np.linspace(-1.0, 2.7, 60), [0.0, 0.1, 0.2]]))
-    nodes, weights = np.polynomial.legendre.leggauss(8)
-    half = 0.5 * np.diff(edges)[:, None]
-    x = edges[:-1, None] + half * (nodes + 1.0)
-    density = steady.distribution(x) * half * weights
-    assert density.sum() == pytest.approx(steady.holding, abs=1e-8)
-    assert (density * x).sum() == pytest.approx(steady.force, abs=1e-8)
-
-
 def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with() -> None:
     # hundreds of breaks of each: what a table lacks would add up as their square
     contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.4484), stiffness="linked")
@@ -136,8 +62,79 @@ def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with
     assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
 
 
-def test_linked_contacts_that_start_in_the_far_tail_bear_what_their_thresholds_can() -> None:
-    """As many as one in 1e13 stand where no survival is a number; before any break all move with the slider."""
-    contacts = Contacts(gaussian(1.0, 0.0027), gaussian_start(0.0, 0.15), stiffness="linked")
-    solved = master.solve(contacts, [0.05, 0.1, -0.1], 1e-6, wall_time=60.0)
-    assert solved.success and np.abs(solved.force - [0.05, 0.1, -0.1]).max() < 1e-6
+@pytest.mark.parametrize("shape", [0.7, 4.0 / 3.0])
+def test_weibull_thresholds(shape: float) -> None:
+    """F_k = <x_s^2>/(2 <x_s>), linked <x_s^3>/(2 <x_s>^2), the moments being gamma functions."""
+    law = scipy.stats.weibull_min(shape)
+    first, second, third = (gamma_function(1.0 + n / shape) for n in (1, 2, 3))
+    for stiffness, force in (
+        ("independent", second / (2.0 * first)),
+        ("linked", third / (2.0 * first**2)),
+    ):
+        state = master.steady_state(Contacts(law, stiffness=stiffness))  # type: ignore[arg-type]
+        assert abs(state.force - force) <= state.force_error * first + 4e-16 * force
+        assert state.force_error < 1e-11
+
+
+BOX = rectangular(0.5, 1.5)
+
+
+@pytest.mark.parametrize("r", [-0.3, 0.2, 0.7])
+def test_births_at_one_stretch(r: float) -> None:
+    """C and the integral of x E over a rectangle, from births within or below it."""
+    low = max(abs(r), 0.5)
+    held = 1.5 - low  # survival of the rectangle at |r|
+    length = (low - r) + 0.5 * held
+    tail = (1.5 * (1.5**2 - low**2) / 2.0 - (1.5**3 - low**3) / 3.0) / held
+    area = 0.5 * (low**2 - r**2) + tail
+    state = master.steady_state(Contacts(BOX, reforming=r, delay=Delay(0.1)))
+    assert abs(state.force - area / (length + 0.1)) <= state.force_error + 1e-15
+    assert state.cycle_length == pytest.approx(length, rel=1e-12)
+
+
+@pytest.mark.parametrize("at", [2.6, 5.0])
+def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
+    """F_k = at + <d^2>/2<d> with d what thresholds are beyond: Mills' ratio and its moments, for normal thresholds."""
+    found = master.steady_state(Contacts(gaussian(1.0, 0.2), reforming=at))
+    with mpmath.workdps(60):
+        z = (mpmath.mpf(at) - 1) / mpmath.mpf("0.2")
+        mills = mpmath.sqrt(mpmath.pi / 2) * mpmath.erfc(z / mpmath.sqrt(2)) * mpmath.exp(z * z / 2)
+        first = 1 / mills - z
+        second = 1 - z * first
+        expected = float(at + mpmath.mpf("0.1") * second / first)
+    assert (
+        found.success
+        and abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10
+    )
+
+
+def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
+    """All break for the fourth time just there, come back after 0.2, and break once more at -0.7 on the way back."""
+    contacts = Contacts(identical(0.7), delay=Delay(0.2))
+    turned = master.solve(contacts, [0.0, 2.5, 1.0], 1e-10, time=[0.0, 2.5, 4.0])
+    assert turned.success, turned.message
+    np.testing.assert_allclose(turned.force, [0.0, 0.0, -0.4], atol=1e-10)
+    np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)
+
+
+@pytest.mark.parametrize(("start", "wait"), [(0, 2), (1, 0)])
+def test_exact_values_alone_where_stiffness_goes_with_them(start, wait):
+    """Multiples of a tenth: births by counting, each with the thresholds' own stiffnesses, which add up to one."""
+    values, shares = np.array([3, 7]), np.array([0.4, 0.6])
+    law = mixture([identical(0.1 * value) for value in values], shares)
+    delay = Delay(0.1 * wait) if wait else None
+    contacts = Contacts(law, start=0.1 * start, delay=delay, stiffness="linked")
+    births = np.zeros(121)
+    for n in range(births.size):
+        for value, share in zip(values, shares, strict=True):
+            births[n] += share * (
+                (n == value - start + wait) + births[max(n - value - wait, 0)] * (n >= value + wait)
+            )
+    path = np.arange(120) + 0.5  # between the breaks
+    stiffness = values / (shares @ values)
+    expected = np.zeros(path.size)
+    for born, weight in [(-start, 1.0), *enumerate(births)]:
+        for value, share, stiff in zip(values, shares, stiffness, strict=True):
+            stretch = path - born
+            expected += weight * share * stiff * stretch * ((stretch > 0.0) & (stretch < value))
+    held_to_claim(contacts, 0.1 * path, 1e-10, 0.1 * expected)

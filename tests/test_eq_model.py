@@ -245,14 +245,14 @@ def test_heavy_tails_and_long_paths_do_not_overflow() -> None:
 def test_compilation_is_not_in_the_run_time() -> None:
     code = """
 import eq_model, origins
-from eq_model import ensemble, forward
+from eq_model import ensemble, lanes
 # a clock that stands still but while something is compiled, or read back as it was compiled before
-ensemble.Ensemble.clock = staticmethod(lambda: float(len(forward.forward.signatures)))
+ensemble.Ensemble.clock = staticmethod(lambda: float(len(lanes.forward.signatures)))
 contacts = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.9, 0.05))
 ready = ensemble.Ensemble(contacts, 1.0, n_contacts=100)
-before = len(forward.forward.signatures)
+before = len(lanes.forward.signatures)
 run = [*ready] and ready.result()
-print(run.breaks > 0, before == len(forward.forward.signatures) == 1, run.compile_time == 1.0, run.run_time == 0)
+print(run.breaks > 0, before == len(lanes.forward.signatures) == 1, run.compile_time == 1.0, run.run_time == 0)
 """
     # in a process of its own, where nothing is compiled yet: nothing is once the ensemble is made
     done = subprocess.run([sys.executable, "-c", code], env=clean_environment(), capture_output=True, text=True)

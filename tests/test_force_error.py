@@ -30,8 +30,7 @@ from promise.references import Reference, kept, load, scene
 import origins
 
 Array = npt.NDArray[np.float64]
-
-CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "34")), 1000
+CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "13")), 1000
 FIRST = int(os.environ.get("FORCE_ERROR_FIRST", "0"))
 SEED = int(os.environ.get("FORCE_ERROR_SEED", str(KEPT_SEED)))
 ROUND_OFF = 1e-13
@@ -139,7 +138,7 @@ def told(results: list[Judged]) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.parametrize("draw", [ordinary, far])
+@pytest.mark.parametrize("draw", [ordinary, pytest.param(far, marks=pytest.mark.slow)])
 def test_force_error_is_the_promise_it_is_said_to_be(draw: Callable[[int], Judged]) -> None:
     count = CASES if draw is ordinary else FAR_CASES
     results = [draw(number) for number in range(FIRST, FIRST + count)]

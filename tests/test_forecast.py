@@ -8,7 +8,7 @@ import pytest
 import toolkit
 from toolkit.command import main
 from toolkit.running.forecast import forecast
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SCENE: dict[str, Any] = {
     "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}},

@@ -16,7 +16,7 @@ from origins import Contacts, Delay, InputError
 from toolkit.command import main
 from toolkit.results.files import save
 from toolkit.running.checkpoint import BLOCKS, read_state, write_state
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 WAITING = Contacts(origins.gaussian(1.0, 0.2), delay=Delay(0.1))
 PATH = np.linspace(0.02, 1.5, 6)

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import origins
 import toolkit
 from origins.errors import InputError
-from toolkit.scene.peaks import longest_slip, of_islands
+from toolkit.scene.interfaces import longest_slip, of_islands
 from toolkit.scene.scene import load_scene
 
 SMALL = {"kind": "triangular", "lattice_constant": 2.5, "n_i": 2, "n_j": 2}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import toolkit
-from toolkit.running.launch import Launch, read_environment
+from toolkit.running.signals import Launch, read_environment
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 SMALL = """
@@ -99,7 +99,7 @@ def test_ranks_share_one_run_and_one_voice(
 IN_TURN = """
 import contextlib, io, json, sys
 from toolkit.command import main
-from toolkit.running.launch import read_environment
+from toolkit.running.signals import read_environment
 told = []
 for words in " ".join(sys.argv[1:]).split(" then "):
     streams = io.StringIO(), io.StringIO()

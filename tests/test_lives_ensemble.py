@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
+from plain_life import life
 
 import eq_model
 import master
 import origins
 from eq_model.physics import STEP, STEP_ELSE
-from eq_model.plain import life
 from origins import Ageing, Contacts, Delay, Drive, Thermal
 from tests.lane_contacts import Lane
 from tests.rate_laws import Tilted

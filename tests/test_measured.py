@@ -9,8 +9,8 @@ import origins
 import toolkit
 from toolkit.judge.describe import describe
 from toolkit.pictures.thresholds import plot_samples
-from toolkit.scene.measured import from_samples
-from toolkit.scene.sampling import NAMES, misfit, numerical_only, sampling_errors
+from toolkit.scene.interfaces import NAMES, misfit, numerical_only, sampling_errors
+from toolkit.scene.kinds import from_samples
 
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
 
@@ -39,7 +39,7 @@ def test_a_column_beside_an_index_under_a_header(tmp_path: Path) -> None:
     lines = "event,force_uN\n" + "".join(f"{i},{force!r}\n" for i, force in enumerate(SAMPLES.tolist()))
     law = from_samples(write(tmp_path, lines), file="own.txt", quantity="f_s", column=2, stiffness=2.0)
     assert law.mean() == origins.from_samples(f_s=SAMPLES, stiffness=2.0).mean()
-    with pytest.raises(origins.InputError, match="column = 2: says where in a file"):
+    with pytest.raises(origins.InputError, match="column = 2: says what a file holds"):
         from_samples(tmp_path, x_s=[1.0, 2.0], column=2)
 
 
@@ -51,7 +51,7 @@ def test_a_column_beside_an_index_under_a_header(tmp_path: Path) -> None:
         ("index,force\n1,0.5\n", {"quantity": "f_s"}, "several columns; say which of the 2 columns holds f_s"),
         ("1 2\n", {"column": 3}, "there is no column 3"),
         ("1 2\n", {"column": 0}, "column = 0: "),
-        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 must hold 2 columns.*, the weight finite"),
+        ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2 must hold 2 columns.*, weights finite"),
         ("1.0\n1.0 2.0\n", {}, "line 2 must hold one number"),
         ("# nothing\n", {}, "holds no numbers"),
         ("1.0\nnan\n", {"quantity": "f_s"}, "line 2 must hold one number, f_s finite and above zero"),

@@ -1,7 +1,7 @@
 """Order of convergence of number conservation on panels, fitted: degree + 1.
 
-At the degree that is used, 16, errors come to round-off before the order has settled (from 13 on,
-tests/test_panels.py). The same code with `DEGREE` set to 3, 4 and 5 as it is read shows the order.
+At the degree that is used, 16, errors come to round-off before the order has settled. The same code
+with `DEGREE` set to 3, 4 and 5 as it is read shows the order.
 """
 
 import json

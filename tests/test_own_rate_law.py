@@ -14,9 +14,6 @@ from rate_laws import Tilted
 
 import master
 import origins
-from master.steady.kinetic import kinetic_curve
-from master.steady.steady import steady_state
-from master.stick_slip.propensity import propensity
 
 LAW = origins.gaussian(1.0, 0.2)
 STRONGEST = 2.8  # thresholds: beyond is a share of 1e-18
@@ -117,7 +114,7 @@ def kinetic_force(rates, velocity):
 
 @pytest.mark.parametrize("velocity", [1e-3, 0.1, 10.0])
 def test_the_kinetic_force_is_that_of_sums_by_definition(velocity):
-    found = steady_state(origins.Contacts(LAW, thermal=RATES), velocity=velocity)
+    found = master.steady_state(origins.Contacts(LAW, thermal=RATES), velocity=velocity)
     exact = kinetic_force(RATES, velocity)
     assert abs(found.force - exact) <= found.force_error + 1e-9 and found.force_error < 1e-7
 
@@ -129,26 +126,6 @@ def test_the_kinetic_force_falls_by_alpha_with_each_e_fold_of_a_low_speed():
     step = 0.05
     contacts = origins.Contacts(LAW, thermal=rates)
     asked = np.concatenate([speeds * np.exp(-step), speeds * np.exp(step)])
-    low, high = kinetic_curve(contacts, asked).force.reshape(2, -1)
+    low, high = master.kinetic_curve(contacts, asked).force.reshape(2, -1)
     fastest = LAW.moment(2) / (2.0 * LAW.mean())  # F_k(∞): contacts break at their thresholds
     np.testing.assert_allclose((high - low) / (2.0 * step), rates.alpha * fastest, rtol=0.01)
-
-
-def test_the_critical_spring_is_the_steepest_fall_of_the_force():
-    found = propensity(origins.Contacts(LAW, thermal=RATES), 1e-6)
-    x = np.linspace(0.0, 6.0, 4801)
-    force = solved(x, 1e-9).force
-    fall = -np.gradient(force, x, edge_order=2)
-    assert found.critical_spring == pytest.approx(fall.max(), abs=1e-4)
-    still = kinetic_force(RATES, 1.0)
-    assert found.static_to_kinetic == pytest.approx(force.max() / still, abs=1e-5)
-
-
-def test_under_a_stiff_spring_the_force_is_that_of_a_rigid_slider():
-    """It differs by c/K: by next to nothing, extrapolated from two springs."""
-    drive = np.linspace(0.0, 3.0, 31)
-    soft = [solved(drive, 1e-4, spring=spring) for spring in (100.0, 200.0)]
-    force = 2.0 * soft[1].force - soft[0].force
-    allowed = 3.0 * max(found.force_error for found in soft) + 2e-4
-    np.testing.assert_allclose(force, solved(drive, 1e-8).force, atol=allowed)
-    assert np.abs(soft[1].force - soft[0].force).max() > 1e-3

@@ -13,10 +13,9 @@ import pytest
 
 import origins
 from toolkit.command import main
-from toolkit.judge.precision import Ladders, Point, Precision, precision
-from toolkit.judge.references import closed_form
+from toolkit.judge.precision import Ladders, Point, Precision, closed_form, precision
 from toolkit.scene.scene import load_scene
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SCENE: dict[str, Any] = {
     "title": "Gaussian, short",
@@ -35,10 +34,6 @@ SHORT = Ladders(
     closest_sizes=(100, 1000),
     longest=math.inf,
 )
-RECTANGULAR = {
-    **SCENE,
-    "contacts": {"thresholds": {"kind": "rectangular", "lower": 0.5, "upper": 1.5}},
-}
 
 
 def of(measured: Precision, method: str) -> list[Point]:
@@ -46,18 +41,8 @@ def of(measured: Precision, method: str) -> list[Point]:
 
 
 @pytest.fixture(scope="module")
-def gaussian() -> Precision:
+def measured() -> Precision:
     return precision(load_scene(SCENE), SHORT)
-
-
-@pytest.fixture(scope="module")
-def rectangular() -> Precision:
-    return precision(load_scene(RECTANGULAR), SHORT)
-
-
-@pytest.fixture(params=["gaussian", "rectangular"])
-def measured(request: pytest.FixtureRequest) -> Precision:
-    return request.getfixturevalue(request.param)
 
 
 def test_every_rung_is_measured(measured: Precision) -> None:
@@ -75,7 +60,7 @@ def test_master_errs_less_than_it_claims(measured: Precision) -> None:
     points = of(measured, "master")
     for point in points:
         assert point.claimed_error is not None
-        assert point.error <= point.claimed_error + measured.reference.error
+        assert point.error <= point.claimed_error + measured.reference_error
         assert point.claimed_error <= point.setting
     assert points[-1].error < 1e-2 * points[0].error
 

@@ -6,7 +6,7 @@ from scipy import stats
 from scipy.special import gamma
 
 import origins
-from origins.thresholds.quadrature import gauss, moment, panel_edges
+from origins.thresholds.quadrature import gauss, panel_edges
 from origins.thresholds.scipy_laws import as_thresholds
 
 BETA = {1: 0.5, 2: 3.0 / 8.0, 3: 5.0 / 16.0, 4: 35.0 / 128.0}  # of the arcsine law
@@ -43,10 +43,10 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_moments_by_panels(name: str) -> None:
+def test_moments(name: str) -> None:
     law, moments, accuracy = CASES[name]
     for n, exact in moments.items():
-        assert moment(as_thresholds(law), n) == pytest.approx(exact, rel=accuracy)
+        assert as_thresholds(law).moment(n) == pytest.approx(exact, rel=accuracy)
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])

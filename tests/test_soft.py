@@ -1,23 +1,22 @@
 """The soft slider: onset, landing, period and verdict against closed forms and quadrature."""
 
+from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.stats
 from phase_type import gaussian_force
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import master
 import origins
-from master.soft.solution import SoftSolution
 
 NARROW = origins.gaussian(1.0, 0.05)
 TWO = origins.mixture([origins.identical(0.8), origins.identical(1.2)], [0.5, 0.5])
 RULES = ["reset", "instant", "reform-after"]
 
 
-def solved(contacts, path, spring, rule="reset", tolerance=1e-8) -> SoftSolution:
+def solved(contacts, path, spring, rule="reset", tolerance=1e-8):
     return master.solve(contacts, path, tolerance, spring=spring, slip=rule)
 
 
@@ -26,7 +25,7 @@ def first_onset(spring: float) -> float:
     return brentq(lambda x: x * float(NARROW.pdf(x)) - 1.0 - spring, 0.7, 1.0, xtol=1e-15)
 
 
-@pytest.mark.parametrize("spring", [0.05, 0.5, 4.0])
+@pytest.mark.parametrize("spring", [0.05, 4.0])
 def test_identical_thresholds_are_a_sawtooth(spring):
     period = 1.0 + 1.0 / spring
     path = np.linspace(0.0, 6.4 * period, 777)
@@ -38,8 +37,7 @@ def test_identical_thresholds_are_a_sawtooth(spring):
     assert solution.regime.verdict == "stick-slip"
 
 
-@pytest.mark.parametrize("spring", [0.05, 1.0, 6.0])
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+@pytest.mark.parametrize(("spring", "tolerance"), [(0.05, 1e-6), (6.0, 1e-9)])
 def test_onset_and_period_of_a_reset(spring, tolerance):
     let_go = first_onset(spring)
     static = float(gaussian_force(np.array([let_go]), 1.0, 0.05)[0])
@@ -76,7 +74,7 @@ def test_cycles_repeat_and_are_solved_once():
     assert many.force_error <= 1e-8
 
 
-@pytest.mark.parametrize("spring", [0.15, 0.5, 2.0])
+@pytest.mark.parametrize("spring", [0.15, 2.0])
 def test_an_instant_slip_stays_on_the_rigid_curve(spring):
     def load(x):
         return gaussian_force(x, 1.0, 0.05) + spring * x
@@ -105,7 +103,7 @@ def test_exact_values_slip_where_they_break():
     assert gone.force_after[0] == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("spring", [1.0, 4.0, 6.0])
+@pytest.mark.parametrize("spring", [4.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_reform_after_lands_where_those_that_hold_balance(spring):
     first = first_onset(spring)
     level = float(gaussian_force(np.array([first]), 1.0, 0.05)[0]) + spring * first
@@ -143,16 +141,12 @@ def test_reform_after_lands_where_those_that_hold_balance(spring):
         assert abs(solution.force[-1] - pull) <= 0.02 * broken + 1e-8
 
 
-def test_all_rules_share_the_onset():
-    solutions = [solved(origins.Contacts(NARROW, 0.1), [0.0, 2.5], 1.5, rule) for rule in RULES]
-    first = [(s.slips.drive[0], s.slips.before[0], s.slips.force_before[0]) for s in solutions]
-    assert np.ptp(np.array(first), axis=0).max() <= 1e-12
-
-
-@pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize(
-    "law",
-    [origins.rectangular(0.5, 1.5), origins.gw_elastic(1.0), scipy.stats.weibull_min(2.3)],
+    ("law", "rule"),
+    [
+        (origins.rectangular(0.5, 1.5), "reform-after"),
+        pytest.param(origins.gw_elastic(1.0), "instant", marks=pytest.mark.slow),
+    ],
 )
 def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule):
     contacts = origins.Contacts(law, origins.gaussian_start(0.05, 0.03))
@@ -170,23 +164,8 @@ def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule):
 
 
 @pytest.mark.parametrize(
-    "laws", [{"stiffness": "linked"}, {"reforming": 0.1}, {"reforming": 0.1, "start": 0.1}]
+    "rule", ["reset", "reform-after", pytest.param("instant", marks=pytest.mark.slow)]
 )
-def test_linked_and_reforming_contacts_stay_on_their_rigid_curve(laws):
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.1), **laws)
-    solution = solved(contacts, np.linspace(0.5, 6.0, 111), 0.6, "instant")
-    assert solution.success and solution.slips.drive.size
-    rigid = master.solve(contacts, solution.position, 1e-9)
-    far = solution.force_error + rigid.force_error
-    assert np.abs(solution.force - rigid.force).max() <= far
-    # after a reset contacts stand as they re-form: K (X_T - X) = F there
-    reset = solved(contacts, np.linspace(0.5, 6.0, 111), 0.6, "reset")
-    rest = contacts.reforming.law.mean() if contacts.reforming else 0.0
-    assert reset.slips.force_after == pytest.approx(rest, abs=1e-12)
-    assert reset.slips.drop == pytest.approx(0.6 * (reset.slips.after - reset.slips.before))
-
-
-@pytest.mark.parametrize("rule", RULES)
 def test_the_mirror_image_and_the_scale_of_a_drive(rule):
     path = np.concatenate([np.linspace(0.0, 4.0, 41), np.linspace(3.9, -3.0, 60)])
     one = solved(origins.Contacts(origins.gaussian(1.0, 0.15), 0.1), path, 0.6, rule)
@@ -198,7 +177,9 @@ def test_the_mirror_image_and_the_scale_of_a_drive(rule):
     assert np.abs(small.force * 1e9 - one.force).max() <= 1e-9
 
 
-@pytest.mark.parametrize("law", [NARROW, origins.gaussian(1.0, 0.2), origins.lubricated(1.0)])
+@pytest.mark.parametrize(
+    "law", [NARROW, pytest.param(origins.lubricated(1.0), marks=pytest.mark.slow)]
+)
 def test_a_millionth_off_critical_is_decided_rightly(law):
     contacts = origins.Contacts(law)
     critical = master.propensity(contacts, 1e-10).critical_spring
@@ -207,17 +188,6 @@ def test_a_millionth_off_critical_is_decided_rightly(law):
         stiff = solved(contacts, path, critical * (1.0 + 1e-6), rule)
         assert stiff.regime.verdict == "smooth" and not stiff.slips.drive.size
         assert solved(contacts, path, critical * (1.0 - 1e-6), rule).slips.drive.size
-
-
-@pytest.mark.parametrize("rule", RULES)
-def test_the_error_claimed_bounds_the_error(rule):
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), 0.2)
-    path = np.concatenate([np.linspace(0.0, 5.0, 60), np.linspace(5.0, -3.0, 90)])
-    rough, fine = (solved(contacts, path, 0.3, rule, tolerance) for tolerance in (1e-4, 1e-10))
-    assert rough.success and rough.slips.drive.size == fine.slips.drive.size
-    far = rough.force_error + fine.force_error
-    assert np.abs(rough.force - fine.force).max() <= far
-    assert 0.3 * np.abs(rough.slips.drive - fine.slips.drive).max() <= far
 
 
 def test_slips_that_die_out_and_slips_that_do_not():
@@ -230,93 +200,9 @@ def test_slips_that_die_out_and_slips_that_do_not():
     assert short.regime.verdict == "undecided" and short.period is None
 
 
-def test_a_tolerance_beyond_reach_is_said():
-    solution = solved(origins.Contacts(NARROW), [0.0, 1.0, 3.0], 1.0, "reset", 1e-17)
-    assert not solution.success and "above the tolerance 1.0e-17" in solution.message
-
-
-def test_a_start_less_stable_than_relaxed_contacts_slips_once():
-    law = origins.gaussian(1.0, 0.2)
-    relaxed = master.propensity(origins.Contacts(law)).critical_spring
-    contacts = origins.Contacts(law, 0.85)
-    spring = 0.5 * (relaxed + master.propensity(contacts).critical_spring)
-    assert spring > relaxed
-    solution = solved(contacts, np.linspace(0.0, 12.0, 50), spring, "reset")
-    assert solution.slips.drive.size == 1
-    assert solution.regime.verdict == "decaying transient"
-
-
-def test_instant_tells_a_root_from_a_near_miss():
-    # a later crest of F + KX just comes up to the first: a millionth decides where it lands
-    def load(x: np.ndarray, spring: float) -> np.ndarray:
-        return gaussian_force(x, 1.0, 0.05) + spring * x
-
-    def crest(spring: float, begin: float, end: float) -> float:
-        x = np.linspace(begin, end, 2001)
-        at = x[load(x, spring).argmax()]
-        fine = at + np.linspace(-1e-3, 1e-3, 2001)
-        return float(load(fine, spring).max())
-
-    marginal = brentq(lambda k: crest(k, 1.6, 2.2) - crest(k, 0.7, 1.1), 0.02, 1.0, xtol=1e-14)
-    contacts = origins.Contacts(NARROW)
-    landed = {}
-    for sign in (-1, 1):
-        spring = marginal * (1.0 + sign * 1e-6)
-        path = np.linspace(0.0, 1.5 * crest(spring, 0.7, 1.1) / spring, 11)
-        landed[sign] = float(solved(contacts, path, spring, "instant", 1e-9).slips.after[0])
-    assert 1.7 < landed[1] < 2.0 < 2.5 < landed[-1]
-
-
-def test_instant_decoheres_to_smooth_sliding():
-    path = np.linspace(0.0, 40.0, 401)
-    solution = solved(origins.Contacts(origins.gaussian(1.0, 0.1)), path, 0.8, "instant")
-    assert solution.regime.verdict == "decaying transient"
-    drop = solution.slips.drop
-    assert drop.size >= 2 and (np.diff(drop) < 0.0).all()
-    assert np.abs(solution.force - gaussian_force(solution.position, 1.0, 0.1)).max() <= 1e-8
-
-
-def test_a_spring_may_be_as_stiff_as_one_likes():
-    contacts, drive = origins.Contacts(NARROW), np.linspace(0.0, 3.0, 31)
-    rigid = master.solve(contacts, drive)
-    solution = solved(contacts, drive, 1e12, "instant", 1e-8)
-    assert solution.success and not solution.slips.drive.size
-    assert (
-        np.abs(solution.force - rigid.force).max()
-        <= solution.force_error + rigid.force_error + 1e-10
-    )
-
-
-def test_the_drive_begins_where_it_balances_the_start():
-    solution = solved(origins.Contacts(origins.gaussian(1.0, 0.05), 0.3), [0.0, 0.1, 0.3], 2.0)
-    # nothing breaks: F = 0.3 + X
-    assert solution.position == pytest.approx((2.0 * solution.path - 0.3) / 3.0, abs=1e-12)
-
-
-def test_exact_values_that_break_late_in_a_slip_stay_out_until_its_end():
-    values = [origins.identical(x) for x in (0.8, 1.05, 1.5)]
-    law = origins.mixture(values, [0.5, 0.1, 0.4])
-    # from 0.8 on 0.5 X + 0.9 X carry 0.8 + 0.72; beyond 1.05 it is 0.4 X + 0.9 X
-    solution = solved(origins.Contacts(law), [0.0, 1.68, 1.75], 0.9, "reform-after")
-    land = 1.52 / 1.3
-    assert solution.success and solution.slips.after == pytest.approx([land], abs=1e-12)
-    assert solution.position[-1] == pytest.approx((0.9 * 1.75 + 0.6 * land) / 1.9, abs=1e-12)
-
-
 def test_wall_time_cuts_the_path():
     contacts, path = origins.Contacts(NARROW), np.linspace(0.0, 20.0, 101)
     solution = master.solve(contacts, path, spring=1.0, slip="instant", wall_time=1e-9)
     assert not solution.success and "by wall_time; the path is cut there" in solution.message
     assert solution.path.size == solution.force.size == solution.position.size < path.size
     assert solution.regime.verdict == "undecided"
-
-
-def test_large_and_small_slips_in_turn_do_not_fade() -> None:
-    """A line through the logarithms of their drops falls or rises by where the path ends."""
-    peaks = [origins.gaussian(0.3, 0.003), origins.gaussian(1.0, 0.03)]
-    contacts = origins.Contacts(origins.mixture(peaks, [0.3, 0.7]))
-    for end in (10.0, 11.0, 12.0):
-        found = master.solve(contacts, [0.0, end], 1e-6, spring=0.5, slip="reform-after")
-        drops = found.slips.drop
-        np.testing.assert_allclose(drops[6:9], drops[3:6], rtol=0.01)
-        assert found.regime.verdict == "stick-slip" and found.regime.trend is None

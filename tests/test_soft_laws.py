@@ -1,117 +1,122 @@
-"""Soft sliders with temperature, delay and re-forming: every slip, and what comes of holds."""
+"""Soft sliders whose contacts have laws of their own: every slip, holds, and what is claimed."""
+
+from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
 import pytest
+from pulled_contacts import pull
+from rate_laws import Tilted
+from solving import held_to_claim
 
 import master
-from master.soft.regime import regime
-from master.soft.slips import Slips
 from origins import (
     Ageing,
     Contacts,
     Delay,
-    Drive,
-    InputError,
     Thermal,
     gaussian,
     gaussian_start,
-    gw_plastic,
+    growing_grains,
 )
 from origins.drive import SlipRule
 
 WIDE = gaussian(1.0, 0.2)
 SOFT = Thermal("soft", 0.1)
-PATH = np.linspace(0.0, 3.6, 37)[1:]
 
 
-@pytest.mark.parametrize("rule", ["instant", "reform-after"])
-def test_without_rates_every_slip_is_that_of_cohorts(rule: SlipRule) -> None:
-    path = PATH[:30]
-    exact = master.solve(Contacts(WIDE), path, 1e-8, spring=0.4, slip=rule)
+@pytest.mark.parametrize(
+    "rule", ["reform-after", "reset", pytest.param("instant", marks=pytest.mark.slow)]
+)
+def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -> None:
+    """Two roads to one answer, with turns: the one in steps of time is taken for the rate's sake."""
+    back = np.concatenate([np.linspace(0.1, 4.0, 21), np.linspace(3.8, 1.0, 15), [2.0, 3.0]])
+    exact = master.solve(Contacts(WIDE), back, 1e-8, spring=0.3, slip=rule)
     never = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e-12))
-    solved = master.solve(never, path, 1e-2, spring=0.4, slip=rule)
-    assert solved.success, solved.message
+    solved = held_to_claim(never, back, 1e-3, exact, spring=0.3, slip=rule)
     slips, known = solved.slips, exact.slips
     assert slips.drive.size == known.drive.size >= 1
-    assert np.abs(slips.drive - known.drive).max() * 0.4 <= solved.force_error
+    assert np.abs(slips.drive - known.drive).max() <= slips.drive_error
     assert np.abs(slips.force_after - known.force_after).max() <= solved.force_error
-    assert np.abs(solved.force - exact.force).max() <= solved.force_error
 
 
-def test_where_nothing_slips_the_force_is_that_of_the_sliders_own_motion() -> None:
-    contacts = Contacts(WIDE, 0.1, thermal=SOFT)
-    path = np.linspace(0.0, 1.5, 76)[1:]
-    soft = master.solve(contacts, path, 1e-2, velocity=0.3, spring=2.0)
-    assert soft.success and not soft.slips.drive.size and soft.regime.verdict == "smooth"
-    assert soft.balance == pytest.approx(0.05)
-    clock = np.abs(np.diff(path, prepend=0.05)).cumsum() / 0.3
-    rigid = master.solve(contacts, soft.position, 1e-2, time=clock)
-    # straight between the points, which the slider's own motion is not
-    assert np.abs(rigid.force - soft.force).max() < 3e-4
+# Fig. A06
+OLD = Ageing(gaussian(1.0, 0.02), 5e-4)
+A06 = Contacts(gaussian(0.5, 0.05), gaussian_start(0.02, 0.01), ageing=OLD)
+MOVED: dict[str, tuple[Contacts, float, float]] = {
+    "heat": (Contacts(WIDE, 0.1, thermal=SOFT), 0.3, 2.0),
+    "room temperature": (Contacts(WIDE, thermal=Thermal("soft", 1e-4, 1e12)), 1.0, 3.0),
+    "ageing": (A06, 6.0, 60.0),
+    "grains": (Contacts(growing_grains(1.0, 1.0, age=4.0)), 1.0, 6.0),
+}
+SLOW = {"ageing", "room temperature"}
 
 
-def test_stiff_contacts_far_hotter_than_the_drive_is_fast_let_the_force_settle_at_the_kinetic_one() -> (
-    None
-):
-    contacts = Contacts(gaussian(1.0, 0.1), thermal=Thermal("stiff", 0.1, 1e4))
-    soft = master.solve(contacts, np.linspace(0.0, 0.16, 3), 1e-3, spring=1.0)
-    assert soft.success and soft.regime.verdict == "smooth"
-    assert 0.9 < soft.force[-1] / master.steady_state(contacts).force < 1.01
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in MOVED]
+)
+def test_the_force_is_that_of_a_rigid_slider_on_the_same_way(name: str) -> None:
+    """Where nothing slips; straight between the points, which the slider's own motion is not."""
+    contacts, velocity, spring = MOVED[name]
+    begin = contacts.start.mean() / spring
+    path = begin + np.linspace(0.0, 0.8, 33)[1:] * contacts.mean_threshold
+    soft = master.solve(contacts, path, 1e-3, velocity=velocity, spring=spring)
+    assert soft.success and not soft.slips.drive.size
+    assert np.abs(soft.force - spring * (path - soft.position)).max() < 1e-12
+    clock = np.cumsum(np.diff(path, prepend=begin)) / velocity
+    held_to_claim(contacts, soft.position, 1e-3, soft, more=5e-4, time=clock)
 
 
-@pytest.mark.parametrize("spring", [1e-6, 0.3])
-def test_a_spring_however_soft_slips_as_without_ageing_where_nothing_has_time_to_age(
-    spring: float,
-) -> None:
-    path = np.linspace(0.0, 1.2 * (1.0 / spring + 1.0), 25)
-    plain = master.solve(Contacts(WIDE), path, 1e-9, spring=spring)
-    aged = master.solve(
-        Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.3), 1e-14)), path, 1e-3, spring=spring
-    )
-    assert aged.success and aged.nodes < 100
-    assert np.abs(aged.slips.drive - plain.slips.drive).max() <= aged.slips.drive_error
-    assert np.abs(aged.force - plain.force).max() <= aged.force_error
+REPEATS, COUNT = 6, 1_500
+PULLED: dict[str, tuple[Contacts, float, float, SlipRule, float]] = {
+    "soft, instant": (Contacts(WIDE, thermal=SOFT), 1.0, 0.4, "instant", 3.2),
+    "delay": (
+        Contacts(WIDE, 0.1, Thermal("soft", 0.05), delay=Delay(0.2)),
+        1.0,
+        0.4,
+        "instant",
+        3.2,
+    ),
+    "ageing, reset": (A06, 6.0, 3.5, "reset", 0.95),
+}
 
 
-def test_a_path_that_takes_too_many_steps_is_refused_before_long() -> None:
-    far = r"\d+ steps led to a time of [\d.]+ only, and more are not taken on; end the path sooner"
-    with pytest.raises(InputError, match=rf"^path\[-1\] = 500\.0: {far}$"):
-        master.solve(Contacts(WIDE, thermal=SOFT), [0.0, 500.0], 1e-2, spring=3.0)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n != "soft, instant")) for n in PULLED]
+)
+def test_slips_and_forces_are_those_of_contacts_one_by_one(name: str) -> None:
+    contacts, velocity, spring, rule, end = PULLED[name]
+    path = np.linspace(0.1, 1.0, 10) * end
+    solved = master.solve(contacts, path, 1e-2, velocity=velocity, spring=spring, slip=rule)
+    assert solved.success and solved.slips.drive.size
+    args = contacts, path, velocity, spring, rule, end / 300, COUNT
+    runs = [pull(*args, seed) for seed in range(REPEATS)]
+    first = np.array([one.slips[:, 0] for one in runs])
+    force = np.array([one.force for one in runs])
+    spread, spread_first = (one.std(axis=0, ddof=1) / REPEATS**0.5 for one in (force, first))
+    # finite ensembles slip late
+    late = 0.35 * COUNT ** (-2.0 / 3.0) * contacts.mean_threshold
+    own, slip = solved.force_error * contacts.mean_threshold, solved.slips
+    allowed = 4.0 * spread_first + [late + own / spring, 0, 0, 0, spring * late + own]
+    assert abs(first[:, 0].mean() - slip.drive[0]) < allowed[0]
+    assert abs(first[:, 4].mean() - slip.force_after[0]) < allowed[4]
+    # of the points beside a slip some runs are before it, some after
+    far = np.abs(path[:, None] - slip.drive).min(axis=1) > 0.05 * end
+    z = (force.mean(axis=0) - solved.force) / (spread + own + 0.25 * spring * late)
+    assert far.sum() >= 7 and np.abs(z[far]).max() < 5.0, z
 
 
-def test_a_slower_drive_slips_at_a_smaller_force_and_in_the_end_not_at_all() -> None:
-    contacts = Contacts(WIDE, thermal=SOFT)
-    slow, slower = (
-        master.solve(contacts, PATH[:27], 1e-2, velocity=v, spring=0.4, slip="reset")
-        for v in (1.0, 0.1)
-    )
-    cold = master.solve(Contacts(WIDE), PATH[:27], 1e-6, spring=0.4, slip="reset")
-    assert cold.slips.force_before[0] > slow.slips.force_before[0] + 0.01
-    assert slow.slips.after[0] == pytest.approx(slow.slips.drive[0], abs=1e-12)
-    assert slower.success and not slower.slips.drive.size and slower.regime.verdict == "undecided"
+FRESH, FINAL = gaussian(0.5, 0.1), gaussian(0.8, 0.08)
 
 
-def test_a_slider_that_creeps_as_fast_as_the_drive_is_smooth_below_the_rigid_critical_spring() -> (
-    None
-):
-    """Until its force stays as it is, only why nothing can be told."""
-    contacts = Contacts(WIDE, thermal=SOFT)
-    early, late = (
-        master.solve(contacts, np.linspace(0.0, end, 25), 1e-2, velocity=0.1, spring=0.4)
-        for end in (2.7, 8.0)
-    )
-    assert (
-        not early.slips.drive.size
-        and not late.slips.drive.size
-        and late.regime.stiffness_ratio < 1.0
-    )
-    assert early.regime.verdict == "undecided" and "K < K*" in early.regime.reason
-    assert late.regime.verdict == "smooth", late.regime.reason
-    assert late.force[-1] == pytest.approx(
-        master.steady_state(contacts, velocity=0.1).force, rel=0.02
-    )
+@pytest.mark.slow
+def test_smooth_sliding_ends_in_the_steady_state() -> None:
+    contacts = Contacts(FRESH, ageing=Ageing(FINAL, 1e-3))
+    steady = master.steady_state(contacts, velocity=2.0)
+    solved = master.solve(contacts, [0.5, 4.0], 2e-2, velocity=2.0, spring=4.0)
+    assert solved.success and solved.regime.verdict == "smooth"
+    assert solved.force[1] == pytest.approx(steady.force, abs=5e-4)
 
 
 def test_contacts_that_break_in_a_slip_wait_out_their_delay() -> None:
@@ -135,68 +140,81 @@ def test_a_drive_that_holds_lets_the_slider_creep() -> None:
     assert solved.force[2] < 0.4 * solved.force[0] and solved.force[3] > solved.force[2] + 0.3
 
 
-def test_what_has_no_answer_is_said() -> None:
-    with pytest.raises(
-        InputError, match=r"^slip = 'reform-after': takes contacts that form again at x = 0"
-    ):
-        master.solve(Contacts(WIDE, reforming=0.1), PATH, spring=0.4, slip="reform-after")
-    with pytest.raises(
-        InputError,
-        match=r"^path\[0\] = 0.0: at time 0 the drive stands where it balances the start",
-    ):
-        master.solve(Contacts(WIDE, 0.2, thermal=SOFT), [0.0, 2.0], time=[0.0, 1.0], spring=0.4)
-    with pytest.raises(InputError, match='closure = "paper" is not followed under a spring'):
-        master.solve(
-            Contacts(WIDE, thermal=Thermal("soft", 0.1, closure="paper")), PATH, spring=0.4
-        )
-    cold = Contacts(WIDE, thermal=Thermal("stiff", 1e-4))
-    with pytest.raises(
-        InputError, match=r"^thermal: contacts of stiff rates that break within so thin a skin"
-    ):
-        master.solve(cold, PATH, 1e-3, spring=0.4)
-
-
-def test_a_start_whose_mean_is_nothing_but_rounding_does_not_slip() -> None:
-    path = np.linspace(0.0, 2.5, 6)
-    centred, beside = (
-        master.solve(
-            Contacts(WIDE, gaussian_start(mean, 0.05), reforming=0.1), path, 1e-3, spring=0.4
-        )
-        for mean in (0.0, 1e-6)
+@pytest.mark.slow
+def test_a_slider_that_creeps_as_fast_as_the_drive_is_smooth_below_the_rigid_critical_spring() -> (
+    None
+):
+    """Until its force stays as it is, only why nothing can be told."""
+    contacts = Contacts(WIDE, thermal=SOFT)
+    early, late = (
+        master.solve(contacts, np.linspace(0.0, end, 25), 1e-2, velocity=0.1, spring=0.4)
+        for end in (2.7, 8.0)
     )
-    assert not centred.slips.drive.size and centred.success
     assert (
-        np.abs(centred.force - beside.force).max() < 2e-6 + centred.force_error + beside.force_error
+        not early.slips.drive.size
+        and not late.slips.drive.size
+        and late.regime.stiffness_ratio < 1.0
     )
-    alone = master.solve(Contacts(WIDE, delay=Delay(0.2)), [0.0], spring=1.0)
-    assert alone.success and alone.force.tolist() == [0.0]
+    assert early.regime.verdict == "undecided" and "K < K*" in early.regime.reason
+    assert late.regime.verdict == "smooth", late.regime.reason
+    assert late.force[-1] == pytest.approx(
+        master.steady_state(contacts, velocity=0.1).force, rel=0.02
+    )
+
+
+BOUNDED: dict[str, tuple[Contacts, dict[str, Any]]] = {
+    "soft, instant": (Contacts(WIDE, thermal=Thermal("soft", 0.05)), {"slip": "instant"}),
+    "stiff": (Contacts(WIDE, thermal=Thermal("stiff", 0.05)), {}),
+    "own law": (Contacts(WIDE, thermal=Tilted()), {"slip": "reform-after"}),
+    "re-forming behind": (Contacts(WIDE, thermal=Tilted(), reforming=-0.1), {"slip": "instant"}),
+    "linked": (Contacts(WIDE, thermal=Thermal("soft", 0.05), stiffness="linked"), {}),
+    "grains": (Contacts(growing_grains(1.0, 1.0, age=4.0)), {"slip": "reform-after"}),
+}
 
 
 @pytest.mark.parametrize(
-    "laws",
-    [{"thermal": SOFT}, {"ageing": Ageing(gaussian(1.2, 0.1), 1e-2)}],
-    ids=["temperature", "ageing"],
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] * (n != "own law")) for n in BOUNDED],
 )
-def test_one_reset_is_judged_alike_whatever_the_rates(laws: dict[str, Any]) -> None:
-    """From relaxed contacts it repeats, as they are what it leaves; from others a second slip must show it."""
-    path, once = np.linspace(0.0, 3.0, 31), np.array([1.9])
-    drive = Drive(path, spring=0.5, slip="reset")
-    slip = Slips(once, once, once, 0.6 * once, 0.0 * once, 1e-4)
-    for start, verdict in ((None, "stick-slip"), (0.1, "undecided")):
-        found = regime(Contacts(gaussian(1.0, 0.1), start, **laws), drive, slip, 1e-4)
-        assert found.verdict == verdict and found.reason.startswith("one slip")
-
-
-def test_slips_that_only_coarse_steps_find_leave_an_error_estimate() -> None:
-    contacts = Contacts(gw_plastic(1.0), thermal=Thermal("soft", 0.11, 0.109))
-    path = np.linspace(0.0, 13.0, 91)[1:]
-    soft = master.solve(contacts, path, 1e-3, velocity=2.475, spring=0.05566)
-    assert soft.success and not soft.slips.drive.size
-    # on the slider's own way, straight between its points and between every other of them: of second order
-    clock = path / 2.475
-    fine, coarse = (
-        master.solve(contacts, soft.position[some], 1e-4, time=clock[some])
-        for some in (slice(None), slice(1, None, 2))
+def test_the_error_bounds_what_finer_steps_change(name: str) -> None:
+    contacts, keywords = BOUNDED[name]
+    path = np.linspace(0.0, 5.0, 101)
+    rough, fine = (
+        master.solve(contacts, path, tolerance, spring=0.3, **keywords)
+        for tolerance in (1e-2, 1e-4)
     )
-    apart = np.abs(fine.force[1::2] - coarse.force).max()
-    assert np.abs(fine.force - soft.force).max() <= apart + soft.force_error + fine.force_error
+    assert rough.success and rough.slips.drive.size == fine.slips.drive.size
+    slips, known = rough.slips, fine.slips
+    apart = 0.3 * np.abs(slips.drive - known.drive).max(initial=0.0)
+    bound = (rough.force_error + fine.force_error) * contacts.mean_threshold
+    assert apart <= bound
+    # points that the slip's own error takes to its other side are not told
+    beside = np.abs(path[:, None] - known.drive).min(axis=1, initial=np.inf)
+    told = beside > 2.0 * slips.drive_error
+    assert told.sum() > 90
+    assert np.abs(rough.force - fine.force)[told].max() <= bound
+
+
+def test_a_solution_ends_with_what_it_has() -> None:
+    """Counting steps, as times are no two machines' own: no time at all is over at the first."""
+    contacts, path = Contacts(WIDE, thermal=Thermal("soft", 0.1)), np.linspace(0.0, 5.0, 51)
+    cut = master.solve(contacts, path, 1e-3, spring=0.4, wall_time=1e-9)
+    assert not cut.success and cut.path.size < path.size and "wall_time" in cut.message
+    assert cut.force.size == cut.position.size == cut.holding.size == cut.path.size
+    assert cut.regime.verdict == "undecided"
+    aged = Contacts(WIDE, ageing=Ageing(gaussian(1.2, 0.1), 1e-2))
+    assert not master.solve(aged, path, 1e-3, spring=0.4, wall_time=1e-9).success
+
+
+@pytest.mark.slow
+def test_a_soft_slider_slips_a_little_before_it_would_without_temperature() -> None:
+    path = np.linspace(0.0, 2.8, 15)[1:]
+    plain = master.solve(Contacts(WIDE), path, 1e-8, spring=0.4)
+    thermal = Thermal("soft", 1e-5, 1e12)
+    solved = master.solve(Contacts(WIDE, thermal=thermal), path, 1e-3, spring=0.4)
+    assert solved.success and solved.slips.drive.size == 1
+    # each threshold counts as if less by what it takes to break on that way
+    sooner = thermal.temperature * np.log(thermal.attempt_frequency * thermal.temperature)
+    assert (
+        0.0 < (plain.slips.drive - solved.slips.drive)[0] < 10.0 * sooner + solved.slips.drive_error
+    )

@@ -1,42 +1,38 @@
-"""The master equation against every exact answer there is, on any path, from any start, to the tolerance asked."""
+"""The force on a path forward, against every exact answer there is."""
+
+from __future__ import annotations
 
 import numpy as np
 import pytest
 import scipy.stats
 from phase_type import coxian, gaussian_force, hyper_erlang
+from solving import held_to_claim
 
 import master
 import origins
+from origins import (
+    Contacts,
+    Delay,
+    Thermal,
+    gaussian,
+    gaussian_start,
+    identical,
+    mixture,
+    rectangular,
+)
 
-PATH = np.linspace(0.0, 5.0, 501)
 SCENE = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
-
-
-def worst(solution, exact):
-    return float(np.abs(solution.force - exact).max())
-
-
-# -- closed forms ------------------------------------------------------------------------------------------------
-
-
-def test_gaussian_scene():
-    solution = master.solve(SCENE, PATH, tolerance=1e-9)
-    assert solution.success
-    assert worst(solution, gaussian_force(PATH, 1.0, 0.05, 0.0, 0.025)) <= 1e-10
-    assert (solution.path == PATH).all()
-    assert (solution.holding == 1.0).all()
+PATH = np.linspace(0.0, 5.0, 501)
 
 
 @pytest.mark.parametrize("std", [0.02, 0.1])
-@pytest.mark.parametrize(
-    ("start", "start_std"), [(0.2, 0.03), (-0.2, 0.01), (0.1, 1e-6), (0.1, 1e-9), (0.25, 1e-9), (0.25, 0.0)]
-)
+@pytest.mark.parametrize(("start", "start_std"), [(0.2, 0.03), (-0.2, 0.01), (0.25, 1e-6)])
 def test_gaussian_thresholds_from_any_gaussian_start(std, start, start_std):
-    contacts = origins.Contacts(origins.gaussian(1.0, std), origins.gaussian_start(start, start_std))
+    contacts = origins.Contacts(
+        origins.gaussian(1.0, std), origins.gaussian_start(start, start_std)
+    )
     path = np.linspace(0.0, 12.0, 241)
-    solution = master.solve(contacts, path, 1e-10)
-    assert worst(solution, gaussian_force(path, 1.0, std, start, start_std)) <= 1e-10
-    assert solution.success
+    held_to_claim(contacts, path, 1e-10, gaussian_force(path, 1.0, std, start, start_std))
 
 
 CHAINS = {
@@ -48,17 +44,13 @@ CHAINS = {
 }
 
 
-@pytest.mark.parametrize("start", [0.0, 0.4, -0.3])
+@pytest.mark.parametrize("start", [0.4, -0.3])
 @pytest.mark.parametrize("name", CHAINS)
 def test_phase_type_thresholds(name, start):
     chain = CHAINS[name]
     contacts = origins.Contacts(chain.law, start * chain.mean)
     path = np.concatenate([[0.0, 1e-7, 1e-3], np.linspace(0.01, 12.0, 150)]) * chain.mean
-    solution = master.solve(contacts, path, 1e-9)
-    assert solution.success
-    error = worst(solution, chain.force(path, start * chain.mean)) / chain.mean
-    assert error <= 1e-9
-    assert error <= 2.0 * solution.force_error
+    held_to_claim(contacts, path, 1e-9, chain.force(path, start * chain.mean))
 
 
 def rectangular_force(path):
@@ -78,135 +70,83 @@ def rectangular_force(path):
 
 def test_rectangular_thresholds_by_generations():
     path = np.linspace(0.0, 2.0, 401)
-    solution = master.solve(origins.Contacts(origins.rectangular(0.5, 1.5)), path, 1e-8)
-    assert worst(solution, rectangular_force(path)) <= 1e-8
-    assert solution.success
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        origins.gaussian(1.0, 0.3),
-        origins.gw_elastic(2.0),
-        origins.gw_plastic(0.5),
-        origins.lubricated(1.0),
-        origins.persson(1.0, 1.0),
-        origins.rectangular(0.0, 2.0),
-        scipy.stats.gamma(2.5),
-    ],
-)
-def test_steady_state_is_half_the_mean_square_over_the_mean(law):
-    contacts = origins.Contacts(law, 0.1)
-    law = contacts.thresholds
-    solution = master.solve(contacts, np.array([0.0, 60.0]) * law.mean(), 1e-9)
-    assert abs(solution.force[-1] - law.moment(2) / (2.0 * law.mean())) <= 1e-9 * law.mean()
-
-
-# -- the singular limit ------------------------------------------------------------------------------------------
+    contacts = origins.Contacts(origins.rectangular(0.5, 1.5))
+    held_to_claim(contacts, path, 1e-8, rectangular_force(path))
 
 
 def test_identical_thresholds_are_a_sawtooth_for_ever():
     path = np.linspace(0.0, 50.0, 1001) + 0.01
-    solution = master.solve(origins.Contacts(origins.identical(1.0)), path, 1e-9)
-    assert solution.success
-    assert worst(solution, path % 1.0) <= 1e-12
-    at_break = master.solve(origins.Contacts(origins.identical(1.0)), np.arange(0.0, 51.0), 1e-9)
-    assert worst(at_break, 0.0) <= 1e-12
+    for at, force in ((path, path % 1.0), (np.arange(0.0, 51.0), 0.0)):
+        found = master.solve(origins.Contacts(origins.identical(1.0)), at, 1e-9)
+        assert found.success and np.abs(found.force - force).max() <= 1e-12
 
 
 def test_two_commensurate_values_are_a_sawtooth_for_ever():
     law = origins.mixture([origins.identical(0.95), origins.identical(1.05)], [0.5, 0.5])
     # whole numbers of their common divisor 0.05, one by one: 19 and 21 of them are the thresholds
-    births, released = np.eye(1, 2_001)[0], np.zeros(2_001)
+    births, released = np.eye(1, 241)[0], np.zeros(241)
     for j in range(19, births.size):
         births[j] = 0.5 * (births[j - 19] + (births[j - 21] if j >= 21 else 0.0))
         released[j] = 0.5 * (0.95 * births[j - 19] + (1.05 * births[j - 21] if j >= 21 else 0.0))
     released = np.cumsum(released)
     for beyond in (0.0, 0.0123):
-        path = 0.05 * np.arange(2_000) + beyond
-        solution = master.solve(origins.Contacts(law), path, 1e-9)
-        assert solution.success
-        assert worst(solution, path - released[:-1]) <= solution.force_error
-    # each breaks at a moment of its own, and so many moments are not followed one by one
-    with pytest.raises(origins.InputError, match="exact values break together more often"):
-        master.solve(origins.Contacts(law), [0.0, 1000.0], 1e-9)
+        path = 0.05 * np.arange(240) + beyond
+        held_to_claim(origins.Contacts(law), path, 1e-9, path - released[:-1])
 
 
-def test_narrow_gaussian_is_not_damped_by_the_scheme():
-    path = np.linspace(0.0, 50.0, 2001)
-    solution = master.solve(origins.Contacts(origins.gaussian(1.0, 1e-3)), path, 1e-8)
-    assert solution.success
-    assert worst(solution, gaussian_force(path, 1.0, 1e-3)) <= 1e-8
+# width of Gaussian thresholds, path, tolerance
+NARROW = [
+    (1e-3, np.linspace(0.0, 8.0, 321), 1e-8),
+    (0.01, np.append(np.linspace(0.0, 60.0, 301), 4000.3), 1e-6),
+    (0.002, np.linspace(3e4 - 3.0, 3e4, 60), 1e-4),
+    (0.004, np.array([4000.0, 4000.5]), 1e-8),
+]
 
 
-@pytest.mark.parametrize("std", [0.05, 0.1])
-def test_oscillations_decay_as_the_first_root_of_the_transform(std):
-    path = np.linspace(0.0, 12.0 / std, 24001)
-    force = master.solve(origins.Contacts(origins.gaussian(1.0, std)), path, 1e-11).force
-    root = (1.0 - np.sqrt(1.0 - 4j * np.pi * std**2)) / std**2
-    deviation = force - 0.5 * (1.0 + std**2)
-    amplitude = np.array([np.abs(deviation[(path >= n) & (path < n + 1.0)]).max() for n in range(6, int(path[-1]))])
-    kept = amplitude > 1e-8
-    place = np.arange(6, int(path[-1]))[kept]
-    late = place > place[-1] / 2
-    rate = np.polyfit(place[late], np.log(amplitude[kept][late]), 1)[0]
-    assert rate == pytest.approx(-abs(root.real), rel=2e-3)
+@pytest.mark.parametrize(("std", "path", "tolerance"), NARROW)
+def test_narrow_thresholds_hardly_fade(std, path, tolerance):
+    contacts = origins.Contacts(origins.gaussian(1.0, std))
+    held_to_claim(contacts, path, tolerance, gaussian_force(path, 1.0, std))
 
 
-# -- scale, paths, starts ------------------------------------------------------------------------------------------
+def test_claims_bound_true_errors_and_are_near_them():
+    """40 seeded Gaussian scenes; what is refused or unsuccessful fails."""
+    rng, ratios = np.random.default_rng(7), []
+    for _ in range(40):
+        std, x0 = rng.uniform(0.02, 0.11), rng.uniform(0.0, 0.1)
+        s0, path = rng.uniform(0.01, 0.05), np.linspace(0.0, rng.uniform(1.0, 12.0), 301)
+        contacts = origins.Contacts(origins.gaussian(1.0, std), origins.gaussian_start(x0, s0))
+        exact = gaussian_force(path, 1.0, std, x0, s0)
+        found = held_to_claim(contacts, path, 10.0 ** rng.uniform(-10.0, -5.0), exact)
+        ratios.append(found.force_error / np.abs(found.force - exact).max())
+    assert np.median(ratios) < 30.0
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e9])
-@pytest.mark.parametrize("start", [0.1, (0.02, 0.05)])
+@pytest.mark.parametrize(("scale", "start"), [(1e-9, 0.1), (1e9, (0.02, 0.05))])
 @pytest.mark.parametrize(
     "law",
     [
         lambda s: origins.gaussian(s, 0.1 * s),
         lambda s: origins.rectangular(0.5 * s, 1.5 * s),
         lambda s: origins.gw_elastic(s ** (-4.0 / 3.0)),
-        lambda s: origins.mixture([origins.identical(0.8 * s), origins.gaussian(s, 0.1 * s)], [0.3, 0.7]),
+        lambda s: origins.mixture(
+            [origins.identical(0.8 * s), origins.gaussian(s, 0.1 * s)], [0.3, 0.7]
+        ),
     ],
 )
 def test_lengths_only_set_the_scale(law, start, scale):
     def solved(s):
-        begin = s * start if isinstance(start, float) else origins.gaussian_start(s * start[0], s * start[1])
+        begin = (
+            s * start
+            if isinstance(start, float)
+            else origins.gaussian_start(s * start[0], s * start[1])
+        )
         return master.solve(origins.Contacts(law(s), begin), s * PATH[::10], 1e-8)
 
     one, other = solved(1.0), solved(scale)
     assert np.abs(other.force / scale - one.force).max() <= 1e-12
     # below round-off the estimate itself is noise
     assert other.force_error == pytest.approx(one.force_error, rel=1e-2, abs=2e-13)
-
-
-def test_every_origin_meets_its_tolerance(every_origin):
-    solution = master.solve(origins.Contacts(every_origin), np.linspace(0.0, 5.0, 501) * every_origin.mean(), 1e-8)
-    assert solution.success
-    assert solution.force_error <= 1e-8
-    assert "within the tolerance" in solution.message
-
-
-def every():
-    samples = np.random.default_rng(3).gamma(4.0, 0.25, size=300)
-    return {
-        "identical": origins.identical(1.0),
-        "gaussian": origins.gaussian(1.0, 0.05),
-        "gaussian paper": origins.gaussian(1.0, 0.05, form="paper", upper=2.0),
-        "rectangular": origins.rectangular(0.5, 1.5),
-        "mixture": origins.mixture([origins.gaussian(0.5, 0.02), origins.gaussian(1.5, 0.05)], [0.4, 0.6]),
-        "gap": origins.mixture([origins.rectangular(0.1, 0.2), origins.gaussian(1.5, 0.05)], [0.4, 0.6]),
-        "gw_elastic": origins.gw_elastic(1.0),
-        "gw_plastic": origins.gw_plastic(1.0),
-        "persson": origins.persson(1.0, 0.5),
-        "lubricated": origins.lubricated(1.0),
-        "from_samples": origins.from_samples(samples),
-        "atom beside": origins.mixture([origins.identical(0.8), origins.gaussian(1.0, 0.1)], [0.3, 0.7]),
-        "frozen": origins.Contacts(scipy.stats.lognorm(0.5)).thresholds,
-    }
-
-
-@pytest.fixture(params=list(every()))
-def every_origin(request):
-    return every()[request.param]
 
 
 @pytest.mark.parametrize(
@@ -223,45 +163,15 @@ def every_origin(request):
     ids=["origin", "one", "zeros", "repeated", "far", "tiny", "many"],
 )
 def test_any_path(path):
-    solution = master.solve(SCENE, path, 1e-8)
     path = np.asarray(path)
-    assert solution.success
-    assert solution.force.shape == path.shape
-    assert worst(solution, gaussian_force(path, 1.0, 0.05, 0.0, 0.025)) <= 1e-8
-
-
-def first_generation(start: float, path: np.ndarray) -> np.ndarray:
-    """F on rectangular(0.5, 1.5) from one stretch, before any contact can break twice: thresholds are uniform
-    between the larger of 0.5 and |start| and 1.5, so a contact breaks evenly over X, and restarts at 0."""
-    least = max(0.5, abs(start))
-    onset, width = least - start, 1.5 - least
-    broken = np.clip(path - onset, 0.0, width)
-    reborn = ((path - onset) ** 2 - (path - onset - broken) ** 2) / (2.0 * width)
-    return (start + path) * (1.0 - broken / width) + np.where(broken > 0.0, reborn, 0.0)
-
-
-@pytest.mark.parametrize(
-    "start", [origins.gaussian_start(1.3, 0.02), scipy.stats.uniform(-0.3, 0.6)], ids=["gaussian", "uniform"]
-)
-def test_spread_starts_on_a_bounded_law(start):
-    contacts = origins.Contacts(origins.rectangular(0.5, 1.5), start)
-    low, high = contacts.start.span
-    # where |x| = 0.5 or a first break begins, the average over the start has a bend: many short panels
-    path = np.linspace(0.0, 0.5, 21) if low > 0.5 else np.linspace(0.0, 0.65, 21)
-    edges = np.linspace(low, high, 4001)
-    nodes, weights = np.polynomial.legendre.leggauss(4)
-    half = 0.5 * np.diff(edges)[:, None]
-    x = (0.5 * (edges[1:] + edges[:-1])[:, None] + half * nodes).ravel()
-    weight = (half * weights).ravel() * contacts.start.pdf(x)
-    exact = sum(w * first_generation(one, path) for one, w in zip(x, weight, strict=True))
-    found = master.solve(contacts, path, 1e-9)
-    assert found.success
-    assert np.abs(found.force - exact).max() <= found.force_error + 1e-8  # panels bent inside
+    found = held_to_claim(SCENE, path, 1e-8, gaussian_force(path, 1.0, 0.05, 0.0, 0.025))
+    assert found.force.shape == path.shape and (found.path == path).all()
+    assert (found.holding == 1.0).all()
 
 
 @pytest.mark.parametrize(
     "law",
-    [origins.gaussian(1.0, 0.05), origins.rectangular(0.5, 1.5), origins.gw_elastic(1.0), scipy.stats.gamma(0.5)],
+    [origins.gaussian(1.0, 0.05), scipy.stats.gamma(0.5)],
 )
 def test_a_tolerance_beyond_reach_is_said(law):
     solution = master.solve(origins.Contacts(law, 0.1), PATH[::20], 1e-17)
@@ -269,24 +179,69 @@ def test_a_tolerance_beyond_reach_is_said(law):
     assert solution.force_error > 1e-17
     assert "above the tolerance 1.0e-17" in solution.message
     assert np.isfinite(solution.force).all()
-    assert np.abs(solution.force - master.solve(origins.Contacts(law, 0.1), PATH[::20], 1e-8).force).max() < 1e-8
+    assert (
+        np.abs(
+            solution.force - master.solve(origins.Contacts(law, 0.1), PATH[::20], 1e-8).force
+        ).max()
+        < 1e-8
+    )
 
 
-def test_weight_cut_from_the_start_is_said():
-    contacts = origins.Contacts(origins.rectangular(0.5, 1.5), origins.gaussian_start(1.4, 0.02))
-    assert 0.0 < contacts.cut_weight < 1e-6
-    assert "cut off" in master.solve(contacts, [0.0, 1.0]).message
+def test_wall_time_ends_a_solution_with_what_there_is() -> None:
+    path = np.linspace(0.0, 50.0, 501)
+    contacts = origins.Contacts(origins.gaussian(1.0, 1e-3))
+    found = master.solve(contacts, path, wall_time=1e-9)
+    assert not found.success and "wall_time" in found.message
+    assert found.path.size == found.force.size < path.size
+    with pytest.raises(origins.InputError, match="wall_time"):
+        master.solve(contacts, path, wall_time=0.0)
 
 
-@pytest.mark.parametrize("tolerance", [0.0, -1e-8, float("nan"), float("inf"), "1e-8", None, True])
-def test_bad_tolerances_are_refused(tolerance):
-    with pytest.raises(origins.InputError, match=r"^tolerance = "):
-        master.solve(SCENE, PATH, tolerance)
+WIDE = gaussian(1.0, 0.2)
+CASES = {
+    "cold": (Contacts(gaussian(1.0, 0.05), gaussian_start(0.1, 0.025)), 1.0),
+    "delay": (Contacts(rectangular(0.5, 1.5), 0.3, delay=Delay(0.3)), 2.0),
+    "linked, behind": (Contacts(WIDE, -0.3, reforming=-0.2, stiffness="linked"), 1.0),
+    "an exact value": (Contacts(mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3])), 1.0),
+    "warm": (Contacts(gaussian(1.0, 0.05), thermal=Thermal("stiff", 0.01, 10.0)), 1.0),
+    "creep": (Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 0.1)), 1e-7),
+    "creep, paper": (
+        Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 0.1, closure="paper")),
+        1e-4,
+    ),
+}
 
 
-# -- order of convergence ------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", CASES)
+def test_far_on_the_force_is_the_kinetic_one_at_any_distance(name: str) -> None:
+    contacts, speed = CASES[name]
+    steady = master.steady_state(contacts, velocity=speed)
+    far = master.solve(
+        contacts, steady.cycle_length * np.geomspace(2e4, 1e12, 7), 1e-8, velocity=speed
+    )
+    assert far.success and far.force_error <= 1e-8, far.message
+    np.testing.assert_allclose(far.force, steady.force, atol=1e-8)
+    np.testing.assert_allclose(far.holding, steady.holding, atol=1e-8)
+    x = np.linspace(0.05, 1.2, 5) * steady.cycle_length
+    spread = far.distribution(1e11 * steady.cycle_length)
+    if not spread.delta_weights.sum() > 1e-9:
+        np.testing.assert_allclose(
+            spread.density(x), steady.distribution(x), atol=1e-5 / steady.cycle_length
+        )
 
 
-def test_a_path_beyond_numbers_is_refused():
-    with pytest.raises(origins.InputError, match=r"path\[-1\] = 1e\+300: is 1e\+300 mean thresholds; follow at most"):
-        master.solve(origins.Contacts(origins.gaussian(1.0, 0.05)), [0.0, 1e300])
+def test_exponential_thresholds_forget_where_they_start() -> None:
+    found = master.solve(origins.Contacts(scipy.stats.expon(), 45.0), [0.0, 1.0, 5.0], 1e-10)
+    assert found.force == pytest.approx(1.0 + 44.0 * np.exp(-found.path), abs=1e-9)
+
+
+@pytest.mark.parametrize("width", [1e-3, pytest.param(1e-6, marks=pytest.mark.slow)])
+def test_narrow_rectangle_between_two_generations(width: float) -> None:
+    """At X = n + 1/2 every contact has broken n times, and released n mean thresholds."""
+    contacts = origins.Contacts(origins.rectangular(1.0, 1.0 + width))
+    path = np.array([0.0, 5.5, 20.5])
+    found = master.solve(contacts, path, 1e-8)
+    error = np.abs(found.force - (path - np.floor(path) * (1.0 + 0.5 * width))).max()
+    assert error <= found.force_error
+    # where positions are rounded to 1e-10 of the width and less, the tolerance is out of reach
+    assert found.success == (width > 1e-5)

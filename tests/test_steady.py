@@ -1,14 +1,22 @@
-"""Smooth sliding: the force against exact moments of every origin, and what is refused."""
+"""Smooth sliding: the kinetic force against exact moments and quadrature, and its curves."""
 
-import mpmath
+from __future__ import annotations
+
+import itertools
+
 import numpy as np
 import pytest
 import references
-import scipy.stats
 
 import master
 import origins
-from origins.errors import InputError
+from origins import (
+    Contacts,
+    Delay,
+    Thermal,
+    gaussian,
+    rectangular,
+)
 
 LAWS = {
     "gaussian": references.gaussian(1.0, 0.05),
@@ -32,7 +40,6 @@ LAWS = {
         [references.gaussian(1e-6, 1e-8), references.gaussian(1.0, 0.05)], [0.9, 0.1]
     ),
 }
-
 # law, <x_s>, <x_s^2>
 ATOMIC = {
     "identical": (origins.identical(1.7), 1.7, 1.7**2),
@@ -75,65 +82,92 @@ def test_force_of_laws_with_exact_values(name: str) -> None:
     assert steady.force_error < 1e-14
 
 
-@pytest.mark.parametrize("law", [scipy.stats.lomax(1.5), scipy.stats.lomax(2.0), scipy.stats.invgamma(1.5)])
-def test_infinite_mean_square_is_refused(law: object) -> None:
-    with pytest.raises(InputError) as caught:
-        master.steady_state(origins.Contacts(law))
-    (line,) = str(caught.value).splitlines()
-    assert line.startswith("thresholds: <x_s^2> is infinite") and "x^-3" in line
+def by_quadrature(contacts: Contacts, speed: float) -> float:
+    """F_k by plain sums over thresholds and stretches of what still holds."""
+    thermal, law = contacts.thermal, contacts.thresholds
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+    edges = np.linspace(*(float(law.ppf(1e-17)), float(law.isf(1e-17))), 21)
+    width = np.diff(edges)[:, None]
+    xi = (edges[:-1, None] + width * nodes).ravel()
+    share = (width * weights).ravel() * law.pdf(xi) * contacts.relative_stiffness(xi)
+    count = (width * weights).ravel() * law.pdf(xi)
+    length, area = 0.0, 0.0
+    cuts = 1.0 - np.linspace(1.0, 0.0, 41) ** 3  # close to the threshold
+    for begin, end in itertools.pairwise(cuts):
+        x = xi[:, None] * (begin + (end - begin) * nodes)
+        spent = thermal.cumulative(x, xi[:, None], 0.0, contacts.relative_stiffness(xi)[:, None])
+        held = np.exp(-spent / speed) * weights * xi[:, None] * (end - begin)
+        length += float(count @ held.sum(axis=1))
+        area += float(share @ (x * held).sum(axis=1))
+    return area / length
+
+
+@pytest.mark.parametrize("form", ["soft", "stiff"])
+@pytest.mark.parametrize(("stiffness", "speed"), [("independent", 0.03), ("linked", 3.0)])
+def test_heat_against_quadrature(form: str, stiffness: str, speed: float) -> None:
+    thermal = Thermal(form, 0.05)  # type: ignore[arg-type]
+    contacts = Contacts(gaussian(1.0, 0.1), thermal=thermal).replace(stiffness=stiffness)
+    expected = by_quadrature(contacts, speed)
+    state = master.steady_state(contacts, velocity=speed)
+    assert abs(state.force - expected) <= state.force_error + 1e-11
+    curve = master.kinetic_curve(contacts, [speed, 10.0 * speed])
+    assert abs(curve.force[0] - expected) <= curve.force_error[0] + 1e-11
+    assert max(state.force_error, curve.force_error.max()) < 1e-10
+
+
+NARROW = gaussian(1.0, 0.05)
+SPEEDS = np.geomspace(1e-6, 1e4, 200)
 
 
 @pytest.mark.parametrize(
-    "law", [LAWS["gw_elastic"].law, LAWS["mixture with a gap"].law, ATOMIC["value and gaussian"][0]]
+    ("law", "temperature", "more"),
+    [
+        ("soft", 0.001, {}),
+        ("stiff", 0.1, {"stiffness": "linked"}),
+        ("soft", 0.1, {"delay": Delay(0.1)}),
+    ],
 )
-def test_distribution_integrates_to_one_with_the_force_as_its_mean(law: origins.Thresholds) -> None:
-    steady = master.steady_state(origins.Contacts(law))
-    corners = np.concatenate([law.breakpoints, law.atoms[0]])
-    top = max(float(law.isf(1e-19)), corners.max())
-    fine = np.unique(np.concatenate([np.linspace(0.0, top, 400), np.geomspace(1e-9, top, 200), corners]))
-    nodes, weights = np.polynomial.legendre.leggauss(12)
-    half = 0.5 * np.diff(fine)[:, None]
-    x = fine[:-1, None] + half * (1.0 + nodes)
-    mass = half * weights * steady.distribution(x)
-    assert mass.sum() == pytest.approx(1.0, abs=1e-12)
-    assert (mass * x).sum() == pytest.approx(steady.force, rel=1e-12)
+def test_every_speed_is_the_steady_state_at_that_speed(law: str, temperature: float, more) -> None:
+    contacts = Contacts(NARROW, thermal=Thermal(law, temperature), **more)
+    curve = master.kinetic_curve(contacts, SPEEDS)
+    for i in (3, 60, 120, 190):
+        steady = master.steady_state(contacts, velocity=float(SPEEDS[i]))
+        assert curve.force[i] == pytest.approx(steady.force, rel=1e-9)
+        assert abs(curve.force[i] - steady.force) <= curve.force_error[i] + steady.force_error
+        assert abs(curve.holding[i] - steady.holding) <= curve.holding_error[i] + 1e-12
+    assert (curve.force_error <= 1e-9 * curve.force).all()
 
 
-@pytest.mark.parametrize("scale", [1e-9, 1e9])
-def test_scale_of_lengths(scale: float) -> None:
-    base = origins.mixture([origins.rectangular(0.2, 0.5), origins.gaussian(1.0, 0.1)], [0.3, 0.7])
-    scaled = origins.mixture(
-        [origins.rectangular(0.2 * scale, 0.5 * scale), origins.gaussian(scale, 0.1 * scale)], [0.3, 0.7]
-    )
-    one, other = (master.steady_state(origins.Contacts(law)) for law in (base, scaled))
-    assert other.force == pytest.approx(scale * one.force, rel=1e-13)
-    assert other.force_error < 1e-14
-    x = np.linspace(0.0, 2.0, 101)
-    assert np.allclose(other.distribution(scale * x) * scale, one.distribution(x), rtol=1e-12, atol=1e-13)
+def test_a_table_over_speed_and_temperature() -> None:
+    contacts = Contacts(NARROW, 0.3, thermal=Thermal("stiff", 0.5), reforming=0.1)
+    speeds, temperatures = np.array([0.1, 10.0]), np.array([0.0, 0.05, 0.5])
+    table = master.kinetic_curve(contacts, speeds[:, None], temperature=temperatures)
+    assert table.force.shape == table.force_error.shape == table.holding.shape == (2, 3)
+    cold = master.steady_state(Contacts(NARROW, reforming=0.1)).force
+    np.testing.assert_array_equal(table.force[:, 0], cold)
+    for i, j in ((0, 1), (1, 2)):
+        thermal = Thermal("stiff", float(temperatures[j]))
+        single = Contacts(NARROW, thermal=thermal, reforming=0.1)
+        steady = master.steady_state(single, velocity=float(speeds[i]))
+        assert abs(table.force[i, j] - steady.force) <= table.force_error[i, j] + steady.force_error
+    # left out, the temperature is the contacts' own; one number is a curve of no dimension
+    own = master.kinetic_curve(contacts, 10.0)
+    assert own.force.shape == () and float(own.force) == table.force[1, 2]
 
 
-@pytest.mark.parametrize("births", [0.1, origins.gaussian_start(0.1, 0.01)], ids=["at one stretch", "at many"])
-def test_births_ahead_of_far_tails(births: object) -> None:
-    """P_c = a (1 + x)^(-a-1) beyond r is the same law, 1 + r times as wide."""
-    power, spread = 2.2, 0.0 if isinstance(births, float) else 0.01
-    once, twice = 1.1, 1.1**2 + spread**2  # means of 1 + r and of its square
-    length = once / (power - 1.0)
-    area = (twice - once) / (power - 1.0) + twice / ((power - 1.0) * (power - 2.0))
-    contacts = origins.Contacts(scipy.stats.lomax(power), reforming=births, delay=origins.Delay(0.3))
-    steady = master.steady_state(contacts)
-    unit = contacts.mean_threshold
-    assert abs(steady.cycle_length - length) < steady.cycle_length_error * unit < 1e-9
-    assert abs(steady.force - area / (length + 0.3)) < steady.force_error * unit < 3e-7
-
-
-@pytest.mark.parametrize("at", [2.3, 2.6, 2.65, 5.0])
-def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
-    """F_k = at + <d^2>/2<d> with d what thresholds are beyond: Mills' ratio and its moments, for normal thresholds."""
-    found = master.steady_state(origins.Contacts(origins.gaussian(1.0, 0.2), reforming=at))
-    with mpmath.workdps(60):
-        z = (mpmath.mpf(at) - 1) / mpmath.mpf("0.2")
-        mills = mpmath.sqrt(mpmath.pi / 2) * mpmath.erfc(z / mpmath.sqrt(2)) * mpmath.exp(z * z / 2)
-        first = 1 / mills - z
-        second = 1 - z * first
-        expected = float(at + mpmath.mpf("0.1") * second / first)
-    assert found.success and abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10
+def test_what_holds_at_each_delay() -> None:
+    wide = rectangular(0.5, 1.5)
+    waits = np.linspace(0.0, 50.0, 200)
+    curve = master.kinetic_curve(Contacts(wide), 2.0, delay=waits)
+    np.testing.assert_allclose(curve.holding, 1.0 / (1.0 + 2.0 * waits), rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(curve.force, wide.moment(2) / 2.0 * curve.holding, rtol=1e-13)
+    assert (np.abs(curve.holding - 1.0 / (1.0 + 2.0 * waits)) <= curve.holding_error).all()
+    # with temperature C is that of breaks by a rate, to be met by the other road
+    warm = Contacts(wide, thermal=Thermal("soft", 0.1))
+    curve = master.kinetic_curve(warm, 2.0, delay=waits[::50])
+    for wait, held, off in zip(waits[::50], curve.holding, curve.holding_error, strict=True):
+        contacts = Contacts(wide, thermal=Thermal("soft", 0.1), delay=Delay(float(wait)))
+        assert (
+            abs(held - master.steady_state(contacts, velocity=2.0).holding) <= off + 1e-12 <= 1e-10
+        )

@@ -8,7 +8,7 @@ from scipy import stats
 
 import origins
 from eq_model.draws import quantiles, streams
-from eq_model.draws.tables import make_cells
+from eq_model.draws.tables import make_table
 
 LAWS: dict[str, Any] = {
     "narrow": lambda: origins.gaussian(mean=1.0, std=1e-3),
@@ -51,7 +51,7 @@ def _law(name: str) -> Any:
 
 def _draws(table: Any, many: int, seed: int = 20101) -> np.ndarray:
     """So many draws in whole units, of blocks of one round each."""
-    words, rows = np.zeros(4 * streams.ROW, np.uint32), quantiles.scratch()
+    words, rows = np.zeros(4 * streams.ROW, np.uint32), quantiles.make_room()
     out = np.zeros((-(-many // (4 * streams.LANES)), 4, streams.LANES), np.int64)
     for block, found in enumerate(out):
         stream = streams.make_stream(seed, block)
@@ -94,7 +94,7 @@ def test_four_million_draws(name: str) -> None:
     """Kolmogorov and Smirnov's distance, and the tails."""
     law, many = _law(name), 4_000_000
     unit = abs(float(law.ppf(0.5))) * 2.0**-44
-    x = _draws(make_cells(law).table(unit), many) * unit
+    x = _draws(make_table(law).in_units(unit), many) * unit
     ends = np.concatenate(
         [
             law.ppf(np.arange(1, CELLS // 2 + 1) / CELLS),
@@ -119,7 +119,7 @@ def test_every_cell_keeps_its_promise(name: str) -> None:
         else [law]
     )
     unit = abs(float(law.ppf(0.5))) * 2.0**-44
-    table, generator = make_cells(law).table(unit), np.random.default_rng(5)
+    table, generator = make_table(law).in_units(unit), np.random.default_rng(5)
     v = np.concatenate([0.5 * generator.random(3000), 2.0 ** generator.uniform(-60.0, -1.0, 3000)])
     for k, part in enumerate(parts):
         for above, tail in ((False, part.cdf), (True, part.sf)):
@@ -135,7 +135,7 @@ def test_every_cell_keeps_its_promise(name: str) -> None:
 
 def test_exact_values_come_out_exact() -> None:
     pair = origins.mixture([origins.identical(0.95), origins.identical(1.05)], [0.3, 0.7])
-    x = _draws(make_cells(pair).table(2.0**-40), 200_000)
+    x = _draws(make_table(pair).in_units(2.0**-40), 200_000)
     values, counts = np.unique(x, return_counts=True)
     assert (values == np.rint(np.array([0.95, 1.05]) * 2.0**40)).all()
     assert stats.binomtest(int(counts[0]), 200_000, 0.3).pvalue > 1e-4
@@ -144,9 +144,9 @@ def test_exact_values_come_out_exact() -> None:
 @pytest.mark.parametrize("x", [0.5, 1.0, 1.2, 1.6, 2.5])
 def test_thresholds_beyond_a_stretch_follow_the_conditional_law(x: float) -> None:
     law = origins.mixture([origins.gaussian(1.0, 0.05), origins.gaussian(1.3, 0.1)], [0.4, 0.6])
-    table, unit = make_cells(law, 1e-50).table(2.0**-44), 2.0**-44
+    table, unit = make_table(law, 1e-50).in_units(2.0**-44), 2.0**-44
     pairs = np.random.default_rng(1).random((20_000, 2))
-    rows = quantiles.scratch()
+    rows = quantiles.make_room()
     drawn = np.array([quantiles.beyond(int(x / unit), *pair, table, rows) for pair in pairs]) * unit
     assert (drawn >= x).all()
     assert stats.kstest(law.sf(drawn) / law.sf(x), "uniform").pvalue > 1e-3
@@ -176,7 +176,7 @@ class _Careless(origins.Thresholds):
 
 def test_a_law_that_cannot_be_certified_is_refused() -> None:
     with pytest.raises(origins.InputError, match="thresholds: the quantiles cannot be tabulated"):
-        make_cells(_Careless())
+        make_table(_Careless())
 
 
 @pytest.mark.parametrize(
@@ -188,5 +188,5 @@ def test_weight_where_numbers_end_is_refused_at_once(law: object) -> None:
         origins.InputError,
         match=r"^thresholds: a weight of .* lies below 1e-300 of a typical value",
     ):
-        make_cells(contacts.thresholds)
-    make_cells(origins.lubricated(1.0, power=-0.93))
+        make_table(contacts.thresholds)
+    make_table(origins.lubricated(1.0, power=-0.93))

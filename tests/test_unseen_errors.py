@@ -7,12 +7,8 @@ further off than it claims.
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from scipy import integrate, stats
-from scipy.stats import uniform
 
 import master
 from master.lives.cold import ColdLife
@@ -24,10 +20,7 @@ from origins import (
     Drive,
     gaussian,
     gaussian_start,
-    gw_elastic,
-    lubricated,
     mixture,
-    persson,
     rectangular,
 )
 from origins.start import Start
@@ -103,7 +96,7 @@ def mean_over_starts(law, start, path, cuts):
     return float(weight[kept] @ forces / weight[kept].sum())
 
 
-@pytest.mark.parametrize("turns", [False, True])
+@pytest.mark.parametrize("turns", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_wide_start_on_a_law_with_jumps_is_as_good_as_it_claims(turns):
     """Fixed nodes for the start see no bend of E: they are 1e-4 off with a claim of 1e-8."""
     start, path = gaussian_start(0.1, 0.08), np.array([0.0, 0.35, 0.7])
@@ -122,45 +115,6 @@ def test_a_wide_start_on_a_law_with_jumps_is_as_good_as_it_claims(turns):
     assert abs(planted.force[-1] - exact) > 10.0 * planted.force_error
 
 
-def by_midpoints(law, again, path, cells):
-    """F at the end of a path from relaxed contacts at T = 0: number conservation by midpoints.
-
-    Broken contacts form again at stretches spread evenly between the two of `again`.
-    """
-    knots = np.append(0.0, np.abs(np.diff(path)).cumsum())
-    ways = np.linspace(0.0, knots[-1], cells + 1)
-    places = np.interp(ways, knots, path)
-    born = np.interp(0.5 * (ways[1:] + ways[:-1]), knots, path)
-    low, high = again
-    r = low + (high - low) * (np.arange(150) + 0.5) / 150
-    share = 1.0 / law.sf(np.abs(r)) / r.size
-    broken, up, down = np.zeros(cells), np.zeros(cells), np.zeros(cells)
-    for k, place in enumerate(places[1:]):
-        gone = slice(0, k + 1)
-        up[gone] = np.maximum(up[gone], place - born[gone])
-        down[gone] = np.minimum(down[gone], place - born[gone])
-        most = np.maximum(r + up[gone, None], -(r + down[gone, None]))
-        left = law.sf(np.maximum(np.abs(r), most)) * share
-        held = left.sum(axis=1)
-        whole = law.sf(np.abs(places[: k + 2]).max())
-        broken[k] = (1.0 - whole - broken[:k] @ held[:-1]) / held[-1]
-    pull = (left * (r + (places[-1] - born)[:, None])).sum(axis=1)
-    return float(whole * places[-1] + broken @ pull)
-
-
-def test_re_forming_with_a_width_on_a_law_with_jumps_is_as_good_as_it_claims():
-    """On a path that turns; with one node for all stretches, F is 4e-3 off with a claim of 1e-8."""
-    path, again = np.array([0.0, 0.9, 0.1, 0.8]), (-0.1, 0.3)
-    coarse, fine = (by_midpoints(BOX, again, path, cells) for cells in (480, 960))
-    exact, off = fine + (fine - coarse) / 3.0, abs(fine - coarse)
-    contacts = Contacts(BOX, reforming=uniform(again[0], again[1] - again[0]))
-    found = master.solve(contacts, path, 1e-6)
-    assert off < 1e-5 and found.success
-    assert abs(found.force[-1] - exact) <= found.force_error + off
-    planted = solved(contacts, FixedNodes(contacts, 1), path, 1e-6)
-    assert abs(planted.force[-1] - exact) > 100.0 * (planted.force_error + off)
-
-
 TOLD = mixture([rectangular(0.6, 0.9), gaussian(0.75, 0.2)], [0.2, 0.8])
 
 
@@ -177,7 +131,7 @@ def untold():
     return law
 
 
-@pytest.mark.parametrize(("delay", "tolerance"), [(0.17, 1e-4), (0.6, 1e-6)])
+@pytest.mark.parametrize(("delay", "tolerance"), [(0.6, 1e-6)])
 def test_errors_of_breaks_are_seen_again_a_delay_later(delay, tolerance):
     """Panels that do not know where breaks bend err, and what they err by is born a delay later."""
     path = np.concatenate([LOOP, np.linspace(-0.55, 1.1, 30)])
@@ -186,48 +140,3 @@ def test_errors_of_breaks_are_seen_again_a_delay_later(delay, tolerance):
     found = master.solve(Contacts(untold(), delay=Delay(delay)), path, tolerance)
     assert apart(found, exact) <= found.force_error + exact.force_error
     assert found.success == (found.force_error <= tolerance)
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_delays_on_turning_paths_are_as_good_as_they_claim(seed):
-    rng = np.random.default_rng(seed)
-    path = np.interp(np.linspace(0, 4, 81), np.arange(5), [0.0, *rng.uniform(-1.6, 1.6, 4)])
-    contacts = Contacts(persson(1.0, rng.uniform(0.3, 1.0)), delay=Delay(rng.uniform(0.05, 1.5)))
-    exact = master.solve(contacts, path, 1e-11)
-    for tolerance in (1e-5, 1e-7):
-        found = master.solve(contacts, path, tolerance)
-        assert found.success and apart(found, exact) <= found.force_error + exact.force_error
-
-
-@pytest.mark.parametrize("law", [gw_elastic(1.6), lubricated(1.0)])
-def test_births_that_set_in_a_delay_after_a_stretched_start_are_seen(law):
-    """Breaks begin at once, and births, at a rate that jumps, a delay later: panels end there."""
-    path, ratios = np.linspace(0.0, 2.0, 401), []
-    for start in (0.02, 0.1, 0.3):
-        for delay in (0.5, 0.9, 1.3):
-            contacts = Contacts(law, start, delay=Delay(delay))
-            exact = master.solve(contacts, path, 1e-11)
-            for tolerance in (1e-5, 1e-6, 1e-7):
-                found = master.solve(contacts, path, tolerance)
-                ratios.append(apart(found, exact) / (found.force_error + exact.force_error))
-    assert max(ratios) <= contacts.mean_threshold
-
-
-def test_a_start_around_zero_of_thresholds_that_begin_as_a_power() -> None:
-    """S(|r|) = exp(-|r|^1.37) has a cusp in the middle of the start, where no law declares one.
-
-    Broken contacts stay out, so that F is the first sum alone, and here by quadrature.
-    """
-    law, start = stats.weibull_min(1.373), stats.norm(0.05, 0.03)
-    path = np.array([0.1, 0.5, 1.0, 2.0])
-    contacts = Contacts(law, start, delay=Delay(10.0))
-    found = master.solve(contacts, path, 1e-11)
-
-    def borne(r: float, x: float) -> float:
-        return start.pdf(r) * (r + x) * law.sf(max(abs(r), r + x)) / law.sf(abs(r))
-
-    for x, force in zip(path, found.force, strict=True):
-        ends = [-0.25, max(-0.5 * x, -0.2), 0.0, 0.05, 0.15, 0.35]
-        whole = sum(integrate.quad(borne, a, b, (x,), epsabs=1e-14, epsrel=1e-12)[0] for a, b in pairwise(ends))
-        assert abs(force - whole) <= found.force_error + 1e-13
-    assert found.success

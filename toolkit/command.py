@@ -1,4 +1,4 @@
-"""The command `mesofriction`: each subcommand is a module of toolkit.commands, imported when it is called."""
+"""The command `mesofriction`: subcommands are functions of toolkit.commands."""
 
 import sys
 from typing import TYPE_CHECKING, Any
@@ -7,7 +7,7 @@ if TYPE_CHECKING:  # else imported within, so that an interrupt of any import is
     import argparse
     from collections.abc import Sequence
 
-    from toolkit.running.launch import Launch
+    from toolkit.running.signals import Launch
 
 COMMANDS = {
     "run": "solve a scene: F(X) with its error and run time, result files and a picture",
@@ -40,7 +40,7 @@ def _run(words: list[str]) -> int:
     import os
     from contextlib import redirect_stderr, redirect_stdout
 
-    from toolkit.running.launch import read_environment
+    from toolkit.running.signals import read_environment
 
     launched = read_environment()
     if launched.rank == 0:
@@ -64,10 +64,9 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         own = subparsers.add_parser(name, help=purpose, description=purpose)
         if name == "scenes":
             continue
-        many = name == "compare"
+        many, folder = ("+", "compare-output") if name == "compare" else (None, "NAME-output")
         scene = "a scene file, or the name of a shipped scene"
-        own.add_argument("scene", metavar="SCENE", nargs="+" if many else None, help=scene)
-        folder = "compare-output" if many else "NAME-output"
+        own.add_argument("scene", metavar="SCENE", nargs=many, help=scene)
         told = f"folder for what is written (default: ./{folder})"
         own.add_argument("--out", metavar="DIR", help=told)
         if name == "run":
@@ -82,12 +81,15 @@ def _parse(words: list[str]) -> "argparse.Namespace":
 def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     from importlib import import_module
 
-    module = import_module(f"toolkit.commands.{parsed.command}")
+    commands = import_module("toolkit.commands")
     from toolkit.running.ranks import end_together, on_root
 
-    if module.ALL_RANKS:
-        return end_together(lambda comm: int(module.execute(parsed, comm)), launched)
+    command = getattr(commands, parsed.command)
+    if parsed.command not in commands.ON_ONE_RANK:
+        return end_together(lambda comm: int(command(parsed, comm)), launched)
     # the other ranks wait: what rank 0 imports may start MPI, which starts on all or on none
-    return end_together(
-        lambda comm: on_root(comm, lambda: int(module.execute(parsed, None))), launched
-    )
+    return end_together(lambda comm: on_root(comm, lambda: int(command(parsed))), launched)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -28,25 +28,18 @@ _THRESHOLD, _DIGIT = _U((1 << THRESHOLD_BITS) - 1), _U((1 << DIGIT) - 1)
 
 
 class Queue(NamedTuple):
-    """Buckets as chains of chunks.
+    """Buckets as chains of chunks of keys."""
 
-    shift : bits of a bucket's width; many : breaks of each bucket; last : its chunk that fills;
-    before : the chunk before a chunk; free : free[0] chunks are free, and lie behind it; keys :
-    shape (chunks, CHUNK); open : sorted keys of the bucket in which the slider is; spare : to sort
-    them; digits : how many of each digit; at : next of the open keys, their end, and the bucket's
-    number.
-    """
-
-    shift: np.int64
-    many: npt.NDArray[np.int32]
-    last: npt.NDArray[np.int32]
-    before: npt.NDArray[np.int32]
-    free: npt.NDArray[np.int32]
-    keys: npt.NDArray[np.uint64]
-    open: npt.NDArray[np.uint64]
-    spare: npt.NDArray[np.uint64]
-    digits: npt.NDArray[np.int64]
-    at: npt.NDArray[np.int64]
+    shift: np.int64  # bits of a bucket's width
+    many: npt.NDArray[np.int32]  # breaks of each bucket
+    last: npt.NDArray[np.int32]  # its chunk that fills
+    before: npt.NDArray[np.int32]  # the chunk before a chunk
+    free: npt.NDArray[np.int32]  # free[0] chunks are free, and lie behind it
+    keys: npt.NDArray[np.uint64]  # (chunks, CHUNK)
+    open: npt.NDArray[np.uint64]  # sorted keys of the bucket in which the slider is
+    spare: npt.NDArray[np.uint64]  # to sort them
+    digits: npt.NDArray[np.int64]  # how many there are of each
+    at: npt.NDArray[np.int64]  # next of the open keys, their end, and the bucket's number
 
 
 def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> int:
@@ -62,9 +55,9 @@ def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> i
 
 
 def make_queue(n: int, shift: int, buckets: int) -> Queue:
-    """An empty queue for n contacts, of so many buckets; memory is used as it fills."""
+    """A queue for n contacts, of so many buckets, to be cleared first; memory is used as it fills."""
     chunks = n // CHUNK + min(buckets, n) + 1
-    queue = Queue(
+    return Queue(
         shift=np.int64(shift),
         many=np.zeros(buckets, np.int32),
         last=np.zeros(buckets, np.int32),
@@ -76,16 +69,16 @@ def make_queue(n: int, shift: int, buckets: int) -> Queue:
         digits=np.empty((-(-shift // DIGIT), 1 << DIGIT), np.int64),
         at=np.zeros(3, np.int64),
     )
-    clear(queue, 0)
-    return queue
 
 
-def clear(queue: Queue, position: int) -> None:
+@bare
+def clear(queue, position):  # type: ignore[no-untyped-def]
     """Forget all breaks; the slider is at `position`, and the bucket before its own is open."""
     queue.many[:] = 0
     queue.free[0] = queue.free.size - 1
-    queue.free[1:] = np.arange(queue.free.size - 2, -1, -1)
-    queue.at[:] = 0, 0, (position >> int(queue.shift)) - 1
+    for i in range(1, queue.free.size):
+        queue.free[i] = queue.free.size - 1 - i
+    queue.at[0], queue.at[1], queue.at[2] = 0, 0, (position >> queue.shift) - 1
 
 
 @inlined
@@ -166,30 +159,22 @@ def _take(queue, into):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _sort(queue, d, n, old, new):  # type: ignore[no-untyped-def]
-    """Sort n keys by one digit of their places; those with the same digit keep their order."""
-    at = np.int64(0)
-    for k in range(queue.digits.shape[1]):
-        queue.digits[d, k], at = at, at + queue.digits[d, k]
-    for i in range(n):
-        digit = (old[i] >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
-        new[_U(queue.digits[d, digit])] = old[i]
-        queue.digits[d, digit] += 1
-
-
-@bare
 def open_next(queue):  # type: ignore[no-untyped-def]
-    """Open the next bucket: its breaks, in order; whether there is one."""
+    """Open the next bucket: its breaks in order of place, of arrival at the same one; whether there is one."""
     if queue.at[2] + 1 == queue.many.size:
         return False
     queue.at[2] += 1
-    last = queue.digits.shape[0] - 1
-    n = _take(queue, queue.open if last % 2 else queue.spare)
-    for d in range(last + 1):
-        if (last - d) % 2:
-            _sort(queue, d, n, queue.open, queue.spare)
-        else:
-            _sort(queue, d, n, queue.spare, queue.open)
-    queue.at[0] = 0
-    queue.at[1] = n
+    many = queue.digits.shape[0]
+    old, new = (queue.spare, queue.open) if many % 2 else (queue.open, queue.spare)
+    n = _take(queue, old)
+    for d in range(many):
+        at, places = np.int64(0), queue.digits[d]
+        for k in range(places.size):
+            places[k], at = at, at + places[k]
+        for i in range(n):
+            digit = (old[i] >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
+            new[_U(places[digit])] = old[i]
+            places[digit] += 1
+        old, new = new, old
+    queue.at[0], queue.at[1] = 0, n
     return True

@@ -14,11 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
-from eq_model.coupled.draws import take
-from eq_model.coupled.queue_kernel import next_break, open_next, take_next, wait
+from eq_model.coupled.queue_kernel import clear, next_break, open_next, take_next, wait
+from eq_model.draws.births import Births, draw_round, form_row
+from eq_model.draws.quantiles import Room, make_room
+from eq_model.draws.streams import LANES, Stream
 
-OFTEN = 64  # buckets after which to tell how far the drive has come
-GOING_ON, BUCKETS_PASSED, SLIP_ENDED, RESET_DUE, PATH_DONE, OVERTAKEN = range(6)
+OFTEN = 64  # buckets after which to let an interrupt be heard
+PATH_DONE, SLIP_ENDED, OVERTAKEN, BUCKETS_PASSED, GOING_ON = range(5)
 
 # Positions are whole units, forces and stiffnesses are sums of k_i x_i and k_i in <k>.
 SLIDER = np.dtype(
@@ -32,71 +34,89 @@ SLIDER = np.dtype(
         ("out", np.int64),  # broken in this avalanche, and not formed again
         ("broken", np.int64),  # breaks of this avalanche; 0: stuck
         ("breaks", np.int64),  # all of them
-        ("before", np.float64),  # X where this avalanche began
-        ("force_before", np.float64),
-        ("after", np.float64),  # X where the last avalanche ended
-        ("force_after", np.float64),
-        ("size", np.int64),  # contacts that broke in it
         ("point", np.int64),  # the next point of the path
-        ("leg", np.int64),  # that of the clock on which the drive is
-        ("return_leg", np.int64),  # that on which the next return is
         ("returning", np.int64),  # the next return
         ("returns", np.int64),  # the end of those that wait
     ]
 )
 
 
+class Supply(NamedTuple):
+    """Contacts of one replica that form, 4 LANES at a time."""
+
+    births: Births
+    stream: Stream
+    room: Room
+    ready: npt.NDArray[np.int64]  # (2, 4, LANES): thresholds and stretches
+    at: npt.NDArray[np.int64]  # the next of them, and how often they were drawn
+    mean: float  # threshold at which k_i = <k>; 0 where all are
+
+
 class Pull(NamedTuple):
-    """What pulls, and what the contacts are.
+    """What pulls n contacts, and what is told of them."""
 
-    spring : K in <k>; path, time : K X_T of the points, and when; clock, clock_drive : times and X_T
-    between which the drive moves straight; wait : the delay; mean : threshold at which k_i = <k>;
-    slip : breaks that make an avalanche a slip; at_once, resets : the rule; linked, delayed :
-    the laws that are there.
-    """
-
-    spring: float
-    path: npt.NDArray[np.float64]
-    time: npt.NDArray[np.float64]
-    clock: npt.NDArray[np.float64]
-    clock_drive: npt.NDArray[np.float64]
-    wait: float
-    mean: float
-    slip: int
-    at_once: bool
-    resets: bool
-    linked: bool
-    delayed: bool
-
-
-class Told(NamedTuple):
-    """X, F and how many hold at the path's points; how many avalanches broke 1, 2-3, 4-7, ..."""
-
-    position: npt.NDArray[np.float64]
-    force: npt.NDArray[np.float64]
-    held: npt.NDArray[np.int64]
-    avalanches: npt.NDArray[np.int64]
+    n: int
+    spring: float  # K in <k>
+    path: npt.NDArray[np.float64]  # K X_T of the points
+    time: npt.NDArray[np.float64]  # when the drive comes there
+    clock: npt.NDArray[np.float64]  # times between which the drive moves straight
+    clock_drive: npt.NDArray[np.float64]  # X_T then
+    wait: float  # the delay, below 0 where there is none
+    slip: int  # breaks that make an avalanche a slip
+    at_once: bool  # whether broken contacts form again at once
+    resets: bool  # whether a slip draws all contacts anew
+    last: npt.NDArray[
+        np.float64
+    ]  # avalanche: K X_T, X before and after, F before and after, breaks
+    told: npt.NDArray[np.float64]  # (3, points): X, F and how many hold
+    avalanches: npt.NDArray[np.int64]  # how many broke 1, 2-3, 4-7, ... contacts
+    returns: npt.NDArray[np.float64]  # a ring of times at which contacts that are out come back
+    many: npt.NDArray[np.int64]  # how many do
 
 
-class Returns(NamedTuple):
-    """Contacts that are out, in a ring: when they come back, and how many together."""
+def make_supply(births: Births, stream: Stream, mean: float = 0.0) -> Supply:
+    """The supply before its first draw."""
+    ready, at = np.empty((2, 4, LANES), np.int64), np.array([4 * LANES, 0])
+    return Supply(births, stream, make_room(), ready, at, mean)
 
-    time: npt.NDArray[np.float64]
-    many: npt.NDArray[np.int64]
+
+@bare
+def _refill(s):  # type: ignore[no-untyped-def]
+    turn = s.at[1]
+    draw_round(np.int64(LANES), turn, s.stream, s.births, s.room)
+    for row in range(np.int64(4)):
+        x, r = s.ready[0, row], s.ready[1, row]
+        form_row(np.int64(LANES), row, turn, s.stream, s.births, s.room, x, r)
+    s.at[0], s.at[1] = 0, turn + 1
 
 
 @inlined
-def move(s, b):  # type: ignore[no-untyped-def]
+def take(s):  # type: ignore[no-untyped-def]
+    """Threshold and stretch of the next contact."""
+    if s.at[0] == 4 * LANES:
+        _refill(s)
+    s.at[0] += 1
+    k, lanes = np.uint64(s.at[0] - 1), np.uint64(LANES)
+    return max(s.ready[0, k // lanes, k % lanes], np.int64(1)), s.ready[1, k // lanes, k % lanes]
+
+
+@inlined
+def _move(s, b):  # type: ignore[no-untyped-def]
     """The slider moves to b, and nothing breaks."""
     s.force += s.stiffness * np.float64(b - s.at)
     s.at = b
 
 
 @inlined
-def form(s, queue, supply, pull):  # type: ignore[no-untyped-def]
+def _stiffness(x, supply):  # type: ignore[no-untyped-def]
+    return np.float64(x) / supply.mean if supply.mean > 0.0 else 1.0
+
+
+@inlined
+def _form(s, queue, supply):  # type: ignore[no-untyped-def]
     """A contact forms at X."""
     x, r = take(supply)
-    k = np.float64(x) / pull.mean if pull.linked else 1.0
+    k = _stiffness(x, supply)
     s.held += 1
     s.stiffness += k
     s.force += k * np.float64(r)
@@ -105,36 +125,26 @@ def form(s, queue, supply, pull):  # type: ignore[no-untyped-def]
 
 
 @bare
-def form_all(s, queue, supply, pull, n):  # type: ignore[no-untyped-def]
-    """n contacts form at X."""
+def form_all(slider, queue, supply, n):  # type: ignore[no-untyped-def]
+    """All n contacts form at X, and no other holds."""
+    s = slider[0]
+    s.force, s.stiffness, s.held, s.out, s.broken = 0.0, 0.0, 0, 0, 0
+    clear(queue, s.at)
     for _ in range(n):
-        form(s[0], queue, supply, pull)
+        _form(s, queue, supply)
 
 
 @bare
-def time_of(s, pull, drive):  # type: ignore[no-untyped-def]
-    """When the drive comes to X_T first."""
-    while s[0].leg + 2 < pull.clock.size and pull.clock_drive[s[0].leg + 1] < drive:
-        s[0].leg += 1
-    leg = s[0].leg
-    way = pull.clock_drive[leg + 1] - pull.clock_drive[leg]
-    share = (drive - pull.clock_drive[leg]) / way if way > 0.0 else 1.0
-    return pull.clock[leg] + share * (pull.clock[leg + 1] - pull.clock[leg])
-
-
-@bare
-def drive_at(s, pull, time):  # type: ignore[no-untyped-def]
-    """X_T when the next return comes."""
-    while s[0].return_leg + 2 < pull.clock.size and pull.clock[s[0].return_leg + 1] < time:
-        s[0].return_leg += 1
-    leg = s[0].return_leg
-    share = (time - pull.clock[leg]) / (pull.clock[leg + 1] - pull.clock[leg])
-    step = pull.clock_drive[leg + 1] - pull.clock_drive[leg]
-    return pull.clock_drive[leg] + share * step
+def _straight(x, places, values):  # type: ignore[no-untyped-def]
+    """The value at x, straight between places that rise; where they stand the first."""
+    k = min(max(np.searchsorted(places, x), 1), places.size - 1)
+    step = places[k] - places[k - 1]
+    share = (x - places[k - 1]) / step if step > 0.0 else 1.0
+    return values[k - 1] + share * (values[k] - values[k - 1])
 
 
 @inlined
-def tell(s, pull, told, b, load, level, time):  # type: ignore[no-untyped-def]
+def _tell(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
     """F and X at the points that the drive passes before K X_T = level, there before this time.
 
     load : F + K X at b if nothing breaks before.
@@ -143,76 +153,69 @@ def tell(s, pull, told, b, load, level, time):  # type: ignore[no-untyped-def]
         pull.path[s.point] < level or (pull.path[s.point] == level and pull.time[s.point] < time)
     ):
         x = b - (load - pull.path[s.point]) / (pull.spring + s.stiffness)
-        told.position[s.point] = x
-        told.force[s.point] = pull.path[s.point] - pull.spring * x
-        told.held[s.point] = s.held
+        pull.told[0, s.point] = x
+        pull.told[1, s.point] = pull.path[s.point] - pull.spring * x
+        pull.told[2, s.point] = s.held
         s.point += 1
 
 
 @inlined
-def end_avalanche(s, pull, told, returns, slider):  # type: ignore[no-untyped-def]
-    """The slider is where the spring meets the contacts that hold; how many form again now.
-
-    s.after : where that is
-    """
-    forming = np.int64(0)
-    if not pull.at_once:
-        move(s, max(np.int64(np.rint(s.after)), s.at))
-        if pull.delayed:
-            last = s.returns % returns.time.size
-            returns.time[last] = time_of(slider, pull, s.pulled / pull.spring) + pull.wait
-            returns.many[last] = s.out
-            s.returns += 1
-        else:
-            forming = s.out
-        s.out = 0
-    s.size, s.broken = s.broken, 0
-    size, kind = s.size, 0
-    while size > 1:
-        size, kind = size >> 1, kind + 1
-    if s.size < pull.slip:
-        told.avalanches[kind] += 1
-    return forming
+def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
+    """The slider is at `after`, where the spring meets the contacts that hold; how many contacts broke."""
+    size, last, kind = s.broken, pull.last, 0
+    last[0], last[2], last[4] = s.pulled, after, s.pulled - pull.spring * after
+    last[5], s.broken = size, 0
+    if size < pull.slip:
+        while size >> (kind + 1):
+            kind += 1
+        pull.avalanches[kind] += 1
+    return size
 
 
 @bare
-def slide(slider, queue, supply, pull, told, returns):  # type: ignore[no-untyped-def]
-    """Move on until there is something to do that is done elsewhere: returns one of the reasons."""
+def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
+    """Move on until a slip has ended, or to another of the reasons to stop, which is returned."""
     s, passed = slider[0], 0
     while True:
         is_break, b = next_break(queue)
         load = s.force + s.stiffness * np.float64(b - s.at) + pull.spring * np.float64(b)
         both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
-        ends = s.broken > 0 and load > s.pulled  # an avalanche ends before b
         back = False  # contacts return before b
         if s.broken == 0:  # stuck
             level, time = load, -np.inf
-            if pull.delayed and s.returning < s.returns:
-                due = returns.time[s.returning % returns.time.size]
-                comes = pull.spring * drive_at(slider, pull, due)
+            if s.returning < s.returns:
+                due = pull.returns[s.returning % pull.returns.size]
+                comes = pull.spring * _straight(due, pull.clock, pull.clock_drive)
                 if comes < level:
                     back, level, time = True, comes, due
-            tell(s, pull, told, b, load, level, time)
+            _tell(s, pull, b, load, level, time)
             if s.point == pull.path.size:
                 return PATH_DONE
             if not back:
                 s.pulled = max(s.pulled, level)
-                s.before = np.float64(b)
-                s.force_before = load - pull.spring * np.float64(b)
+                pull.last[1], pull.last[3] = np.float64(b), load - pull.spring * np.float64(b)
         if back:
-            move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
-            forming = returns.many[s.returning % returns.time.size]
+            _move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
+            forming = pull.many[s.returning % pull.returns.size]
             s.returning += 1
-        elif ends:
-            s.after = b - (load - s.pulled) / both
-            s.force_after = s.pulled - pull.spring * s.after
-            forming = end_avalanche(s, pull, told, returns, slider)
-            if s.size >= pull.slip:
+        elif s.broken > 0 and load > s.pulled:  # the avalanche ends before b
+            after = b - (load - s.pulled) / both
+            if _end_avalanche(s, pull, after) >= pull.slip:
                 why = SLIP_ENDED
+            if not pull.at_once:
+                _move(s, max(np.int64(np.rint(after)), s.at))
+                if pull.wait >= 0.0:
+                    last = s.returns % pull.returns.size
+                    now = _straight(s.pulled / pull.spring, pull.clock_drive, pull.clock)
+                    pull.returns[last], pull.many[last] = now + pull.wait, s.out
+                    s.returns += 1
+                else:
+                    forming = s.out
+                s.out = 0
         elif is_break:
-            move(s, b)
+            _move(s, b)
             x = take_next(queue)
-            k = np.float64(x) / pull.mean if pull.linked else 1.0
+            k = _stiffness(x, supply)
             s.force -= k * np.float64(x)
             s.stiffness -= k
             s.held -= 1
@@ -223,15 +226,20 @@ def slide(slider, queue, supply, pull, told, returns):  # type: ignore[no-untype
             else:
                 s.out += 1
             if pull.resets and s.broken >= pull.slip:
-                why = RESET_DUE
+                # no contact holds, no return is due, and X = X_T
+                drive = s.pulled / pull.spring
+                s.at, s.returning = np.int64(np.rint(drive)), s.returns
+                _end_avalanche(s, pull, drive)
+                form_all(slider, queue, supply, pull.n)
+                return SLIP_ENDED
         else:
-            move(s, b)
+            _move(s, b)
+            passed += 1
             if not open_next(queue):
                 return OVERTAKEN
-            passed += 1
             if passed == OFTEN:
                 return BUCKETS_PASSED
         for _ in range(forming):
-            form(s, queue, supply, pull)
+            _form(s, queue, supply)
         if why != GOING_ON:
             return why

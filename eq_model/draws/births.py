@@ -1,18 +1,25 @@
-"""Compiled: how contacts form, each with a stretch and a threshold beyond it, rows of them at a time."""
+"""How contacts form, each with a stretch and a threshold beyond it: their tables, and compiled rows of them."""
 
+from functools import cache
+from types import SimpleNamespace
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
-import numpy.typing as npt
 
 from eq_model.compiling import compiled, inlined
-from eq_model.draws.quantiles import Scratch, beyond, draw_values, quantile, scratch
-from eq_model.draws.streams import LANES, ROW, draw, uniform, words_at
-from eq_model.draws.tables import Table
+from eq_model.draws.quantiles import beyond, draw_values, quantile
+from eq_model.draws.streams import LANES, STARTS, THRESHOLDS, draw, uniform, words_at
+from eq_model.draws.tables import DEEPEST, FAR, Table, make_table
+from origins import Contacts
+from origins.errors import InputError
+from origins.start import Start
 
 _U, _I = np.uint64, np.int64
 _STRETCHES, _BEYOND = np.int64(16), np.int64(32)  # of a purpose: what else its words are for
 _OTHERS = 8  # of a purpose: words in place of those that cannot be used
+LEVEL_UNIT = 2.0**-40  # logarithms of what contacts bear are drawn in whole numbers of this
+_FAINTEST, _LEAST = 1e-290, 1e-300  # survival that contacts may begin at, and that a table reaches
 
 
 class Births(NamedTuple):
@@ -26,18 +33,71 @@ class Births(NamedTuple):
     purpose: np.int64  # of the words
 
 
-class Room(NamedTuple):
-    """Words of a round for thresholds and for stretches, and rows to work in."""
-
-    words: npt.NDArray[np.uint32]
-    others: npt.NDArray[np.uint32]
-    rows: Scratch
+# many seeds ask the same
+_KNOWN: WeakKeyDictionary[Contacts, dict[str, Table]] = WeakKeyDictionary()
 
 
-@compiled
-def make_room():  # type: ignore[no-untyped-def]
-    """For LANES lanes."""
-    return Room(np.zeros(4 * ROW, np.uint32), np.zeros(4 * ROW, np.uint32), scratch())
+def tables_of(contacts: Contacts) -> dict[str, Table]:
+    """Tables (lengths) of "thresholds" and, unless these are single values, "start" and "reforming"; made once.
+
+    Raises InputError where they cannot be certified, and where stretches reach so far beyond the
+    thresholds that their survival is below 1e-290.
+    """
+    if contacts not in _KNOWN:
+        laws = laws_of(contacts)
+        rare = min(_survival(name, law, contacts) for name, law in laws.items())
+        found = {"thresholds": make_table(contacts.thresholds, max(DEEPEST * rare, _LEAST))}
+        spread = ((name, law) for name, law in laws.items() if not law.is_single)
+        _KNOWN[contacts] = found | {name: make_table(law, name=name) for name, law in spread}
+    return _KNOWN[contacts]
+
+
+def laws_of(contacts: Contacts) -> dict[str, Start]:
+    """Laws of the stretches at which contacts form: at X = 0, and later on where these are not relaxed."""
+    again = contacts.reforming
+    return {"start": contacts.start} | ({"reforming": again.law} if again else {})
+
+
+def births_of(contacts: Contacts, unit: float) -> tuple[Births, Births]:
+    """Births at X = 0 and later on, in units of a length."""
+    tables = {name: table.in_units(unit) for name, table in tables_of(contacts).items()}
+    top = np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR)))
+
+    def make(name: str, purpose: np.int64) -> Births:
+        law, own = laws_of(contacts).get(name), tables.get(name, tables["thresholds"])
+        single = np.int64(round(law.mean() / unit) if law else 0)
+        return Births(tables["thresholds"], own, single, name in tables, top, purpose)
+
+    return make("start", STARTS), make("reforming", THRESHOLDS)
+
+
+@cache
+def exposures() -> Table:
+    """Of ln e, e of the exponential law of mean 1: contacts break where the integral of their rate is e."""
+    law = SimpleNamespace(
+        cdf=lambda x: -np.expm1(-np.exp(x)),
+        sf=lambda x: np.exp(-np.exp(x)),
+        ppf=lambda q: np.log(-np.log1p(-np.asarray(q))),
+        isf=lambda q: np.log(-np.log(q)),
+    )
+    return make_table(law, name="what contacts bear")
+
+
+def _survival(name: str, law: Start, contacts: Contacts) -> float:
+    """Survival of the thresholds where the stretches of `law` reach furthest."""
+    thresholds, furthest = contacts.thresholds, max(abs(law.span[0]), abs(law.span[1]))
+    upper = thresholds.support()[1]
+    if furthest >= upper:
+        # what lies beyond is cut off, but what is left comes close to the last of the thresholds
+        return max(float(thresholds.sf(np.nextafter(upper, 0.0))), _FAINTEST)
+    survival = float(thresholds.sf(furthest))
+    if survival < _FAINTEST:
+        deepest = float(thresholds.isf(_FAINTEST))
+        raise InputError(
+            f"{name}: reaches |x| = {furthest:g}, where the survival of the thresholds is below 1e-290; "
+            f"use stretches that contacts can have reached, below {deepest:.6g}"
+        )
+    return survival
 
 
 @inlined
@@ -52,10 +112,10 @@ def draw_round(n, turn, stream, births, room):  # type: ignore[no-untyped-def]
 def form_row(n, row, turn, stream, births, room, x, r):  # type: ignore[no-untyped-def]
     """Thresholds x and stretches r of n contacts that form: P_c conditional on x_s > |r|."""
     table, purpose = births.thresholds, births.purpose
-    draw_values(n, row, turn, stream, purpose, room.words, table, room.rows, x)
+    draw_values(n, row, turn, stream, purpose, room.words, table, room, x)
     if births.drawn:
         own, stretches = purpose + _STRETCHES, births.stretches
-        draw_values(n, row, turn, stream, own, room.others, stretches, room.rows, r)
+        draw_values(n, row, turn, stream, own, room.others, stretches, room, r)
         for i in range(_U(n)):
             attempt = 0
             while abs(r[i]) >= births.top:
@@ -72,7 +132,7 @@ def form_row(n, row, turn, stream, births, room, x, r):  # type: ignore[no-untyp
         for i in range(n):
             if x[i] < abs(r[i]):
                 a, b, c, d = words_at(i, turn, stream, purpose + _BEYOND + row)
-                x[i] = beyond(abs(r[i]), uniform(a, b), uniform(c, d), table, room.rows)
+                x[i] = beyond(abs(r[i]), uniform(a, b), uniform(c, d), table, room)
 
 
 @compiled

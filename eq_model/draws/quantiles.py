@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, single_of
-from eq_model.draws.streams import LANES, ROW, fine_word
+from eq_model.draws.streams import FINE, LANES, ROW, words_at
 from eq_model.draws.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
 _U, _I, _F = np.uint64, np.int64, np.float64
@@ -16,9 +16,11 @@ _SHIFT = np.int64(52 - CELL_BITS)
 _CLOSE = np.int64(1 << 26)  # in the last bits of a double: 1.5e-8 of it, below what tables tell
 
 
-class Scratch(NamedTuple):
-    """Rows that the stages of `values` hand on to one another."""
+class Room(NamedTuple):
+    """Rows that the stages of a draw hand on to one another, for LANES lanes."""
 
+    words: npt.NDArray[np.uint32]  # of a round
+    others: npt.NDArray[np.uint32]  # for stretches
     known: npt.NDArray[np.float64]  # (1 + parts,): a stretch, and how much of each part lies above
     part: npt.NDArray[np.uint32]
     local: npt.NDArray[np.uint32]
@@ -28,91 +30,82 @@ class Scratch(NamedTuple):
 
 
 @compiled
-def scratch():  # type: ignore[no-untyped-def]
-    """Room for LANES lanes."""
-    return Scratch(
-        np.full(9, -1.0),
-        np.zeros(LANES, np.uint32),
-        np.zeros(LANES, np.uint32),
-        np.zeros(LANES, np.uint32),
-        np.zeros(LANES),
-        np.zeros(2 * LANES, np.int64),
-    )
+def make_room():  # type: ignore[no-untyped-def]
+    """Room for one block."""
+    words, lanes = np.zeros((2, 4 * ROW), np.uint32), np.zeros((3, LANES), np.uint32)
+    rows = lanes[0], lanes[1], lanes[2], np.zeros(LANES), np.zeros(2 * LANES, np.int64)
+    return Room(words[0], words[1], np.full(9, -1.0), *rows)
 
 
 @inlined
-def _cell_of(count):  # type: ignore[no-untyped-def]
-    """The quick cell of v = count 2^-32, of those of one side."""
-    return min(max((bits_of(count) >> _SHIFT) - _FIRST, _I(0)), _I(SIDE - 1))
+def _spread(word, part, table):  # type: ignore[no-untyped-def]
+    """A word that draws this part, spread over all words."""
+    spread = table.spreads[part]
+    return np.uint32(((_U(word) - _U(table.begins[part])) * spread + (spread >> _U(1))) >> _U(32))
 
 
 @bare
-def _choose(n, row, words, table, rows):  # type: ignore[no-untyped-def]
+def _choose(n, row, words, table, room):  # type: ignore[no-untyped-def]
     """The part that each word of a row draws, and the word spread over all of that part."""
-    start, many = _U(row * ROW), table.begins.size
+    start = _U(row * ROW)
     for i in range(_U(n)):
-        rows.part[i] = np.uint32(0)
-    for k in range(1, many):
+        room.part[i] = np.uint32(0)
+    for k in range(1, table.begins.size):
         begin = table.begins[k]
         for i in range(_U(n)):
-            rows.part[i] += np.uint32(_I(words[i + start]) >= begin)
+            room.part[i] += np.uint32(_I(words[i + start]) >= begin)
     for i in range(_U(n)):
-        part = _U(rows.part[i])
-        spread, begin = table.spreads[part], _U(table.begins[part])
-        rows.local[i] = np.uint32(
-            ((_U(words[i + start]) - begin) * spread + (spread >> _U(1))) >> _U(32)
-        )
+        room.local[i] = _spread(words[i + start], _U(room.part[i]), table)
 
 
 @inlined
-def values(n, row, words, table, rows, out):  # type: ignore[no-untyped-def]
-    """Whole quantiles of n words of a row; True where some exceed FAR: `mend` has them from the tree."""
+def _values(n, row, words, table, room, out):  # type: ignore[no-untyped-def]
+    """Whole quantiles of n words of a row; True where some are FAR: `_mend` has them from the tree."""
     start, many = _U(row * ROW), table.begins.size
     if many > 1:
-        _choose(n, row, words, table, rows)
+        _choose(n, row, words, table, room)
     else:
         for i in range(_U(n)):
-            rows.local[i] = words[i + start]
+            room.local[i] = words[i + start]
     for i in range(_U(n)):
-        word = rows.local[i]
+        word = room.local[i]
         bits = bits_of(_F(np.int32(word & _LOW31)) + 0.5)
         cell = max((bits >> _SHIFT) - _FIRST, _I(0))
-        rows.cell[i] = np.uint32(cell + (_I(np.int32(word) >> np.int32(31)) & _I(SIDE)))
+        room.cell[i] = np.uint32(cell + (_I(np.int32(word) >> np.int32(31)) & _I(SIDE)))
         inside = (bits & ((_I(1) << _SHIFT) - _I(1))) << _I(CELL_BITS)
-        rows.place[i] = double_of(inside | _EXPONENT) - 1.0
+        room.place[i] = double_of(inside | _EXPONENT) - 1.0
     if many > 1:
         for i in range(_U(n)):
-            rows.cell[i] += rows.part[i] * np.uint32(2 * SIDE)
+            room.cell[i] += room.part[i] * np.uint32(2 * SIDE)
     for i in range(_U(n)):  # sixteen bytes copied at a time: faster than gathers
-        k, j = _U(rows.cell[i]) << _U(1), i << _U(1)
+        k, j = _U(room.cell[i]) << _U(1), i << _U(1)
         first, slopes = table.hot[k], table.hot[k + _U(1)]
-        rows.got[j], rows.got[j + _U(1)] = first, slopes
+        room.got[j], room.got[j + _U(1)] = first, slopes
     most = _I(0)
     for i in range(_U(n)):
-        j, t = i << _U(1), rows.place[i]
-        slopes = rows.got[j + _U(1)]
+        j, t = i << _U(1), room.place[i]
+        slopes = room.got[j + _U(1)]
         c1, c2 = _F(single_of(np.int32(slopes))), _F(single_of(np.int32(slopes >> _I(32))))
-        value = _I(np.floor(double_of(rows.got[j]) + t * (c1 + t * c2) + 0.5))
+        value = _I(np.floor(double_of(room.got[j]) + t * (c1 + t * c2) + 0.5))
         out[i] = value
         most = max(most, value)
     return most >= FAR
 
 
 @bare
-def mend(n, row, turn, stream, purpose, words, table, out):  # type: ignore[no-untyped-def]
+def _mend(n, row, turn, stream, purpose, words, table, out):  # type: ignore[no-untyped-def]
     """The values of a row that the quick cells do not hold, with the words' continuations."""
     for i in range(_U(n)):
         if out[i] >= FAR:
-            out[i] = quantile(
-                words[i + _U(row * ROW)], fine_word(i, turn, row, stream, purpose), table
-            )
+            fine, _, _, _ = words_at(i, turn, stream, purpose + FINE + row)
+            out[i] = quantile(words[i + _U(row * ROW)], fine, table)
 
 
 @inlined
-def draw_values(n, row, turn, stream, purpose, words, table, rows, out):  # type: ignore[no-untyped-def]
+def draw_values(n, row, turn, stream, purpose, words, table, room, out):  # type: ignore[no-untyped-def]
     """Whole quantiles of n words of a row, all of them."""
-    if values(n, row, words, table, rows, out):
-        mend(n, row, turn, stream, purpose, words, table, out)
+    if _values(n, row, words, table, room, out):
+        _mend(n, row, turn, stream, purpose, words, table, out)
 
 
 @bare
@@ -123,11 +116,7 @@ def quantile(word, fine, table):  # type: ignore[no-untyped-def]
         part += 1
     local, grain = np.uint32(word), 1.0
     if table.begins.size > 1:
-        spread = table.spreads[part]
-        local = np.uint32(
-            ((_U(word) - _U(table.begins[part])) * spread + (spread >> _U(1))) >> _U(32)
-        )
-        grain = _F(spread) * 2.0**-32
+        local, grain = _spread(word, part, table), _F(table.spreads[part]) * 2.0**-32
     v = abs(_F(local & _LOW31) + 0.5 + ((_F(fine) + 0.5) * 2.0**-32 - 0.5) * grain) * 2.0**-32
     return _whole(value_at(part, local > _LOW31, v, table))
 
@@ -140,8 +129,8 @@ def _whole(y):  # type: ignore[no-untyped-def]
 @bare
 def value_at(part, above, v, table):  # type: ignore[no-untyped-def]
     """The quantile, in units, of a part at v = 1 - u if `above`, else v = u; 0 < v <= 1/2."""
-    cell = _cell_of(v * 2.0**32)
-    node = _I(part) * (2 * SIDE) + (SIDE if above else 0) + cell
+    cell = min(max((bits_of(v * 2.0**32) >> _SHIFT) - _FIRST, _I(0)), _I(SIDE - 1))
+    node = table.first[part] + (SIDE if above else 0) + cell
     place = v if cell else min(-np.log2(v), table.cells[node, 0] + table.cells[node, 1])
     while table.child[node] >= 0:
         node = _I(table.child[node])
@@ -151,7 +140,7 @@ def value_at(part, above, v, table):  # type: ignore[no-untyped-def]
 
 
 @bare
-def survival(part, x, table):  # type: ignore[no-untyped-def]
+def _survival(part, x, table):  # type: ignore[no-untyped-def]
     """How much of a part lies above x (in units): by halving, as its own quantiles tell."""
     # smallest share of which the tree knows, and all, in bits, which rise as numbers do
     first, high = bits_of(1e-300), bits_of(1.0)
@@ -168,23 +157,19 @@ def survival(part, x, table):  # type: ignore[no-untyped-def]
 
 
 @bare
-def beyond(x, first, second, table, rows):  # type: ignore[no-untyped-def]
+def beyond(x, first, second, table, room):  # type: ignore[no-untyped-def]
     """A whole threshold above x (whole), from two numbers between 0 and 1: P_c conditional on x_s > x."""
-    known, many = rows.known, table.begins.size
+    known, many = room.known, table.begins.size
     if known[0] != _F(x):
         known[0] = _F(x)
         for k in range(many):
-            known[k + 1] = survival(_I(k), _F(x), table)
-    total, part = 0.0, _I(0)
-    for k in range(many):
-        total += table.weights[k] * known[k + 1]
-    first *= total
-    while part + 1 < many and first >= table.weights[part] * known[part + 1]:
-        first -= table.weights[part] * known[part + 1]
+            known[k + 1] = table.weights[k] * _survival(_I(k), _F(x), table)
+    first *= known[1 : many + 1].sum()
+    part = _I(0)
+    while part + 1 < many and first >= known[part + 1]:
+        first -= known[part + 1]
         part += 1
-    v = known[part + 1] * second
+    v = known[part + 1] / table.weights[part] * second
     if v <= 0.5:
-        found = value_at(part, True, max(v, 1e-300), table)
-    else:
-        found = value_at(part, False, 1.0 - v, table)
-    return max(_whole(found), x)
+        return max(_whole(value_at(part, True, max(v, 1e-300), table)), x)
+    return max(_whole(value_at(part, False, 1.0 - v, table)), x)

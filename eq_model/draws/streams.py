@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, inlined
-from origins.errors import refuse, whole
+from origins.streams import key_of
 
 LANES = 256  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
 ROW = LANES + 24  # a word a lane; rows of one array then do not share a cache set
@@ -19,7 +19,7 @@ ROUNDS = 7
 # what words are for; `fine` ones continue the four words of a round where 32 bits are too few. Of a
 # type of numpy's: for each number of Python's own numba compiles a function anew.
 THRESHOLDS, STARTS, EXPOSURES, STEPS, WATCHED = np.array([0, 48, 96, 112, 128])
-_FINE = 4
+FINE = 4
 
 _U = np.uint64
 _MASK, _HALF = _U(0xFFFFFFFF), _U(32)
@@ -37,10 +37,8 @@ class Stream(NamedTuple):
 
 def make_stream(seed: object, block: int) -> Stream:
     """The stream of a block; InputError unless the seed is a whole number from 0 to 2^64 - 1."""
-    number = whole("seed", seed, 0)
-    if number >= 1 << 64:
-        refuse("seed", seed, "must be below 2^64")
-    return Stream(_U(number & 0xFFFFFFFF), _U(number >> 32), _U(block))
+    low, high = key_of(seed)
+    return Stream(_U(low), _U(high), _U(block))
 
 
 @inlined
@@ -59,12 +57,6 @@ def words_at(lane, turn, stream, purpose):  # type: ignore[no-untyped-def]
     turn = _U(turn)
     third = _U(purpose) | ((turn >> _HALF) << _U(8))
     return philox(_U(lane), turn & _MASK, stream.block, third, stream.low, stream.high)
-
-
-@inlined
-def fine_word(lane, turn, row, stream, purpose):  # type: ignore[no-untyped-def]
-    """The 32 bits that follow the word of this row of a round."""
-    return words_at(lane, turn, stream, purpose + _FINE + row)[0]
 
 
 @inlined

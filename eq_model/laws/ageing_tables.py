@@ -21,10 +21,10 @@ _NEGLIGIBLE = 0.02  # a power that tells nothing of an end
 
 
 class DriftTable(NamedTuple):
-    """Of d ln P_cf/dw at even steps of w, that of lengths if the law has no upper end.
+    """Of d ln P_cf/dw at even steps of w, that of whole units if the law has no upper end.
 
     low, high : ends of the final law, the upper one may be inf; near, far : thresholds between which
-    the table is (lengths, or units).
+    the table is (units).
     """
 
     low: float
@@ -35,18 +35,12 @@ class DriftTable(NamedTuple):
     step: float
     values: Array
 
-    def in_units(self, unit: float) -> "DriftTable":
-        """The same, of lengths in units."""
-        low, high, near, far = (end / unit for end in self[:4])
-        first = self.first - (0.0 if high < np.inf else np.log(unit))
-        return DriftTable(low, high, near, far, first, self.step, self.values)
-
 
 NO_DRIFT = DriftTable(0.0, np.inf, 0.0, np.inf, 0.0, 1.0, np.zeros(2))
 
 
-def drift_table(final: Thresholds, fresh: Thresholds) -> DriftTable:
-    """The table for thresholds of `fresh` that diffuse towards `final`.
+def drift_table(final: Thresholds, fresh: Thresholds, unit: float) -> DriftTable:
+    """The table, in units of a length, for thresholds of `fresh` that diffuse towards `final`.
 
     Raises InputError for a final law whose density diverges at a wall.
     """
@@ -55,8 +49,8 @@ def drift_table(final: Thresholds, fresh: Thresholds) -> DriftTable:
     near = min(float(final.ppf(_RARE)), float(fresh.ppf(_RARE)))
     far = max(float(final.isf(_RARE)), float(fresh.isf(_RARE)))
     near, far = max(near, low + _NEAREST * width), min(far, high - _NEAREST * width)
-    ends = np.array([near, far])
-    first, last = np.log((ends - low) / (high - ends) if high < np.inf else ends - low)
+    edges = np.array([near, far])
+    first, last = np.log((edges - low) / (high - edges) if high < np.inf else edges - low)
     w = np.linspace(first, last, _NODES)
     y = low + np.exp(w)
     if high < np.inf:  # from the end that is closer, so that no digits are lost there
@@ -69,4 +63,6 @@ def drift_table(final: Thresholds, fresh: Thresholds) -> DriftTable:
                 f"ageing: the density of the final law diverges at {end:g}, and thresholds stick to that end in steps "
                 "too short to follow; use a final law with a finite density, or the master equation"
             )
-    return DriftTable(low, high, near, far, first, w[1] - w[0], values)
+    first -= 0.0 if high < np.inf else np.log(unit)
+    step = w[1] - w[0]
+    return DriftTable(low / unit, high / unit, near / unit, far / unit, first, step, values)

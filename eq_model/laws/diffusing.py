@@ -8,11 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, SEEN, Break, look_at, place_of
-from eq_model.draws.streams import STEPS, words_at
+from eq_model.contact import LIVES, SEEN, Break, look_at, place_of, rate
+from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
 from eq_model.laws.ageing_tables import DriftTable
-from eq_model.laws.breaking import rate
-from eq_model.laws.bridge import between, first_meeting, fourth, normal
 
 _F, _I = np.float64, np.int64
 _THERMAL = 0.1  # of what a contact bears, spent in one step
@@ -45,6 +43,58 @@ class Ageing(NamedTuple):
         """With steps so many times longer."""
         # the integral of a rate is of fourth order in the change of its logarithm
         return self._replace(longest=times * self.longest, coarse=times**0.25)
+
+
+@bare
+def _normal(words):  # type: ignore[no-untyped-def]
+    """A draw of the standard normal law from three of four words."""
+    angle = 2.0 * np.pi * (_F(words[2]) + 0.5) * 2.0**-32
+    return np.sqrt(-2.0 * np.log(uniform(words[0], words[1]))) * np.cos(angle)
+
+
+@bare
+def _fourth(words):  # type: ignore[no-untyped-def]
+    """Between 0 and 1, from the fourth of four words."""
+    return (_F(words[3]) + 0.5) * 2.0**-32
+
+
+@bare
+def _first_meeting(above, below, spread, bell, chance):  # type: ignore[no-untyped-def]
+    """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
+
+    I/(1 + I), I of the inverse Gaussian law of mean above/|below| and shape above²/spread², spread² the variance of
+    the step without ends.
+    """
+    if above <= 0.0:
+        return 0.0
+    if below == 0.0:
+        return 1.0
+    mean, shape = above / abs(below), (above / spread) ** 2
+    w = 0.5 * mean * bell * bell / shape
+    first = mean / (1.0 + w + np.sqrt(w * (2.0 + w)))
+    if chance * (mean + first) > mean:
+        first = mean * (mean / first)
+    return first / (1.0 + first)
+
+
+@bare
+def _between(above, below, variance, part, lane, turn, stream):  # type: ignore[no-untyped-def]
+    """How far above zero a Brownian bridge from `above` to `below` is after a part of its way, given that it stays.
+
+    It is the distance of a bridge in three dimensions, whose end has a random direction (Williams, 1974).
+    """
+    part = min(max(part, 0.0), 1.0)
+    width = np.sqrt(variance * part * (1.0 - part))
+    first, second = words_at(lane, turn, stream, WATCHED), words_at(lane, turn, stream, WATCHED + 1)
+    third = words_at(lane, turn, stream, WATCHED + 2)
+    chance, pull = _fourth(first), above * below / variance
+    along = 2.0 * chance - 1.0
+    if pull > 1e-6:
+        along = 1.0 + np.log(chance + (1.0 - chance) * np.exp(-2.0 * pull)) / pull
+    across = np.sqrt(max(1.0 - along * along, 0.0))
+    x = (1.0 - part) * above + part * below * along + width * _normal(first)
+    y = part * below * across + width * _normal(second)
+    return np.sqrt(x * x + y * y + (width * _normal(third)) ** 2)
 
 
 @bare
@@ -85,18 +135,6 @@ def _moved(y, time, bell, chance, walled, ageing):  # type: ignore[no-untyped-de
 
 
 @bare
-def _safe_step(gap, y, x, speed, ageing):  # type: ignore[no-untyped-def]
-    """A time within which a threshold y does not come down to a stretch |x| that grows with `speed`."""
-    # what is above the mean may come down to it
-    gap = min(y, max(ageing.mean, 0.0)) - x
-    if gap <= 0.0:
-        return 0.0
-    spread = _FAR * np.sqrt(2.0 * ageing.diffusion)
-    root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
-    return root * root
-
-
-@bare
 def _rate(x, y, ageing):  # type: ignore[no-untyped-def]
     return rate(ageing.rates, min(x, y) * ageing.unit, y * ageing.unit, 1.0)
 
@@ -113,35 +151,15 @@ def _steepness(x, y, ageing):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _felt(time, x, y, speed, ageing):  # type: ignore[no-untyped-def]
-    """The part of a step in which the breaking rate changes little, and little is borne."""
-    coarse, change = ageing.coarse, ageing.coarse * _CHANGE
-    time = min(time, coarse**2 * _THERMAL / max(_rate(x, y, ageing), 1e-300))
-    pull = ageing.relaxing * abs(ageing.mean - y)
-    if not ageing.normal:
-        pull = ageing.diffusion * abs(_drift(y, ageing))
-    for _ in range(2):  # the rate is steeper, or less so, where the step ends
-        of_x, of_y = _steepness(min(x + speed * time, y), y, ageing)
-        time = min(time, change / max(of_x * speed + of_y * pull, 1e-300))
-        time = min(time, (change / max(of_y, 1e-300)) ** 2 / (2.0 * ageing.diffusion))
-    return time
-
-
-@bare
-def _borne(first, last, time, spread):  # type: ignore[no-untyped-def]
-    """Integral of a rate over a step from its ends, of which the logarithm goes straight but for a Brownian bridge."""
-    ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
-    mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
-    return mean * time * (1.0 + min(spread * spread, 1.0) / 12.0)
-
-
-@bare
 def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
     """The time of the next step, at most `left`; the stretch |x| = here grows with `speed`."""
     time = law.longest
-    if law.normal:
-        time = max(time, _safe_step(y - here, y, here, speed, law))
-    elif law.table.low == 0.0:  # drifts are steep near there
+    gap = min(y, max(law.mean, 0.0)) - here  # what is above the mean may come down to it
+    if law.normal and gap > 0.0:  # within the time the threshold does not come down to the stretch
+        spread = _FAR * np.sqrt(2.0 * law.diffusion)
+        root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
+        time = max(time, root * root)
+    if not law.normal and law.table.low == 0.0:  # drifts are steep near there
         near = (_OF_THE_WAY * y) ** 2 / (2.0 * law.diffusion)
         time = min(time, max(near, _LEAST * time))
     if law.table.high < np.inf and here >= law.table.low:
@@ -149,33 +167,34 @@ def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
         gap = max(law.table.high - here, 1.0)
         time = min(time, (_OF_THE_GAP * gap) ** 2 / (2.0 * law.diffusion))
         time = min(time, 0.5 * gap / speed) if speed > 0.0 else time
-    if law.warm:
-        time = max(_felt(min(time, left), min(here, y), y, speed, law), 1e-3 * law.longest)
-    return min(time, left)
+    if not law.warm:
+        return min(time, left)
+    # the part in which the breaking rate changes little, and little is borne
+    x, change = min(here, y), law.coarse * _CHANGE
+    spent = law.coarse**2 * _THERMAL / max(_rate(x, y, law), 1e-300)
+    pull = law.relaxing * abs(law.mean - y)
+    if not law.normal:
+        pull = law.diffusion * abs(_drift(y, law))
+    time = min(min(time, left), spent)
+    for _ in range(2):  # the rate is steeper, or less so, where the step ends
+        of_x, of_y = _steepness(min(x + speed * time, y), y, law)
+        time = min(time, change / max(of_x * speed + of_y * pull, 1e-300))
+        time = min(time, (change / max(of_y, 1e-300)) ** 2 / (2.0 * law.diffusion))
+    return min(max(time, 1e-3 * law.longest), left)
 
 
-def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
+def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact whose threshold diffuses, counted at the watched points on its way."""
-    lane, stream, at, leg, place = (
-        contact.lane,
-        contact.stream,
-        contact.clock,
-        contact.leg,
-        contact.drawn,
-    )
-    legs, y, stretch, diffusion = (
-        course.directions.size,
-        _F(contact.threshold),
-        contact.stretch,
-        law.diffusion,
-    )
-    bears, seen, moments = np.exp(contact.exposure), _I(0), watch.moments
+    lane, stream, place = contact.lane, contact.stream, contact.drawn
+    at, leg, wall = contact.clock, contact.leg, law.table.low
+    legs, y, stretch = way.directions.size, _F(contact.threshold), contact.stretch
+    bears, seen, moments = np.exp(contact.exposure), _I(0), way.moments
     many = moments.size if counts.shape[0] else 0
     known, lost, width = -1.0, 0.0, 0.0
     while seen < many and moments[seen] < at:
         seen += 1
     while leg < legs:
-        d, pace, end = course.directions[leg], course.paces[leg], course.begins[leg + 1]
+        d, pace, end = way.directions[leg], way.paces[leg], way.begins[leg + 1]
         # on a leg the stretch is followed as a number, and rounded where the contact breaks
         passed, room = 0.0, _F(end - at)
         while passed < room:
@@ -185,18 +204,13 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             if d != 0 and not leaving:
                 left = min(left, max(here, 1.0) * pace)
             # what comes to the law's lower end is reflected where the stretch is below, and breaks beyond
-            if (
-                not law.normal
-                and d != 0
-                and (here < law.table.low) == leaving
-                and here != law.table.low
-            ):
-                left = min(left, max(abs(law.table.low - here), 1.0) * pace)
+            if not law.normal and d != 0 and here != wall and (here < wall) == leaving:
+                left = min(left, max(abs(wall - here), 1.0) * pace)
             time = _step(y, here, speed, left, law)
             words = words_at(lane, place, stream, STEPS)
-            bell, chance, ticks = normal(words), fourth(words), time / pace
+            bell, chance, ticks = _normal(words), _fourth(words), time / pace
             then = abs(_F(stretch) + d * (passed + ticks))
-            walled = here + then < 2.0 * law.table.low
+            walled = here + then < 2.0 * wall
             place += 1
             if law.normal:
                 if time != known:  # most steps are as long as the last one
@@ -206,11 +220,11 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             else:
                 reflected = chance
                 if not walled and law.table.high < np.inf:
-                    reflected = fourth(words_at(lane, place, stream, STEPS))
+                    reflected = _fourth(words_at(lane, place, stream, STEPS))
                     place += 1
                 later = _moved(y, time, bell, reflected, walled, law)
             # the stretch is rounded where a leg ends
-            above, below, variance = max(y - here, 0.0), later - then, 2.0 * diffusion * time
+            above, below, variance = max(y - here, 0.0), later - then, 2.0 * law.diffusion * time
             part, broken = 1.0, below <= 0.0 and not walled
             if not broken and not walled:
                 far = 2.0 * above * below / variance
@@ -218,14 +232,18 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             if broken:
                 words = words_at(lane, place, stream, STEPS)
                 place += 1
-                part = first_meeting(above, below, np.sqrt(variance), normal(words), fourth(words))
+                spread, bell = np.sqrt(variance), _normal(words)
+                part = _first_meeting(above, below, spread, bell, _fourth(words))
                 below, variance = 0.0, variance * part
             met = part
             if law.warm:
                 first, reached = _rate(here, y, law), here + part * (then - here)
                 last = _rate(reached, reached, law) if broken else _rate(then, later, law)
                 spread = _steepness(min(here, y), y, law)[1] * np.sqrt(variance)
-                spent = _borne(first, last, time * part, spread)
+                # of the rate's integral: its logarithm goes straight but for a Brownian bridge
+                ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
+                mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
+                spent = mean * time * part * (1.0 + min(spread * spread, 1.0) / 12.0)
                 if spent >= bears:
                     part *= bears / spent
                     broken = True
@@ -235,17 +253,14 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
             while seen < many and moments[seen] < until and moments[seen] <= end:
                 share = (_F(moments[seen] - at) - passed) / max(met * ticks, 1.0)
                 turn = (place << _MOST_WATCHED) | seen
-                gap = between(
-                    above, max(below, 0.0), max(variance, 1e-300), share, lane, turn, stream
-                )
+                low, wide = max(below, 0.0), max(variance, 1e-300)
+                gap = _between(above, low, wide, share, lane, turn, stream)
                 threshold = here + share * met * (then - here) + gap
                 if not law.normal:
                     threshold = min(threshold, 2.0 * law.table.high - threshold)
-                    threshold = (
-                        law.table.low + abs(threshold - law.table.low) if walled else threshold
-                    )
-                birth = place_of(moments[seen], leg, course) - stretch - d * (moments[seen] - at)
-                look_at(seen, birth, threshold, watch, counts)
+                    threshold = wall + abs(threshold - wall) if walled else threshold
+                birth = place_of(moments[seen], leg, way) - stretch - d * (moments[seen] - at)
+                look_at(seen, birth, threshold, way, counts)
                 seen += 1
             if broken:
                 return Break(at + gone, leg, place, True)
@@ -256,13 +271,9 @@ def grow_old(law, contact, course, watch, counts):  # type: ignore[no-untyped-de
         stretch += d * (end - at)
         leg += 1
         at = end
-    return Break(course.begins[legs] + 1, leg, place, True)
-
-
-def _counted(law, contact, course, moment):  # type: ignore[no-untyped-def]
-    """Contacts are counted on the way, where the threshold is known."""
-    return -1.0
+    return Break(way.begins[legs] + 1, leg, place, True)
 
 
 LIVES[Ageing] = grow_old
-SEEN[Ageing] = _counted
+# contacts are counted on the way, where the threshold is known
+SEEN[Ageing] = lambda law, contact, way, moment: -1.0

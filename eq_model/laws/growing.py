@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare
-from eq_model.contact import LIVES, SEEN, Break
+from eq_model.contact import LIVES, SEEN, Break, most, rate
 from eq_model.draws.streams import STEPS, uniform, words_at
-from eq_model.laws.breaking import most, rate
 
 _I, _F = np.int64, np.float64
 _SMALL = 0.4  # grain sizes, of the largest, below which psi is integrated: its closed form cancels
@@ -20,10 +19,8 @@ _NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(10)[0]).tolist())
 _WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(10)[1]).tolist())
 _STEPS, _MISS = 60, 1e-5  # Halley's step leaves the cube of what is missing
 _SPLITS = 200
-_RISE, _LITTLE = (
-    3.0,
-    0.05,
-)  # of a bound above the rate; of what is borne, where the bound may be any
+# of a bound above the rate; of what is borne, where the bound may be any
+_RISE, _LITTLE = 3.0, 0.05
 
 
 class Growing(NamedTuple):
@@ -129,23 +126,12 @@ def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _never_holds(goal, contact, course, law):  # type: ignore[no-untyped-def]
-    """Whether a contact that pins now is stretched faster than its threshold grows: (9/2) B (v tau_m)² of hazard."""
-    leg = contact.leg
-    while leg + 1 < course.directions.size and contact.clock >= course.begins[leg + 1]:
-        leg += 1
-    if course.directions[leg] == 0:
-        return False
-    return goal <= 4.5 * (law.root * law.first / course.paces[leg]) ** 2
-
-
-@bare
-def _hold(clock, leg, x, age, goal, course, law):  # type: ignore[no-untyped-def]
+def _hold(clock, leg, x, age, goal, way, law):  # type: ignore[no-untyped-def]
     """Clock and leg where a contact that keeps the hazard `goal` meets its threshold."""
-    legs = course.directions.size
+    legs = way.directions.size
     while leg < legs:
-        d, pace = course.directions[leg], course.paces[leg] / law.first
-        room = course.begins[leg + 1] - clock
+        d, pace = way.directions[leg], way.paces[leg] / law.first
+        room = way.begins[leg + 1] - clock
         back = room if d == 0 else min(max(-d * x, 0), room)
         age += back * pace
         x += d * back
@@ -162,18 +148,8 @@ def _hold(clock, leg, x, age, goal, course, law):  # type: ignore[no-untyped-def
             x += d * room
         leg += 1
         if leg < legs:
-            clock = course.begins[leg]
-    return course.begins[legs] + 1, leg
-
-
-@bare
-def _age_at(moment, clock, leg, age, course, law):  # type: ignore[no-untyped-def]
-    """Age at a later moment of the clock."""
-    while leg + 1 < course.paces.size and course.begins[leg + 1] <= moment:
-        age += (course.begins[leg + 1] - clock) * (course.paces[leg] / law.first)
-        leg += 1
-        clock = course.begins[leg]
-    return age + (moment - clock) * (course.paces[leg] / law.first)
+            clock = way.begins[leg]
+    return way.begins[legs] + 1, leg
 
 
 @bare
@@ -184,21 +160,21 @@ def _rate(x, y, law):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _shaken(contact, age, goal, until, course, law):  # type: ignore[no-untyped-def]
+def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def]
     """The break at a temperature, if before the moment `until`.
 
     Breaks are proposed at a rate above that of the contact, and taken in the share that this has of
     it: exact, however the steps are cut (Lewis and Shedler, 1979).
     """
     clock, leg, x, root, unit = contact.clock, contact.leg, contact.stretch, law.root, law.unit
-    draws, step, end = contact.drawn, 1.0, course.begins[course.directions.size]
+    draws, step, end = contact.drawn, 1.0, way.begins[way.directions.size]
     words = words_at(contact.lane, draws, contact.stream, STEPS)
     draws += 1
     bears = -np.log(uniform(words[0], words[1]))
     y = quantile(goal, age, root)
-    while leg < course.directions.size and clock < until:
-        d, pace = course.directions[leg], course.paces[leg] / law.first
-        passed, room = 0.0, _F(min(course.begins[leg + 1], until) - clock)
+    while leg < way.directions.size and clock < until:
+        d, pace = way.directions[leg], way.paces[leg] / law.first
+        passed, room = 0.0, _F(min(way.begins[leg + 1], until) - clock)
         while passed < room and pace > 0.0:
             ticks = min(step / pace, room - passed)
             lasts = ticks * pace
@@ -234,31 +210,41 @@ def _shaken(contact, age, goal, until, course, law):  # type: ignore[no-untyped-
     return Break(end + 1, leg, draws, True)
 
 
-def keep_hazard(law, contact, course, watch, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact whose quantile is a hazard: e^exposure, or that of its threshold at X = 0."""
-    age, goal = 0.0, np.exp(contact.exposure)
-    if not contact.fresh:
-        age, goal = law.age, hazard(_F(contact.threshold), law.age, law.root)
-    elif _never_holds(goal, contact, course, law):
+@bare
+def _pinned(contact, law):  # type: ignore[no-untyped-def]
+    """Age and hazard of a contact that forms: e^exposure, or that of its threshold at X = 0."""
+    if contact.fresh:
+        return 0.0, np.exp(contact.exposure)
+    return law.age, hazard(_F(contact.threshold), law.age, law.root)
+
+
+def keep_hazard(law, contact, way, counts):  # type: ignore[no-untyped-def]
+    """The break of a contact whose quantile is a hazard."""
+    age, goal = _pinned(contact, law)
+    leg = contact.leg
+    while leg + 1 < way.directions.size and contact.clock >= way.begins[leg + 1]:
+        leg += 1
+    # it is stretched faster than its threshold grows: (9/2) B (v tau_m)² of hazard
+    slowest = 4.5 * (law.root * law.first / way.paces[leg]) ** 2
+    if contact.fresh and way.directions[leg] != 0 and goal <= slowest:
         return Break(contact.clock, contact.leg, contact.drawn, False)
-    then, leg = _hold(contact.clock, contact.leg, contact.stretch, age, goal, course, law)
-    found = Break(then, leg, contact.drawn, True)
-    if law.warm:
-        until = min(then, course.begins[-1])
-        sooner = _shaken(contact, age, goal, until, course, law)
-        if sooner.clock <= until:
-            return sooner
-        return Break(then, leg, sooner.drawn, True)
-    return found
+    then, leg = _hold(contact.clock, contact.leg, contact.stretch, age, goal, way, law)
+    if not law.warm:
+        return Break(then, leg, contact.drawn, True)
+    until = min(then, way.begins[-1])
+    sooner = _shaken(contact, age, goal, until, way, law)
+    return sooner if sooner.clock <= until else Break(then, leg, sooner.drawn, True)
 
 
-def _aged(law, contact, course, moment):  # type: ignore[no-untyped-def]
+def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
     """The threshold at a later moment."""
-    age, goal = 0.0, np.exp(contact.exposure)
-    if not contact.fresh:
-        age, goal = law.age, hazard(_F(contact.threshold), law.age, law.root)
-    older = _age_at(moment, contact.clock, contact.leg, age, course, law)
-    return quantile(goal, older, law.root)
+    age, goal = _pinned(contact, law)
+    clock, leg = contact.clock, contact.leg
+    while leg + 1 < way.paces.size and way.begins[leg + 1] <= moment:
+        age += (way.begins[leg + 1] - clock) * (way.paces[leg] / law.first)
+        leg += 1
+        clock = way.begins[leg]
+    return quantile(goal, age + (moment - clock) * (way.paces[leg] / law.first), law.root)
 
 
 LIVES[Growing] = keep_hazard

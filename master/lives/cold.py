@@ -14,14 +14,13 @@ from origins.start import Start
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Survivals below this are counted as none, and survivals that differ from 1 by less as all: a
-# hundredth of the rounding of what they are added to.
+# Survivals below this count as 0, and survivals closer to 1 as 1: a hundredth of the rounding of the
+# sums that they enter.
 NONE_LEFT = 1e-18
-# Thresholds below this, in mean thresholds, are no numbers after a few sums; and the weight of such
-# that would be felt.
+# Thresholds below this, in mean thresholds, underflow in sums; their weight must be below LOST.
 LOWEST, LOST = 1e-290, 1e-12
-# Survivals between which a table of a heavy tail has an edge, lest all nodes lie beyond the most; a
-# tail is heavy where it reaches so many times as far as the first of these.
+# The table of a heavy tail has edges at these survivals: without them all nodes could lie beyond most
+# thresholds. A tail is heavy where it reaches HEAVY times as far as the first of these.
 FEW = np.array([1e-2, 1e-4, 1e-7, 1e-10, 1e-13])
 HEAVY = 20.0
 # Smallest survival that floating point divides by.
@@ -29,16 +28,16 @@ LEAST_SURVIVAL = 1e-280
 # A threshold that a contact's |x| has come this near, relatively, is met: a turning point that was
 # meant to lie at an exact threshold is off by rounding.
 TIE = 1e-12
-# Panels of the table narrower than this, in grains, hint at a corner; at panels so much narrower as
-# the second there is one in any case. Jumps of P_c times the grain below the last are not felt.
+# Panels of the table narrower than NARROW grains are searched for a corner; panels narrower than
+# CORNER grains hold one in any case. A jump of P_c below LEAST_BEND per grain changes nothing.
 NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
-# A bend is rated by what polynomials of its sides differ by half a panel beyond it, times this: the
-# panels that resolve the breaks may be a few times wider.
+# The size of a bend is the difference, half a panel beyond it, of the polynomials of its two sides,
+# times this: the panels that resolve the breaks may be a few times wider.
 SEEN = 30.0
-# By how much the largest error that is seen of an average over stretches counts: some are looked at.
+# Factor on the largest measured error of an average over stretches, as only some are measured.
 MARGIN = 2.0
-# Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) sums
-# miss a twentieth of it, and leaps of more from move to move would look like slips of a soft slider.
+# Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) the
+# sums are off by a twentieth of it, and a larger error would look like a slip of a soft slider.
 RESOLVED = 1e-12
 
 
@@ -83,7 +82,7 @@ class ColdLife:
         if self.reach > HEAVY * float(law.isf(FEW[0])):
             far = law.isf(FEW)
             edges = np.union1d(edges, far[(far > 0.0) & (far < self.reach)])
-            self._end = float(upper)  # so few as hold beyond may bear a force that counts
+            self._end = float(upper)  # the few that hold beyond may carry a force that counts
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
         lost = -np.diff(self._smooth(self._table.edges))
@@ -168,9 +167,9 @@ class ColdLife:
         return np.maximum(out, 0.0)
 
     def _held(self, m: Array, side: Array) -> Array:
-        """Survival at m; `side` tells which exact thresholds are met."""
+        """Survival at m; exact thresholds below `side` are broken."""
         if not self.atoms.size:
-            # all hold that are less stretched: the law need not be asked
+            # all contacts that are less stretched hold: the law need not be evaluated
             some, out = m > self.quiet, np.ones(m.shape)
             out[some] = self._law.sf(m[some])
             return out

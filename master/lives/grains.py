@@ -145,7 +145,7 @@ class GrainLife(UnbentLife):
 def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:
     """-ln of the fraction of contacts with thresholds above |stretch|, `since` after they pinned.
 
-    GrainContact.hazard, told by the time since pinning, so that no digit is lost right after it.
+    GrainContact.hazard as a function of the time since pinning: no digit is lost right after it.
     Stretches (lengths) and times broadcast; infinite where no threshold is as large.
     """
     stretch, since = np.broadcast_arrays(stretch, since)

@@ -12,15 +12,16 @@ from numpy.polynomial import legendre
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Gauss nodes of a piece; it is looked at this near to its ends, too, as what falls or rises beside
-# one of them would be seen by no node.
+# Gauss nodes of a piece, and how near to its ends, of its length, the integrand is evaluated too: no
+# node would see a rise or fall right beside an end.
 SIZE, BESIDE = 14, 1e-9
-# What a polynomial may miss at the ends of its piece, in units of what its last coefficients may be.
+# Allowed error of the polynomial at the ends of its piece, in units of that of its last coefficients.
 ENDS = 3.0
-# Halvings of a piece; and its share of the place where it stands, below which nodes are one by rounding.
+# Most halvings of a piece; and the least length of a piece, relative to its position, at which rounding
+# still leaves its nodes apart.
 HALVINGS, NARROWEST = 40, 4e-15
-# Of so many ranges one is summed again on halved pieces, to see what the sums miss. A prime, so that
-# all columns of a history get their turn.
+# One range in so many is summed again on halved pieces, to measure the error. A prime, so that all
+# columns of a history are measured in turn.
 CHECKED = 17
 # Pieces asked for together: their nodes stay in the processor's cache.
 TOGETHER = 512
@@ -74,7 +75,7 @@ def integrals(
 ) -> Integrals:
     """Integrals of functions over ranges, of which each is cut into pieces.
 
-    integrand : smooth on pieces, but for their ends; the first of its functions tells where to halve
+    integrand : smooth on pieces, but for their ends; pieces are halved by the first of its functions
     accuracy : last coefficients, in units of the integral over the piece, at which it is not halved,
         of all ranges or of each;
         a sum over Gauss nodes then misses about their square, and 1e-3 of them beside an onset

@@ -1,4 +1,4 @@
-"""Life: the one thing that a law of contacts tells the master equation."""
+"""Life: all that the master equation needs to know of a law of contacts."""
 
 from __future__ import annotations
 

@@ -18,13 +18,13 @@ from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
 
 # Last coefficients of averages over the stretches at birth, in units of the tolerance, and their least
-# and most. What they miss is the square of this, or beside an onset of P_c some 1e-3 of it.
+# and most. The averages are off by the square of this, or beside an onset of P_c by some 1e-3 of it.
 _RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
 # Error of the share that holds of contacts that age, in units of the tolerance, and its least.
 _AGED, _FINEST = 0.2, 1e-10
-# The same in steady motion, where strands are followed: finer ones take long.
+# The same in steady motion where strands are followed: finer ones take long.
 _STEPPED = 1e-7
-# Hazard of growing grains as they pin at which the fraction that holds, e^-300, is a number.
+# Largest hazard of growing grains as they pin: e^-300 of them hold, near the end of floating point.
 _MOST_LOST = 300.0
 # The change of the share that holds of growing grains with heat at which no finer nodes are tried,
 # in units of the tolerance, and its least and most.

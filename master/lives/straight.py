@@ -15,8 +15,8 @@ Array = npt.NDArray[np.float64]
 
 # Survival to which the table is refined, in contacts; forces, over the reach, likewise.
 ACCURACY = 1e-13
-# What polynomials may miss at the ends of panels, in units of the accuracy: beside a root they miss
-# more there than in between.
+# Allowed error of polynomials at the ends of panels, in units of the accuracy: beside a root it is
+# larger there than in between.
 _ENDS = 100.0
 # Halvings of the longest time, to see lives that are much shorter.
 _RUNGS = 64
@@ -30,7 +30,7 @@ class StraightLife:
     """A Life, tabulated over the time since birth, of contacts born on a leg that goes on.
 
     Where the slider keeps its speed, what is left depends on the time since birth alone. A table
-    of it takes some hundred evaluations, where number conservation asks for many thousand.
+    of it takes some hundred evaluations, where number conservation needs many thousand.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ class StraightLife:
             middle = lag[:, lag.shape[1] // 2, None]
             beside = np.nextafter(jump, np.where(middle < jump, 0.0, np.inf))
             lag = np.where(np.abs(lag - jump) <= _TIE * (jump + history.t), beside, lag)
-        # a time since birth may be rounded below 0, where the first panel, if narrow, tells anything
+        # a time since birth may be rounded below 0, where a narrow first panel extrapolates wildly
         found = self.table(np.maximum(lag, 0.0))
         found[1] *= self.life.reach
         return found
@@ -125,5 +125,5 @@ def bends_of(life: Life, born: Start, speed: float, marks: Array | None = None) 
 
 
 def clock(duration: float) -> Motion:
-    """The motion along which a StraightLife is read: what is gone is the time since birth."""
+    """The motion along which a StraightLife is read: its way is the time since birth."""
     return Motion(np.array([0.0, duration]), np.array([0.0, duration]))

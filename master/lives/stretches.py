@@ -62,11 +62,11 @@ def averaged(
 
     reach : length: no contact beyond it holds
     bends : array of shape (n,), the largest |x| at which what is left bends
-    left : asked for stretches of which each row lies within one smooth piece
+    left : called with stretches of which each row lies within one smooth piece
     resolved : last coefficients at which pieces are no longer halved
     pieces : of the law's span, to begin with
     """
-    # beyond the reach none holds: a piece that lies across would be told by its middle alone
+    # beyond the reach no contact holds, and a piece across it would be judged by its middle alone
     bends = np.append(bends, reach)
     first, last = max(law.span[0], -reach), min(law.span[1], reach)
     even = np.linspace(first, last, pieces + 1)

@@ -33,11 +33,11 @@ ROOTS, RESOLVED = np.array([0.0, 0.5, 2.0, GONE**0.5]), 1e-8
 SPENT = 700.0
 
 
-# Moments on a leg, tried one after the other until the next ones change the share by no more than
-# asked: colder contacts break within ever shorter parts of a leg.
+# Numbers of moments on a leg, tried one after the other until the share changes by no more than the
+# accuracy: colder contacts break within ever shorter parts of a leg.
 MOMENTS = (51, 101, 201, 401)
 ACCURACY = 1e-7
-# Of the change that is seen, as not all ages are looked at; and what the table leaves.
+# Factor on the measured change, as not all ages are measured; and the error of the table.
 MARGIN, TABLE_ERROR = 4.0, 3e-11
 
 
@@ -113,7 +113,7 @@ class WarmGrainLife(GrainLife):
             own = Legs(moves.displacement[some], moves.duration[some], moves.speed)
             spent = self._spent(_pieces(own, since), worst[some], roots, moments)
             share = 2.0 * np.exp(-roots * roots - spent)
-            # what holds right above the worst hazard weighs nothing; halving asks not for its weight
+            # the weight is 0 right above the worst hazard: halving looks at the integrand without it
             return np.stack([share * roots.max(axis=1, keepdims=True), share * roots])
 
         row, piece = np.divmod(np.arange(alive.size * (ROOTS.size - 1)), ROOTS.size - 1)

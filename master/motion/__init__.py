@@ -1,1 +1,1 @@
-"""How the slider moves, and what contacts born at one moment have gone through by another."""
+"""How the slider moves, and the moves of contacts between their birth and a later moment."""

@@ -107,7 +107,7 @@ class Motion:
         return np.maximum(now, highest[seen]), np.minimum(now, lowest[seen])
 
     def history(self, t: Array, s: Array) -> History:
-        """What contacts born at s have gone through at t.
+        """The moves of contacts that were born at s, up to t.
 
         t and s broadcast to shape (rows, columns); all t lie on one leg, and so do the s of a row.
         """

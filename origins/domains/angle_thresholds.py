@@ -119,8 +119,16 @@ class AngleThresholds(Thresholds):
         on_peak = np.isin(np.asarray(x), self._scale * self._peaks)
         return np.where(on_peak, np.inf, np.maximum(density, 0.0))
 
-    def _moment(self, n: int) -> float:
-        return self._scale**n * self._curve.mean(lambda b: b**n)
+    def _moment(self, n: float) -> float:
+        if n == round(n):
+            return self._scale**n * self._curve.mean(lambda b: b**n)
+        # in t a root of b is smooth where b vanishes, too
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        edges, t = self._table.edges, 0.5 * np.pi * (1.0 + nodes)
+        panel = np.repeat(np.arange(edges.size - 1), _NODES).reshape(-1, _NODES)
+        b = edges[:-1, None] + np.diff(edges)[:, None] * np.sin(0.5 * t) ** 2
+        slope = self._read(self._table.slope, panel, np.broadcast_to(t, panel.shape))
+        return self._scale**n * float((0.5 * np.pi * weights * slope * b**n).sum())
 
     def _variance(self) -> float:
         return self._scale**2 * self._curve.mean(lambda b: (b - self._mean) ** 2)

@@ -14,6 +14,7 @@ from origins.domains.domain_samples import DomainSamples
 from origins.domains.drawing import Angles, Islands, decaying, draw, given, listed, triangular
 from origins.domains.substrates import Substrate
 from origins.errors import InputError, finite_array, positive, refuse, whole
+from origins.roughness.power_law import PowerLaw
 from origins.samples.from_samples import from_samples
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import mixture
@@ -178,7 +179,7 @@ def _of_curves(
         law = angle_thresholds(island.climb, fastest * island.reach, gain)
         if law is None:
             return None
-        laws.append(law if exponent == 1.0 else Powered(law, 1.0, exponent))
+        laws.append(law if exponent == 1.0 else Powered(law, PowerLaw(1.0, exponent)))
         laws[-1].knows_breakpoints = law.knows_breakpoints
     return mixture(laws, [share for share, _ in family.all]) if len(laws) > 1 else laws[0]
 

@@ -107,5 +107,5 @@ class LifshitzSlyozov(Thresholds):
         q = invert_beyond(hazard, 0.0, 1.0)
         return 1.5 * (q / (1.0 + q))
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         return 1.0 if n == 1 else super()._moment(n)

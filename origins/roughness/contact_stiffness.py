@@ -12,7 +12,9 @@ def sound_stiffness(density: float, sound_velocity: float) -> PowerLaw:
     density in kg/m³ and transverse sound velocity in m/s, above zero; the law takes m² and gives N/m.
     Raises InputError otherwise.
     """
-    return PowerLaw(positive("density", density) * positive("sound_velocity", sound_velocity) ** 2, 0.5)
+    return PowerLaw(
+        positive("density", density) * positive("sound_velocity", sound_velocity) ** 2, 0.5
+    )
 
 
 def mindlin_stiffness(
@@ -26,13 +28,19 @@ def mindlin_stiffness(
     poisson_ratio : nu, above -1 and at most 1/2, one number or a pair.
     The law takes m² and gives N/m. Raises InputError otherwise.
     """
-    moduli = [positive(name, value) for name, value in _both("shear_modulus", shear_modulus)]
-    ratios = [poisson(name, value) for name, value in _both("poisson_ratio", poisson_ratio)]
-    compliance = sum((2.0 - ratio) / modulus for modulus, ratio in zip(moduli, ratios, strict=True))
+    compliance = 0.0
+    moduli, ratios = _both("shear_modulus", shear_modulus), _both("poisson_ratio", poisson_ratio)
+    for (of_modulus, modulus), (of_ratio, value) in zip(moduli, ratios, strict=True):
+        ratio = finite(of_ratio, value)
+        if not -1.0 < ratio <= 0.5:
+            refuse(of_ratio, value, "must be above -1 and at most 1/2, such as 0.3")
+        compliance += (2.0 - ratio) / positive(of_modulus, modulus)
     return PowerLaw(8.0 / compliance / float(np.sqrt(np.pi)), 0.5)
 
 
-def column_stiffness(youngs_modulus: float, aspect: float | None = None, height: float | None = None) -> PowerLaw:
+def column_stiffness(
+    youngs_modulus: float, aspect: float | None = None, height: float | None = None
+) -> PowerLaw:
     """k = (3 pi/4) E_c r_c (r_c/h)³ of a cylinder bent sideways (paper, Eqs. eq15 and eq15a).
 
     Its radius is r_c = (A/pi)^(1/2), its length h.
@@ -57,16 +65,10 @@ def column_stiffness(youngs_modulus: float, aspect: float | None = None, height:
             "column_stiffness: give one of aspect and height, such as aspect = 1.0 for columns as long as wide"
         )
     if aspect is not None:
-        return PowerLaw(0.75 * float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5)
+        return PowerLaw(
+            0.75 * float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5
+        )
     return PowerLaw(0.75 / np.pi * modulus / positive("height", height) ** 3, 2.0)
-
-
-def poisson(name: str, value: object) -> float:
-    """`value` as a Poisson ratio, above -1 and at most 1/2."""
-    ratio = finite(name, value)
-    if not -1.0 < ratio <= 0.5:
-        refuse(name, value, "must be above -1 and at most 1/2, such as 0.3")
-    return ratio
 
 
 def _both(name: str, value: object) -> list[tuple[str, object]]:

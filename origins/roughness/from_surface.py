@@ -1,5 +1,7 @@
 """From a rough surface to thresholds in metres: contact model times threshold law."""
 
+from typing import Any
+
 import numpy as np
 from scipy.special import erf
 
@@ -10,19 +12,20 @@ from origins.roughness.greenwood_williamson import (
     plasticity_index,
     pressed,
     summits_of,
-    thresholds_of_compression,
 )
 from origins.roughness.interface import Interface
 from origins.roughness.material import Material
-from origins.roughness.persson_contact import on_patches, spread_of_stress, thresholds_of_stress
-from origins.roughness.power_law import Bend
+from origins.roughness.power_law import Bend, PowerLaw
 from origins.roughness.spectral_moments import SpectralMoments, spectral_moments
 from origins.roughness.topography import as_topography
+from origins.thresholds.families import persson
 from origins.thresholds.law import Thresholds
+from origins.thresholds.powered import Powered
 
 LAWS = ("paper", "amontons", "strength")
 MODELS = ("gw", "persson")
 _PATCHES = (1e-40, 1e20)
+_FURTHEST = 1e12  # pressure over the spread of the stresses; a root of it is the furthest that persson() takes
 
 
 def from_topography(
@@ -117,26 +120,28 @@ def from_moments(
 ) -> Thresholds:
     """from_topography for a surface known by its moments alone: moments_of_spectrum, moments_of_summits."""
     if not isinstance(moments, SpectralMoments):
-        refuse("moments", moments, "must be SpectralMoments, such as origins.moments_of_summits(...)")
+        refuse(
+            "moments", moments, "must be SpectralMoments, such as origins.moments_of_summits(...)"
+        )
     one_of("model", model, MODELS)
     one_of("law", law, LAWS)
     if not isinstance(material, Material):
         refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
     if law == "paper" and material.contact_stiffness is not None:
         raise InputError('material.contact_stiffness: law = "paper" has k = c x_s; leave it out')
-    pressure = positive("pressure", pressure)
+    known = {"model": model, "law": law, "material": material, "moments": moments}
+    known["pressure"] = positive("pressure", pressure)
     if model == "gw":
         if patch_area is not None:
             refuse("patch_area", patch_area, 'model = "gw" counts its own contacts; leave it out')
-        return _on_summits(moments, law, material, pressure, regime, height_law)
-    if height_law != "gaussian":
-        refuse("height_law", height_law, 'model = "persson" has stresses, not summits; leave it out')
-    if regime != "elastic":
-        refuse("regime", regime, 'model = "persson" has elastic stresses; leave it out, or write model = "gw"')
+        return _on_summits(known, regime, height_law)
+    for name, value in (("height_law", height_law), ("regime", regime)):
+        if value not in ("gaussian", "elastic"):
+            refuse(name, value, 'belongs to the summits of model = "gw"; leave it out')
     if patch_area is None:
-        such = 'such as interface.mean_area of model = "gw" here'
-        refuse("patch_area", patch_area, f'model = "persson" needs the area of one contact in m², {such}')
-    return _on_patches(moments, law, material, pressure, between("patch_area", patch_area, *_PATCHES, "it is in m²"))
+        rule = 'model = "persson" needs the area of one contact in m², such as interface.mean_area of model = "gw" here'
+        refuse("patch_area", patch_area, rule)
+    return _on_patches(known, between("patch_area", patch_area, *_PATCHES, "it is in m²"))
 
 
 def resolution_study(
@@ -171,79 +176,110 @@ def resolution_study(
     return tuple(from_topography(surface, step=step, **options) for step in steps)  # type: ignore[arg-type]
 
 
-def _on_summits(
-    moments: SpectralMoments, law: str, material: Material, pressure: float, regime: str, height_law: str
-) -> Thresholds:
+def _on_summits(known: dict[str, Any], regime: str, height_law: str) -> Thresholds:
+    """Greenwood and Williamson's contacts (paper, Eqs. GW1, GW2): area and load are powers of the compression."""
+    moments, material, pressure = known["moments"], known["material"], known["pressure"]
     contact = pressed(summits_of(moments, material, regime, height_law), pressure)
-    threshold, force = thresholds_of_compression(contact.summits, material, law)
-    thresholds = contact.thresholds(threshold)
     plastic = of_hertz = None
     if material.hardness is not None:
-        limit = critical_compression(moments.summit_radius, material.contact_modulus, material.hardness)
+        limit = critical_compression(
+            moments.summit_radius, material.contact_modulus, material.hardness
+        )
         plastic = 1.0 if regime == "plastic" else contact.fraction_beyond(limit)
         elastic = summits_of(moments, material, "elastic", height_law)
         of_hertz = SummitContact(elastic, elastic.separation(pressure)).fraction_beyond(limit)
-    stiffness = contact.mean(force.over(threshold))
-    radius = contact.summits.area.each(lambda area: area.times(1.0 / np.pi).power(0.5))
-    thresholds.interface = Interface(
-        model="gw",
-        law=law,
-        material=material,
-        moments=moments,
-        pressure=pressure,
+    return _joined(
+        contact.compressions,
+        contact.summits.load,
+        contact.summits.area,
+        **known,
         area_fraction=contact.area_fraction,
         contact_density=contact.contact_density,
-        mean_radius=contact.mean(radius),
-        mean_threshold=thresholds.mean(),
-        mean_stiffness=stiffness,
-        mean_force_threshold=contact.mean(force),
-        friction_coefficient=_friction(thresholds, contact.contact_density, stiffness, pressure),
-        force_law=force.seen_from(threshold),
-        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
         plastic_fraction=plastic,
         hertz_plastic_fraction=of_hertz,
         regime=regime,
         separation=contact.separation,
     )
-    return thresholds
 
 
-def _on_patches(
-    moments: SpectralMoments, law: str, material: Material, pressure: float, patch_area: float
-) -> Thresholds:
-    threshold, force = thresholds_of_stress(law, material, patch_area)
-    width = spread_of_stress(moments, material.contact_modulus, pressure)
-    thresholds, area_fraction = on_patches(pressure, width, threshold), float(erf(pressure / width))
-    of_threshold = force.after(threshold.inverse)
-    mean_force = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent))
-    stiffness = of_threshold.coefficient * thresholds.moment(round(of_threshold.exponent - 1.0))
-    plastic = None
-    if material.hardness is not None:
-        plastic = float(thresholds.sf(threshold(material.hardness)))
-    density = area_fraction / patch_area
-    thresholds.interface = Interface(
-        model="persson",
-        law=law,
-        material=material,
-        moments=moments,
-        pressure=pressure,
+def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
+    """Persson's contacts: patches of one area under P(s) ~ exp[-((s-p)/D)²] - exp[-((s+p)/D)²] (paper, Eq. PcPersson).
+
+    D = E* h'_rms/2^(1/2) = E* m2^(1/2); the norm of P(s) is erf(p/D), the real over the nominal area of contact.
+    """
+    material, pressure = known["material"], known["pressure"]
+    width = float(material.contact_modulus * np.sqrt(known["moments"].m2))
+    if pressure > _FURTHEST * width:
+        rule = f"is over {_FURTHEST:g} times the spread of the stresses, {width:.3g} Pa: all patches bear it; lower it"
+        refuse("pressure", pressure, rule)
+    if known["law"] == "strength":
+        rule = "f_s = tau A is one value on patches of one area; write law = 'amontons', or model = 'gw'"
+        refuse("law", "strength", rule)
+    # the root of the stress has the law (PcPersson3)
+    roots = persson(centre=float(np.sqrt(pressure)), width=float(np.sqrt(width)))
+    plastic = None if material.hardness is None else float(roots.sf(np.sqrt(material.hardness)))
+    load, area_fraction = PowerLaw(patch_area, 2.0), float(erf(pressure / width))
+    return _joined(
+        roots,
+        Bend(load, load, np.inf),
+        PowerLaw(patch_area, 0.0),
+        **known,
         area_fraction=area_fraction,
-        contact_density=density,
-        mean_radius=float(np.sqrt(patch_area / np.pi)),
-        mean_threshold=thresholds.mean(),
-        mean_stiffness=stiffness,
-        mean_force_threshold=mean_force,
-        friction_coefficient=_friction(thresholds, density, stiffness, pressure),
-        force_law=Bend(of_threshold, of_threshold, np.inf),
-        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
+        contact_density=area_fraction / patch_area,
         plastic_fraction=plastic,
         hertz_plastic_fraction=plastic,
         patch_area=patch_area,
     )
-    return thresholds
 
 
-def _friction(thresholds: Thresholds, density: float, stiffness: float, pressure: float) -> float:
-    """N<k> <x_s²>/(2<x_s>) over the pressure: the steady state's force, k_i independent of x_i, as in (Q6)."""
+def _joined(size: Thresholds, load: Bend, area: PowerLaw, **known: Any) -> Thresholds:
+    """Thresholds and interface of contacts whose load (N) and area (m²) are powers of their `size`, of that law.
+
+    Raises InputError where the material lacks a constant, and where x_s falls or stays as contacts grow: where k
+    grows as fast as f_s, or faster.
+    """
+    law, material, moments = known["law"], known["material"], known["moments"]
+    constant = "shear_strength" if law == "strength" else "local_friction"
+    strength = material.needed(constant, f'law = "{law}"')
+
+    def force(load: PowerLaw) -> PowerLaw:
+        return (area if law == "strength" else load) * strength
+
+    def threshold(load: PowerLaw) -> PowerLaw:
+        if law == "paper":
+            return (
+                force(load) * (1.0 / material.needed("force_coefficient", 'law = "paper"'))
+            ) ** 0.5
+        stiffness = material.stiffness(law)
+        found = force(load) * stiffness.of(area) ** -1.0
+        if not found.exponent > 0.0:
+            raise InputError(
+                f"material.contact_stiffness: k ~ A^{stiffness.exponent:g} makes thresholds fall as a summit is "
+                "pressed down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its aspect"
+            )
+        return found
+
+    def mean(quantity: PowerLaw) -> float:
+        return quantity.coefficient * size._moment(quantity.exponent)
+
+    forces = Bend(force(load.below), force(load.above), load.at)
+    stretches = Bend(threshold(load.below), threshold(load.above), load.at)
+    thresholds = Powered(size, stretches)
+    if law == "paper":
+        stiffness = material.force_coefficient * thresholds.mean()  # k = c x_s
+    else:
+        stiffness = mean(material.stiffness(law).of(area))
+    density, pressure = known["contact_density"], known["pressure"]
+    carried = known["area_fraction"] if law == "strength" else pressure
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
-    return density * stiffness * kinetic / pressure
+    thresholds.interface = Interface(
+        **known,
+        mean_radius=mean((area * (1.0 / np.pi)) ** 0.5),
+        mean_threshold=thresholds.mean(),
+        mean_stiffness=stiffness,
+        mean_force_threshold=strength * carried / density,
+        friction_coefficient=density * stiffness * kinetic / pressure,
+        force_law=forces.of(stretches.inverse),
+        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
+    )
+    return thresholds

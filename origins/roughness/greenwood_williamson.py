@@ -7,25 +7,26 @@ load nor threshold, but thresholds as a function of delta have a kink and P_c ha
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
+from scipy.special import log_ndtr
 
-from origins.errors import InputError, finite, one_of, positive, refuse
+from origins.errors import finite, one_of, positive, refuse
 from origins.roughness.material import Material
 from origins.roughness.power_law import Bend, PowerLaw
 from origins.roughness.spectral_moments import SpectralMoments
-from origins.roughness.summits import (
-    SummitThresholds,
-    log_common_density,
-    log_sum,
-    log_touching_integral,
-)
 from origins.thresholds.families import Weibull
+from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Thresholds
 
 _DEEPEST = 1e8  # of sigma_h: summits cover the surface long before
+_FALL = 60.0  # integrals over heights end where the density has fallen by e^-60
+_COUNT = 200  # nodes of such an integral
 REGIMES = ("elastic", "plastic", "mixed")
+
+
+_rule = cache(np.polynomial.legendre.leggauss)  # takes longer than an import may
 
 
 def critical_compression(radius: float, contact_modulus: float, hardness: float) -> float:
@@ -44,6 +45,14 @@ def plasticity_index(std: float, material: Material, radius: float) -> float | N
     return float(3.0 * material.contact_modulus / material.hardness * np.sqrt(std / radius))
 
 
+def compressions(std: float, z: float, heights: str = "gaussian") -> Thresholds:
+    """The law of the compressions of those summits that touch a flat at z standard deviations.
+
+    Gaussian heights give a normal law cut at 0, exponential ones, which begin at 0, the exponential law for any z.
+    """
+    return gaussian(-z * std, std) if heights == "gaussian" else Weibull(1.0, 1.0 / std, 0.0)
+
+
 @dataclass(frozen=True)
 class Summits:
     """The summits of a surface and what they bear: lengths in m, `density` in 1/m², `load` N against m."""
@@ -55,18 +64,18 @@ class Summits:
     load: Bend
 
     @property
-    def area(self) -> Bend:
+    def area(self) -> PowerLaw:
         """Area of a contact against its compression, m² against m."""
-        return self.load.each(lambda _: PowerLaw(np.pi * self.radius, 1.0))
+        return PowerLaw(np.pi * self.radius, 1.0)
 
-    def log_mean(self, quantity: Bend, z: float) -> float:
-        """log of <quantity> over all summits, those that do not touch counting as 0; z is h0/sigma_h."""
-        return log_sum(quantity, self.std, z, self.heights) + log_common_density(z, self.heights)
+    def log_touching(self, z: float) -> float:
+        """log of the fraction of the summits that touch a flat at z sigma_h."""
+        return float(log_ndtr(-z)) if self.heights == "gaussian" else -z
 
     def pressure(self, z: float) -> float:
         """Nominal pressure in Pa where the flat is at z sigma_h."""
         with np.errstate(over="ignore"):
-            return float(self.density * np.exp(self.log_mean(self.load, z)))
+            return float(self.density * np.exp(self._log_load(z)[0]))
 
     def separation(self, pressure: float) -> float:
         """z = h0/sigma_h under a nominal pressure in Pa; Newton, which cannot fail.
@@ -75,17 +84,40 @@ class Summits:
         the root; one that goes back up is round-off.
         """
         goal = float(np.log(pressure) - np.log(self.density))
-        # the load of a summit rises from 0 without a jump: its mean falls with z by the mean of its own slope
-        slope_of_load = self.load.each(lambda law: PowerLaw(law.coefficient * law.exponent, law.exponent - 1.0))
         z = 0.0
         for count in range(200):
-            value = self.log_mean(self.load, z)
-            slope = -self.std * np.exp(self.log_mean(slope_of_load, z) - value)
+            value, slope = self._log_load(z)
             step = (value - goal) / slope
             z -= step
             if (count > 0 and step <= 1e-15 * abs(z)) or z < -_DEEPEST:
                 break
         return z
+
+    def _log_load(self, z: float) -> tuple[float, float]:
+        """log of <load> over all summits, those that do not touch counting as 0, and its slope in z.
+
+        Nothing under- or overflows, whether the flat is far above (z >> 1) or deep below (z < 0).
+        """
+        # in sigma_h a summit at z + t is compressed by t; the density of t is e^-(slope t + curvature t²/2)
+        slope, curvature = (z, 1.0) if self.heights == "gaussian" else (1.0, 0.0)
+        peak = max(0.0, -slope * curvature)
+        tilt = slope + curvature * peak
+        reach = 2.0 * _FALL / (tilt + np.sqrt(tilt * tilt + 2.0 * _FALL * curvature))
+        near, far, bend = max(0.0, peak - reach), peak + reach, self.load.at / self.std
+        # t = s^4 makes every quarter order smooth at 0, and other orders smooth enough
+        s = np.unique(np.array([near, np.clip(bend, near, far), far]) ** 0.25)
+        half = 0.5 * np.diff(s)[:, None]
+        places, shares = _rule(_COUNT)
+        nodes = s[:-1, None] + half * (places + 1.0)
+        t, weights = nodes**4, 4.0 * half * shares * nodes**3
+        weights = weights * np.exp(-(t - peak) * (tilt + 0.5 * curvature * (t - peak)))
+        loads = weights * self.load(self.std * t)
+        if self.heights == "gaussian":
+            log_density = -0.5 * max(z, 0.0) ** 2 - 0.5 * np.log(2.0 * np.pi)
+            falls = float((loads * (z + t)).sum() / loads.sum())
+        else:
+            log_density, falls = -z, 1.0
+        return float(np.log(loads.sum())) + log_density, -falls
 
 
 def summits_of(moments: SpectralMoments, material: Material, regime: str, heights: str) -> Summits:
@@ -97,15 +129,12 @@ def summits_of(moments: SpectralMoments, material: Material, regime: str, height
     one_of("height_law", heights, ("gaussian", "exponential"))
     radius = moments.summit_radius
     hertz = PowerLaw(4.0 / 3.0 * material.contact_modulus * np.sqrt(radius), 1.5)
-    if regime == "elastic":
-        load = Bend(hertz, hertz, np.inf)
-    else:
-        hardness = material.hardness
-        if hardness is None:
-            why = f'regime = "{regime}" needs it; give the material one, such as hardness = 2e8 (Pa)'
-            raise InputError(f"material.hardness = None: {why}")
-        limit = critical_compression(radius, material.contact_modulus, hardness) if regime == "mixed" else 0.0
-        load = Bend(hertz, PowerLaw(np.pi * radius * hardness, 1.0), limit)
+    load = Bend(hertz, hertz, np.inf)
+    if regime != "elastic":
+        hardness = material.needed("hardness", f'regime = "{regime}"')
+        limit = critical_compression(radius, material.contact_modulus, hardness)
+        plastic = PowerLaw(np.pi * radius * hardness, 1.0)
+        load = Bend(hertz, plastic, limit) if regime == "mixed" else Bend(plastic, plastic, np.inf)
     return Summits(radius, moments.summit_std, moments.summit_density, heights, load)
 
 
@@ -116,16 +145,10 @@ class SummitContact:
     summits: Summits
     z: float
 
-    def mean(self, quantity: Bend) -> float:
-        """<quantity> over the contacts."""
-        return float(np.exp(self._log_of(quantity) - self._touching))
-
-    def _log_of(self, quantity: Bend) -> float:
-        return log_sum(quantity, self.summits.std, self.z, self.summits.heights)
-
     @cached_property
-    def _touching(self) -> float:
-        return log_touching_integral(0.0, self.z, 0.0, np.inf, self.summits.heights)
+    def compressions(self) -> Thresholds:
+        """The law of the compressions of the contacts, in m."""
+        return compressions(self.summits.std, self.z, self.summits.heights)
 
     @property
     def separation(self) -> float:
@@ -135,26 +158,27 @@ class SummitContact:
     @property
     def contact_density(self) -> float:
         """Contacts per nominal area, 1/m²."""
-        return float(self.summits.density * np.exp(self._touching + log_common_density(self.z, self.summits.heights)))
+        return float(self.summits.density * np.exp(self.summits.log_touching(self.z)))
 
     @property
     def area_fraction(self) -> float:
         """Real over nominal area of contact."""
-        return self.contact_density * self.mean(self.summits.area)
+        return self.contact_density * float(self.summits.area(self.compressions.mean()))
 
     def fraction_beyond(self, compression: float) -> float:
         """Fraction of the contacts that are compressed by more than this, in m."""
-        start = compression / self.summits.std
-        return float(np.exp(log_touching_integral(0.0, self.z, start, np.inf, self.summits.heights) - self._touching))
+        return float(self.compressions.sf(compression))
 
-    def thresholds(self, threshold: Bend) -> Thresholds:
-        """P_c where a contact compressed by delta breaks at threshold(delta)."""
-        std, heights = self.summits.std, self.summits.heights
-        if heights == "exponential" and len(threshold.pieces) == 1:
-            # shape 4/3 is (GW3), shape 2 is (GW4)
-            law = threshold.pieces[0][0]
-            return Weibull(1.0 / law.exponent, law.coefficient ** (-1.0 / law.exponent) / std, 1.0 / law.exponent - 1.0)
-        return SummitThresholds(threshold, std, self.z, heights)
+    def check_apart(self, name: str, value: float, remedy: str) -> None:
+        """InputError where the contacts would cover the whole surface and be no longer apart, as the model has them."""
+        if self.area_fraction >= 1.0:
+            refuse(
+                name,
+                value,
+                f"summits would cover {self.area_fraction:.3g} of the surface; Greenwood and Williamson hold for "
+                f'contacts far apart, so {remedy}, or take the thresholds of model = "persson"; are heights and '
+                "pixel size in metres, pressure and moduli in Pa?",
+            )
 
 
 def pressed(summits: Summits, pressure: float) -> SummitContact:
@@ -164,7 +188,7 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
     that do not depend on the load (paper, Eqs. GW3 and GW4).
 
     Raises InputError for a pressure that exponential heights cannot bear, and where the contacts would cover the
-    whole surface: they are then no longer apart, as the model has them.
+    whole surface.
     """
     contact = SummitContact(summits, summits.separation(pressure))
     if summits.heights == "exponential" and contact.z < 0.0:
@@ -174,17 +198,8 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
             f"exponential heights bear at most {summits.pressure(0.0):.3g} Pa, where every summit touches; take "
             'height_law = "gaussian", or the thresholds of model = "persson"',
         )
-    if contact.area_fraction >= 1.0:
-        refuse("pressure", pressure, _covered(contact, "lower it"))
+    contact.check_apart("pressure", pressure, "lower it")
     return contact
-
-
-def _covered(contact: SummitContact, remedy: str) -> str:
-    return (
-        f"summits would cover {contact.area_fraction:.3g} of the surface; Greenwood and Williamson hold for contacts "
-        f'far apart, so {remedy}, or take the thresholds of model = "persson"; are heights and pixel size in metres, '
-        "pressure and moduli in Pa?"
-    )
 
 
 def separation_of_pressure(
@@ -200,8 +215,8 @@ def separation_of_pressure(
     moments, material, regime, height_law : as in from_moments.
     Raises InputError as from_moments does.
     """
-    contact = pressed(summits_of(moments, material, regime, height_law), positive("pressure", pressure))
-    return contact.separation
+    summits = summits_of(moments, material, regime, height_law)
+    return pressed(summits, positive("pressure", pressure)).separation
 
 
 def pressure_of_separation(
@@ -221,35 +236,10 @@ def pressure_of_separation(
     summits = summits_of(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std
     if height_law == "exponential" and z < 0.0:
-        refuse("separation", separation, 'exponential heights begin at 0, where every summit touches; write one above')
-    contact = SummitContact(summits, z)
-    if contact.area_fraction >= 1.0:
-        refuse("separation", separation, _covered(contact, "raise it"))
+        rule = "exponential heights begin at 0, where every summit touches; write one above"
+        refuse("separation", separation, rule)
+    SummitContact(summits, z).check_apart("separation", separation, "raise it")
     pressure = summits.pressure(z)
     if not pressure > 0.0:
         refuse("separation", separation, f"is {z:.3g} sigma_h, where no summit reaches; lower it")
     return pressure
-
-
-def thresholds_of_compression(summits: Summits, material: Material, law: str) -> tuple[Bend, Bend]:
-    """x_s in m and f_s in N against delta in m (paper, Eqs. GW1 and GW2); see rough_contact.from_topography.
-
-    Raises InputError where x_s would fall or stay as delta grows: where k grows as f_s or faster than that.
-    """
-    area, load = summits.area, summits.load
-    if law == "strength":
-        force = area.each(lambda part: part.times(material.needed("shear_strength", law)))
-    else:
-        force = load.each(lambda part: part.times(material.needed("local_friction", law)))
-    if law == "paper":
-        coefficient = material.needed("force_coefficient", law)
-        return force.each(lambda part: part.times(1.0 / coefficient).power(0.5)), force
-    stiffness = material.stiffness(law)
-    threshold = force.over(area.each(stiffness.after))
-    for part, _, _ in threshold.pieces:
-        if not part.exponent > 0.0:
-            raise InputError(
-                f"material.contact_stiffness: k ~ A^{stiffness.exponent:g} makes thresholds fall as a summit is "
-                "pressed down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its aspect"
-            )
-    return threshold, force

@@ -3,10 +3,10 @@
 import numpy as np
 
 from origins.errors import between, finite, one_of, positive, refuse
-from origins.roughness.greenwood_williamson import REGIMES
+from origins.roughness.greenwood_williamson import REGIMES, compressions
 from origins.roughness.power_law import Bend, PowerLaw
-from origins.roughness.summits import SummitThresholds
 from origins.thresholds.law import Thresholds
+from origins.thresholds.powered import Powered
 
 # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)
 EXPONENTS = {"paper": (0.75, 0.5), "amontons": (1.0, 0.5), "strength": (0.5, 0.5)}
@@ -52,16 +52,29 @@ def gw_gaussian(
     """
     z = finite("separation", separation)
     if not _DEEPEST <= z <= _HIGHEST:
-        refuse("separation", separation, f"is h0/sigma_h and must lie between {_DEEPEST:g} and {_HIGHEST:g}")
+        refuse(
+            "separation",
+            separation,
+            f"is h0/sigma_h and must lie between {_DEEPEST:g} and {_HIGHEST:g}",
+        )
     scale = between("scale", scale, _SHORTEST, _LONGEST, "choose another unit of length")
     elastic, plastic = EXPONENTS[one_of("law", law, tuple(EXPONENTS))]
     if one_of("regime", regime, REGIMES) != "mixed":
         if plasticity_index is not None:
-            refuse("plasticity_index", plasticity_index, 'belongs to regime = "mixed" alone; leave it out')
-        part = PowerLaw(scale, elastic if regime == "elastic" else plastic)
-        return SummitThresholds(Bend(part, part, np.inf), 1.0, z)
+            refuse(
+                "plasticity_index",
+                plasticity_index,
+                'belongs to regime = "mixed" alone; leave it out',
+            )
+        return Powered(
+            compressions(1.0, z), PowerLaw(scale, elastic if regime == "elastic" else plastic)
+        )
     if plasticity_index is None:
-        refuse("plasticity_index", plasticity_index, 'regime = "mixed" needs it, such as plasticity_index = 5.0')
+        refuse(
+            "plasticity_index",
+            plasticity_index,
+            'regime = "mixed" needs it, such as plasticity_index = 5.0',
+        )
     with np.errstate(over="ignore"):
         at = float(np.float64(2.25 * np.pi / positive("plasticity_index", plasticity_index)) ** 2)
     if not 0.0 < at < np.inf:
@@ -69,4 +82,6 @@ def gw_gaussian(
     # the part that holds at delta = sigma_h is the one that `scale` belongs to
     other = scale * at ** (elastic - plastic if at > 1.0 else plastic - elastic)
     first, second = (scale, other) if at > 1.0 else (other, scale)
-    return SummitThresholds(Bend(PowerLaw(first, elastic), PowerLaw(second, plastic), at), 1.0, z)
+    return Powered(
+        compressions(1.0, z), Bend(PowerLaw(first, elastic), PowerLaw(second, plastic), at)
+    )

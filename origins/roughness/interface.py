@@ -131,80 +131,86 @@ class Interface:
         Raises InputError for both, for neither, and for values below zero.
         """
         if (kelvin is None) == (energy is None):
-            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin = 300.0")
-        joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else non_negative("energy", energy)
+            raise InputError(
+                f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin = 300.0"
+            )
+        joules = (
+            BOLTZMANN * non_negative("kelvin", kelvin)
+            if energy is None
+            else non_negative("energy", energy)
+        )
         return joules / self.mean_stiffness
 
     @property
     def cautions(self) -> tuple[str, ...]:
         """Where the surface or the load strains the theory, in words; empty where nothing does."""
-        said = self._cautions_of_size()
-        if self.model == "gw" and self.area_fraction > _APART:
-            said.append(
-                f"contacts cover {self.area_fraction:.0%} of the surface: Greenwood and Williamson's summits are far "
-                "apart and do not feel each other"
-            )
-        if self.model == "persson" and self.area_fraction >= _FULL:
-            said.append("full contact: no contact stands alone, and patches do not slip one by one")
-        elif self.model == "persson" and self.area_fraction > _APART:
-            said.append(
-                f"contacts cover {self.area_fraction:.0%} of the surface: neighbouring patches are hardly independent"
-            )
-        if self.moments.rms_slope > _STEEP:
-            said.append(
-                f"rms slope is {self.moments.rms_slope:.2g}, and the theories are for small ones: are heights and "
-                "pixel size in one unit?"
-            )
-        along, across = sorted(self.moments.m2_axes)
-        if across > _ISOTROPIC**2 * along:
-            said.append(
-                f"rms slopes along the two axes differ by a factor {(across / along) ** 0.5:.2g}: the theories are "
-                "isotropic"
-            )
-        if self.regime == "elastic" and (self.plastic_fraction or 0.0) > _PLASTIC:
-            said.append(f"{self.plastic_fraction:.0%} of the contacts would be plastic, and are taken as elastic")
-        if self.regime == "plastic" and (self.hertz_plastic_fraction or 0.0) < _PLASTIC:
-            said.append(
-                f"{self.hertz_plastic_fraction:.1%} of the contacts would be plastic by Hertz' theory, and all are "
-                "taken as plastic"
-            )
-        if self.mean_threshold > self.mean_radius:
-            said.append(
-                f"contacts would slip after {self.mean_threshold:.2g} m on average, more than their mean radius of "
-                f"{self.mean_radius:.2g} m"
-            )
-        pixels = self.moments.pixel_size
-        # the area of Persson's patches is not the scan's to resolve
-        if self.model == "gw" and pixels is not None and self.mean_radius < _PIXELS * max(pixels):
-            said.append(
-                f"mean radius of a contact is {self.mean_radius / max(pixels):.2g} pixels: the scan does not resolve it"
-            )
-        local = self.material.local_friction
-        if self.law != "strength" and local is not None and self.friction_coefficient > local:
-            said.append(
-                f"friction coefficient {self.friction_coefficient:.2g} is above the local {local:.2g}: Eq. Q6 pairs "
-                "k and x_s at random"
-            )
-        return tuple(said)
-
-    def _cautions_of_size(self) -> list[str]:
-        """Where scan, pixel and contacts do not fit into one another."""
-        size, pixel = self.moments.size, self.moments.pixel_size
-        if size is None or pixel is None:
-            return []
-        said, area = [], size[0] * size[1]
-        if max(size) > _LARGEST:
-            said.append(f"the scan is {max(size):.3g} m across: is the unit right?")
-        if self.contact_density * area < 1.0:
-            said.append(
-                f"the scan would hold {self.contact_density * area:.2g} contacts, fewer than one: what they bear "
-                "extrapolates the tail of its heights"
-            )
-        if self.patch_area is not None and self.patch_area < pixel[0] * pixel[1]:
-            said.append(
-                f"patch_area = {self.patch_area:.3g} m² is below the {pixel[0] * pixel[1]:.3g} m² of a pixel: the "
-                "scan knows of nothing so small"
-            )
-        if self.patch_area is not None and self.patch_area > area:
-            said.append(f"patch_area = {self.patch_area:.3g} m² is above the {area:.3g} m² of the scan: is it in m²?")
-        return said
+        gw, moments, radius = self.model == "gw", self.moments, self.mean_radius
+        covered, mu = self.area_fraction, self.friction_coefficient
+        local = self.material.local_friction or np.inf
+        along, across = np.sqrt(sorted(moments.m2_axes))
+        plastic, of_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
+        # without a scan, or without patches, nothing is said of their size
+        pixel = moments.pixel_size or (0.0, 0.0)
+        size = (moments.size if moments.pixel_size else None) or (0.0, np.inf)
+        scan, patch = size[0] * size[1] or np.inf, self.patch_area or pixel[0] * pixel[1]
+        held = self.contact_density * scan
+        said = (
+            (
+                np.inf > max(size) > _LARGEST,
+                f"the scan is {max(size):.3g} m across: is the unit right?",
+            ),
+            (
+                held < 1.0,
+                f"the scan would hold {held:.2g} contacts, fewer than one: what they bear extrapolates its tail",
+            ),
+            (
+                patch < pixel[0] * pixel[1],
+                f"patch_area = {patch:.3g} m² is below the {pixel[0] * pixel[1]:.3g} m² of a pixel",
+            ),
+            (
+                patch > scan,
+                f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan: is it in m²?",
+            ),
+            (
+                gw and covered > _APART,
+                f"contacts cover {covered:.0%} of the surface: Greenwood and Williamson's are far apart",
+            ),
+            (
+                not gw and covered >= _FULL,
+                "full contact: no contact stands alone, and patches do not slip one by one",
+            ),
+            (
+                not gw and _APART < covered < _FULL,
+                f"contacts cover {covered:.0%} of the surface: neighbouring patches are hardly independent",
+            ),
+            (
+                moments.rms_slope > _STEEP,
+                f"rms slope is {moments.rms_slope:.2g}, not small: are heights and pixel size in one unit?",
+            ),
+            (
+                across > _ISOTROPIC * along,
+                f"rms slopes along the two axes differ by a factor {across / along:.2g}: theory is isotropic",
+            ),
+            (
+                self.regime == "elastic" and plastic > _PLASTIC,
+                f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic",
+            ),
+            (
+                self.regime == "plastic" and of_hertz < _PLASTIC,
+                f"{of_hertz:.1%} would be plastic by Hertz' theory, and all contacts are taken as plastic",
+            ),
+            (
+                self.mean_threshold > radius,
+                f"contacts would slip after {self.mean_threshold:.2g} m, more than their radius of {radius:.2g} m",
+            ),
+            # the area of Persson's patches is not the scan's to resolve
+            (
+                gw and radius < _PIXELS * max(pixel),
+                f"mean radius of a contact is {radius:.2g} m, below 2 pixels: the scan does not resolve it",
+            ),
+            (
+                self.law != "strength" and mu > local,
+                f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random",
+            ),
+        )
+        return tuple(sentence for strained, sentence in said if strained)

@@ -63,31 +63,34 @@ class Material:
         for name, value in vars(self).items():
             if name == "contact_modulus" or (value is not None and name != "contact_stiffness"):
                 between(name, value, 1.0 / _LARGEST, _LARGEST, "it is in SI units")
-        other = self.density is not None or self.sound_velocity is not None
-        if self.shear_modulus is not None and other:
-            refuse("shear_modulus", self.shear_modulus, f"given twice; {_ONE_OF}")
-        if self.contact_stiffness is not None:
-            if not isinstance(self.contact_stiffness, PowerLaw):
-                refuse("contact_stiffness", self.contact_stiffness, "must be a law, such as mindlin_stiffness(...)")
-            if not 0.0 <= self.contact_stiffness.exponent <= _STEEPEST:
-                rule = f"must lie between 0 and {_STEEPEST:g}, such as 0.5"
-                refuse("contact_stiffness.exponent", self.contact_stiffness.exponent, rule)
-            if self.shear_modulus is not None or other:
-                raise InputError(f"contact_stiffness: given twice; {_ONE_OF}")
-        if (self.density is None) != (self.sound_velocity is None):
-            name = "sound_velocity" if self.sound_velocity is None else "density"
-            refuse(name, None, _ONE_OF)
+        own, speeds = self.contact_stiffness, (self.density, self.sound_velocity)
+        if own is not None and not isinstance(own, PowerLaw):
+            refuse("contact_stiffness", own, "must be a law, such as mindlin_stiffness(...)")
+        if own is not None and not 0.0 <= own.exponent <= _STEEPEST:
+            rule = f"must lie between 0 and {_STEEPEST:g}, such as 0.5"
+            refuse("contact_stiffness.exponent", own.exponent, rule)
+        ways = own is not None, self.shear_modulus is not None, speeds != (None, None)
+        if sum(ways) > 1:
+            name = "contact_stiffness" if own is not None else "shear_modulus"
+            raise InputError(f"{name}: given twice; {_ONE_OF}")
+        if speeds.count(None) == 1:
+            refuse(("density", "sound_velocity")[speeds.index(None)], None, _ONE_OF)
 
-    def needed(self, name: str, law: str) -> float:
-        """The constant `name`, in SI units; InputError where it was left out though the threshold law needs it."""
+    def needed(self, name: str, what: str) -> float:
+        """The constant `name`, in SI units; InputError where it was left out though `what`, law or regime, needs it."""
         value = getattr(self, name)
         if value is None:
             such = f"{name} = {_SUCH_AS[name]}"
-            raise InputError(f'material.{name} = None: law = "{law}" needs it; give the material one, such as {such}')
+            raise InputError(
+                f"material.{name} = None: {what} needs it; give the material one, such as {such}"
+            )
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:
-        """k in N/m as a power of the contact's area in m²; InputError where the law needs it and nothing tells it."""
+        """k in N/m as a power of the contact's area in m² under a threshold law.
+
+        InputError where the law needs a constant that is not there. The paper's k is c x_s, no law of the area.
+        """
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         if self.density is not None and self.sound_velocity is not None:

@@ -1,6 +1,5 @@
 """Power laws of one quantity, and two of them that meet: below the bend one holds, above it the other."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,24 +27,28 @@ class PowerLaw:
     def __call__(self, y: npt.ArrayLike) -> Array:
         return np.asarray(self.coefficient * np.asarray(y, dtype=float) ** self.exponent)[()]
 
-    def times(self, factor: "PowerLaw | float") -> "PowerLaw":
+    def __mul__(self, other: "PowerLaw | float") -> "PowerLaw":
         """The product with another law of the same quantity, or with a number."""
-        if isinstance(factor, PowerLaw):
-            return PowerLaw(self.coefficient * factor.coefficient, self.exponent + factor.exponent)
-        return PowerLaw(self.coefficient * factor, self.exponent)
+        if isinstance(other, PowerLaw):
+            return PowerLaw(self.coefficient * other.coefficient, self.exponent + other.exponent)
+        return PowerLaw(self.coefficient * other, self.exponent)
 
-    def power(self, exponent: float) -> "PowerLaw":
-        """The law raised to a power."""
+    def __pow__(self, exponent: float) -> "PowerLaw":
         return PowerLaw(self.coefficient**exponent, self.exponent * exponent)
 
-    def after(self, inner: "PowerLaw") -> "PowerLaw":
-        """self(inner(y))."""
-        return PowerLaw(self.coefficient * inner.coefficient**self.exponent, self.exponent * inner.exponent)
+    def of(self, inner: "PowerLaw") -> "PowerLaw":
+        """This law of what `inner` gives: self(inner(y))."""
+        return inner**self.exponent * self.coefficient
 
     @property
     def inverse(self) -> "PowerLaw":
         """The law that undoes this one, for an exponent other than 0."""
         return PowerLaw(self.coefficient ** (-1.0 / self.exponent), 1.0 / self.exponent)
+
+    @property
+    def slope(self) -> "PowerLaw":
+        """Its derivative, for an exponent above 0."""
+        return PowerLaw(self.coefficient * self.exponent, self.exponent - 1.0)
 
 
 @dataclass(frozen=True)
@@ -58,28 +61,21 @@ class Bend:
 
     def __call__(self, y: npt.ArrayLike) -> Array:
         y = np.asarray(y, dtype=float)
+        if self.at == np.inf:
+            return self.below(y)
         return np.asarray(np.where(y <= self.at, self.below(y), self.above(y)))[()]
 
-    def each(self, change: Callable[[PowerLaw], PowerLaw]) -> "Bend":
-        """The same change of either part."""
-        return Bend(change(self.below), change(self.above), self.at)
-
-    def over(self, other: "Bend") -> "Bend":
-        """The quotient of two that bend at one point."""
-        return Bend(
-            self.below.times(other.below.power(-1.0)), self.above.times(other.above.power(-1.0)), self.at
-        )
-
-    def seen_from(self, other: "Bend") -> "Bend":
-        """This quantity as a function of `other`, which rises and bends at the same point."""
-        at = float(other.below(self.at)) if 0.0 < self.at < np.inf else self.at
-        return Bend(self.below.after(other.below.inverse), self.above.after(other.above.inverse), at)
+    def of(self, inner: "Bend") -> "Bend":
+        """This law of what `inner` gives, which rises and bends where this one does: self(inner(y))."""
+        return Bend(self.below.of(inner.below), self.above.of(inner.above), inner.at)
 
     @property
-    def pieces(self) -> tuple[tuple[PowerLaw, float, float], ...]:
-        """(law, from, to) of each part that holds somewhere."""
-        if self.at == np.inf or self.below == self.above:
-            return ((self.below, 0.0, np.inf),)
-        if self.at == 0.0:
-            return ((self.above, 0.0, np.inf),)
-        return (self.below, 0.0, self.at), (self.above, self.at, np.inf)
+    def inverse(self) -> "Bend":
+        """The law that undoes this one, which rises."""
+        at = float(self.below(self.at)) if 0.0 < self.at < np.inf else self.at
+        return Bend(self.below.inverse, self.above.inverse, at)
+
+    @property
+    def slope(self) -> "Bend":
+        """Its derivative, which jumps at the bend."""
+        return Bend(self.below.slope, self.above.slope, self.at)

@@ -10,7 +10,6 @@ from origins.errors import InputError, between, positive, refuse, whole
 from origins.roughness.topography import Array, pixel_sizes
 
 _BYTES = 40  # at the most, on each point while a surface is made: 36 measured
-_MOST = 1e300
 _SLOPES = (1e-20, 1e20)  # any that heights in one unit can have
 
 
@@ -56,25 +55,10 @@ def self_affine_surface(
     Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode is left, and for a
     shape whose making, at 40 bytes a point, needs more than the memory of the machine.
     """
-    amplitude = mode_amplitudes(shape, pixel_size, hurst, rms_slope, long_cutoff, short_cutoff)
-    if whole("seed", seed, 0) >= 2**64:
-        refuse("seed", seed, "must be below 2**64")
-    generator = np.random.Generator(np.random.Philox(key=seed))
-    noise = np.fft.rfft2(generator.standard_normal(shape))
-    return np.fft.irfft2(amplitude * noise / np.abs(noise), s=shape) * (shape[0] * shape[1])
-
-
-def mode_amplitudes(
-    shape: tuple[int, int],
-    pixel_size: float | tuple[float, float],
-    hurst: float,
-    rms_slope: float,
-    long_cutoff: float | None = None,
-    short_cutoff: float | None = None,
-) -> Array:
-    """|a_q| on the half plane of np.fft.rfft2, with h(r) = sum over all q of a_q e^{iqr}."""
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
+    if whole("seed", seed, 0) >= 2**64:
+        refuse("seed", seed, "must be below 2**64")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
     check_memory((n_x, n_y), _BYTES)
     dx, dy = pixel_sizes(pixel_size)
@@ -105,8 +89,15 @@ def mode_amplitudes(
     # in units of the roll-off, so that no unit of length overflows the power; none beyond the box is met
     relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
-    slope = np.sqrt((amplitude**2 * q**2 * _weights((n_x, n_y))).sum())
-    return amplitude * (rms_slope / slope)
+    # each mode of the half plane stands for itself and its conjugate, but for those at the plane's edges
+    count = np.full(q_y.size, 2.0)
+    count[0] = 1.0
+    if n_y % 2 == 0:
+        count[-1] = 1.0
+    amplitude *= rms_slope / np.sqrt((amplitude**2 * q**2 * count).sum())
+    generator = np.random.Generator(np.random.Philox(key=seed))
+    noise = np.fft.rfft2(generator.standard_normal((n_x, n_y)))
+    return np.fft.irfft2(amplitude * noise / np.abs(noise), s=(n_x, n_y)) * (n_x * n_y)
 
 
 def check_memory(shape: tuple[int, int], bytes_a_point: int) -> None:
@@ -117,19 +108,6 @@ def check_memory(shape: tuple[int, int], bytes_a_point: int) -> None:
         return
     needed = shape[0] * shape[1] * bytes_a_point
     if needed > there:
-        amount = f"{needed / 1e9:.3g}" if needed < _MOST else "over 1e300"
-        refuse(
-            "shape",
-            shape,
-            f"needs {amount} GB, {bytes_a_point} bytes a point, and this machine has {there / 1e9:.3g} GB; take a "
-            "smaller one, such as [4096, 4096]",
-        )
-
-
-def _weights(shape: tuple[int, int]) -> Array:
-    """How many modes of the full plane each mode of the half plane stands for."""
-    weights = np.full(shape[1] // 2 + 1, 2.0)
-    weights[0] = 1.0
-    if shape[1] % 2 == 0:
-        weights[-1] = 1.0
-    return weights[None, :]
+        amount = f"{needed / 1e9:.3g}" if needed < 1e300 else "over 1e300"
+        rule = f"needs {amount} GB, {bytes_a_point} bytes a point, and this machine has {there / 1e9:.3g} GB"
+        refuse("shape", shape, f"{rule}; take a smaller one, such as [4096, 4096]")

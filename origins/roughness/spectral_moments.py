@@ -143,64 +143,49 @@ def spectral_moments(
     """
     surface = as_topography(heights, pixel_size)
     if periodic and detrend != "centre":
-        refuse(
-            "detrend",
-            detrend,
-            'a periodic surface has neither tilt nor curvature; write detrend = "centre"',
-        )
-    step = whole("step", step, 1)
-    least = 2 * step + 1
-    if min(surface.heights.shape) < least:
-        refuse(
-            "step",
-            step,
-            f"the scan of {surface.heights.shape} points needs at least 2 step + 1 along each axis",
-        )
+        rule = 'a periodic surface has neither tilt nor curvature; write detrend = "centre"'
+        refuse("detrend", detrend, rule)
+    step, shape = whole("step", step, 1), surface.heights.shape
+    if min(shape) < 2 * step + 1:
+        rule = f"the scan of {shape} points needs at least 2 step + 1 along each axis"
+        refuse("step", step, rule)
     level = detrended(surface, detrend)
-    sizes = (step * level.pixel_size[0], step * level.pixel_size[1])
     slopes, curvatures = _differences(level.heights, step, periodic)
-    inside = [n if periodic else n - 2 * step for n in level.heights.shape]
+    inside = [n if periodic else n - 2 * step for n in shape]
     used = float(np.isfinite(curvatures[0]).sum()) / (inside[0] * inside[1])
     if used < _LEAST_USED:
-        refuse(
-            "heights",
-            level.heights,
-            f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils, less than "
-            "half; fill them in or cut out a part that is whole",
-        )
+        rule = f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils"
+        rule += ", less than half; fill them in or cut out a part that is whole"
+        refuse("heights", level.heights, rule)
+    dx, dy = level.pixel_size
+    sizes = step * dx, step * dy
+    m2, m4 = (
+        [float(np.nanmean((one / size**order) ** 2)) for one, size in zip(pair, sizes, strict=True)]
+        for order, pair in ((1, slopes), (2, curvatures))
+    )
     return SpectralMoments(
         m0=float(np.nanmean(level.heights**2)),
-        m2_axes=(_mean_square(slopes[0], sizes[0]), _mean_square(slopes[1], sizes[1])),
-        m4_axes=(
-            _mean_square(curvatures[0], sizes[0] ** 2),
-            _mean_square(curvatures[1], sizes[1] ** 2),
-        ),
+        m2_axes=(m2[0], m2[1]),
+        m4_axes=(m4[0], m4[1]),
         step=step,
         pixel_size=sizes,
         missing_fraction=level.missing_fraction,
         used_fraction=used,
-        size=(
-            level.heights.shape[0] * level.pixel_size[0],
-            level.heights.shape[1] * level.pixel_size[1],
-        ),
+        size=(shape[0] * dx, shape[1] * dy),
     )
-
-
-def _mean_square(differences: Array, unit: float) -> float:
-    return float(np.nanmean((differences / unit) ** 2))
 
 
 def _differences(h: Array, step: int, periodic: bool) -> tuple[list[Array], list[Array]]:
     """First and second differences of heights along both axes, NaN in both where either is missing."""
     wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
     inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
-    ahead, behind = (
-        (wide[after, inner], wide[inner, after]),
-        (wide[before, inner], wide[inner, before]),
+    pairs = (
+        (wide[after, inner], wide[before, inner]),
+        (wide[inner, after], wide[inner, before]),
     )
-    slopes = [one - h for one in ahead]
-    curvatures = [one - 2.0 * h + other for one, other in zip(ahead, behind, strict=True)]
-    for pair in (slopes, curvatures):
-        lost = np.isnan(pair[0] + pair[1])
-        pair[0][lost] = pair[1][lost] = np.nan
+    slopes = [ahead - h for ahead, _ in pairs]
+    curvatures = [ahead - 2.0 * h + behind for ahead, behind in pairs]
+    for one, other in (slopes, curvatures):
+        lost = np.isnan(one + other)
+        one[lost] = other[lost] = np.nan
     return slopes, curvatures

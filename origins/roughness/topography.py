@@ -9,21 +9,13 @@ from origins.errors import one_of, positive, refuse
 
 Array = npt.NDArray[np.float64]
 
-METRES = {
-    "m": 1.0,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "\u00b5m": 1e-6,
-    "\u03bcm": 1e-6,
-    "um": 1e-6,
-    "nm": 1e-9,
-    "\u00c5": 1e-10,
-    "\u212b": 1e-10,
-    "A": 1e-10,
-    "pm": 1e-12,
-}
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "nm": 1e-9, "pm": 1e-12}
+METRES |= dict.fromkeys(("\u00b5m", "\u03bcm", "um"), 1e-6)
+METRES |= dict.fromkeys(("\u00c5", "\u212b", "A"), 1e-10)
 DETRENDS = ("curvature", "tilt", "centre")
-_ROUND_OFF = 1e-12  # of the heights' range: a residue below it is the arithmetic's, not the surface's
+_ROUND_OFF = (
+    1e-12  # of the heights' range: a residue below it is the arithmetic's, not the surface's
+)
 
 
 @dataclass(frozen=True)
@@ -56,28 +48,32 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
     if callable(getattr(heights, "heights", None)):
         if pixel_size is not None:
             refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
-        scale = _metres(getattr(heights, "unit", None))
-        values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
+        unit = getattr(heights, "unit", None)
+        if unit not in METRES:
+            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size"
+            refuse("heights.unit", unit, f"{rule} in metres")
         if getattr(heights, "physical_sizes", True) is None or not hasattr(heights, "pixel_size"):
             refuse("heights.pixel_size", None, "open the scan with its physical_sizes given")
-        sizes = np.atleast_1d(heights.pixel_size)
+        sizes = np.asarray(heights.pixel_size)
         if sizes.shape != (2,):
             refuse("heights.pixel_size", sizes, "must be a pair (dx, dy)")
-        dx, dy = (float(size) * scale for size in sizes)
-        return Topography(values, (positive("heights.pixel_size[0]", dx), positive("heights.pixel_size[1]", dy)))
+        scale = METRES[unit]
+        values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
+        return Topography(values, pixel_sizes(sizes * scale, "heights.pixel_size"))
     values = _height_array(heights)
     if pixel_size is None:
-        refuse("pixel_size", pixel_size, "heights without it have no slope; write pixel_size=(dx, dy) in metres")
+        rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres"
+        refuse("pixel_size", pixel_size, rule)
     return Topography(values, pixel_sizes(pixel_size))
 
 
-def pixel_sizes(pixel_size: object) -> tuple[float, float]:
+def pixel_sizes(pixel_size: object, name: str = "pixel_size") -> tuple[float, float]:
     """`pixel_size`, one number or a pair, as (dx, dy), both above zero."""
     if isinstance(pixel_size, tuple | list | np.ndarray):
         if len(pixel_size) != 2:
-            refuse("pixel_size", pixel_size, "must be one number or a pair (dx, dy)")
-        return positive("pixel_size[0]", pixel_size[0]), positive("pixel_size[1]", pixel_size[1])
-    size = positive("pixel_size", pixel_size)
+            refuse(name, pixel_size, "must be one number or a pair (dx, dy)")
+        return positive(f"{name}[0]", pixel_size[0]), positive(f"{name}[1]", pixel_size[1])
+    size = positive(name, pixel_size)
     return size, size
 
 
@@ -99,39 +95,30 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
         terms += [x * x, y * y, x * y]
     there = np.isfinite(heights)
     # heights of any unit, and far from zero: fitted about their mean, in units of their range
-    middle = float(heights[there].mean())
-    span = float(np.ptp(heights[there]))
-    largest = float(np.abs(heights[there]).max())
+    known = heights[there]
+    middle, span = float(known.mean()), float(np.ptp(known))
     basis = np.stack([term[there] for term in terms], axis=1)
-    coefficients = np.linalg.lstsq(basis, (heights[there] - middle) / (span or 1.0), rcond=None)[0]
+    coefficients = np.linalg.lstsq(basis, (known - middle) / (span or 1.0), rcond=None)[0]
     left = heights - middle - span * np.tensordot(coefficients, np.stack(terms), axes=1)
-    if not float(np.nanstd(left)) > _ROUND_OFF * largest:
-        refuse("heights", heights, f"nothing is left after removing the {detrend}: a flat surface has no asperities")
+    if not float(np.nanstd(left)) > _ROUND_OFF * float(np.abs(known).max()):
+        rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
+        refuse("heights", heights, rule)
     return Topography(left, surface.pixel_size)
 
 
 def _height_array(heights: object) -> Array:
+    """`heights` as a grid of at least 3 by 3 points, NaN where masked; InputError where they are no such grid."""
     try:
         values: Array = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
     except (TypeError, ValueError):
         such = "SurfaceTopography.read_topography(file)"
-        refuse("heights", heights, f"must be a two-dimensional array of heights in metres, or {such}")
+        refuse("heights", heights, f"must be a two-dimensional array in metres, or {such}")
     if values.ndim != 2 or min(values.shape) < 3:
         refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
     infinite = np.argwhere(np.isinf(values))
     if infinite.size:
         i, j = infinite[0]
-        refuse(f"heights[{i}, {j}]", values[i, j], "must be finite, or NaN where the point is missing")
+        refuse(f"heights[{i}, {j}]", values[i, j], "must be finite, or NaN where none is known")
     if not np.isfinite(values).any():
         refuse("heights", values, "every point is missing; a surface needs heights")
     return values
-
-
-def _metres(unit: object) -> float:
-    if isinstance(unit, str) and unit in METRES:
-        return METRES[unit]
-    refuse(
-        "heights.unit",
-        unit,
-        "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size in metres",
-    )

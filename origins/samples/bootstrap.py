@@ -91,11 +91,8 @@ def bootstrap_laws(
         rule = "must come from from_samples, or be a mixture with such a law, with at least two different values"
         refuse("thresholds", thresholds, rule)
     if isinstance(thresholds, ContinuousMixture):
-        refuse(
-            "thresholds",
-            thresholds,
-            "must not be a continuous mixture: its laws may all be of the same samples",
-        )
+        rule = "must not be a continuous mixture: its laws may all be of the same samples"
+        refuse("thresholds", thresholds, rule)
     count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
     return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
 
@@ -106,21 +103,20 @@ def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
     return [law for _, law in parts if isinstance(law, Sampled)]
 
 
-def _anew(thresholds: Thresholds, generator: np.random.Generator) -> Thresholds:
-    if isinstance(thresholds, Sampled) or not isinstance(thresholds, Mixture):
-        return _resampled(thresholds, generator) if isinstance(thresholds, Sampled) else thresholds
-    weights = np.array([weight for weight, _ in thresholds.parts])
-    return mixture([_anew(law, generator) for _, law in thresholds.parts], weights / weights.sum())
+def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
+    if isinstance(law, Sampled):
+        return _resampled(law, generator)
+    if not isinstance(law, Mixture):
+        return law
+    weights = np.array([weight for weight, _ in law.parts])
+    return mixture([_anew(part, generator) for _, part in law.parts], weights / weights.sum())
 
 
 def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:
     values = np.asarray(found, dtype=float)
-    if not np.isfinite(values).all():
-        refuse(
-            "statistic",
-            values[~np.isfinite(values)].flat[0],
-            "must be finite for the law and all resampled ones",
-        )
+    bad = values[~np.isfinite(values)]
+    if bad.size:
+        refuse("statistic", bad.flat[0], "must be finite for the law and all resampled ones")
     if shape is not None and values.shape != shape:
         refuse("statistic", values.shape, f"must keep its shape {shape} for the resampled laws")
     return values

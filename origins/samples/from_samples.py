@@ -56,32 +56,30 @@ def from_samples(
     that no smooth density follows.
     """
     if (x_s is None) == (f_s is None):
-        raise InputError(
-            "from_samples: give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
-        )
-    if x_s is not None:
+        rule = "give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
+        raise InputError(f"from_samples: {rule}")
+    if x_s is None:
+        name, given = "f_s", _above_zero("f_s", f_s)
+        lengths = _lengths(given, coefficient, stiffness)
+    else:
         for name, value in (("coefficient", coefficient), ("stiffness", stiffness)):
             if value is not None:
                 refuse(name, value, "turns forces f_s into lengths; leave it out with x_s")
-        lengths = _above_zero("x_s", x_s)
-        bad = np.flatnonzero(~_measurable(lengths))
-        if bad.size:
-            rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}; choose another unit of length"
-            refuse(f"x_s[{bad[0]}]", lengths[bad[0]], rule)
-    else:
-        lengths = _lengths(_above_zero("f_s", f_s), coefficient, stiffness)
-    counts = (
-        np.ones(lengths.size) if weights is None else _one_each("weights", weights, lengths.size)
-    )
+        name, lengths = "x_s", _above_zero("x_s", x_s)
+        given = lengths
+    bad = np.flatnonzero((lengths < _SMALLEST) | (lengths > _LARGEST))
+    if bad.size:
+        rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}; choose another unit of length"
+        if name == "f_s":
+            rule = f"makes a length of {lengths[bad[0]]:g}, which {rule}"
+        refuse(f"{name}[{bad[0]}]", given[bad[0]], rule)
+    counts = np.ones(lengths.size)
+    if weights is not None:
+        counts = _above_zero("weights", weights, lengths.size)
     lengths, shares = _that_count(lengths, counts)
     if lengths[-1] - lengths[0] <= _NARROWEST * lengths[-1]:
         return identical(float(shares @ lengths))
     return Sampled(lengths, shares, counts.size, float(1.0 / (shares @ shares)))
-
-
-def _measurable(lengths: Array) -> npt.NDArray[np.bool_]:
-    """Which lengths have a third moment that floating point can hold."""
-    return (lengths >= _SMALLEST) & (lengths <= _LARGEST)
 
 
 def _that_count(lengths: Array, counts: Array) -> tuple[Array, Array]:
@@ -93,46 +91,29 @@ def _that_count(lengths: Array, counts: Array) -> tuple[Array, Array]:
     by_share = np.sort(shares)
     light = np.searchsorted(np.cumsum(by_share), _NOTHING * float(shares @ shares))
     heavy = shares >= by_share[light]
-    lengths, shares = lengths[heavy], shares[heavy]
-    return lengths, shares / shares.sum()
+    return lengths[heavy], shares[heavy] / shares[heavy].sum()
 
 
 def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None) -> Array:
+    """Forces as lengths, by the paper's quadratic law or by a stiffness."""
     if (coefficient is None) == (stiffness is None):
-        raise InputError(
-            "from_samples: with f_s give either coefficient, for f_s = coefficient * x_s^2, or stiffness, for "
-            "x_s = f_s / stiffness, and not both"
-        )
+        rule = "coefficient, for f_s = coefficient * x_s^2, or stiffness, for x_s = f_s / stiffness"
+        raise InputError(f"from_samples: with f_s give either {rule}, and not both")
     if stiffness is None:
-        lengths = np.sqrt(forces / positive("coefficient", coefficient))
-    elif np.ndim(stiffness) == 0:
-        lengths = forces / positive("stiffness", stiffness)
-    else:
-        lengths = forces / _one_each("stiffness", stiffness, forces.size)
-    bad = np.flatnonzero(~_measurable(lengths))
-    if bad.size:
-        refuse(
-            f"f_s[{bad[0]}]",
-            forces[bad[0]],
-            f"makes a length of {lengths[bad[0]]:g}; choose other units",
-        )
-    return lengths
+        return np.sqrt(forces / positive("coefficient", coefficient))
+    if np.ndim(stiffness) == 0:
+        return forces / positive("stiffness", stiffness)
+    return forces / _above_zero("stiffness", stiffness, forces.size)
 
 
-def _one_each(name: str, value: object, size: int) -> Array:
-    array = _above_zero(name, value, "")
-    if array.size != size:
-        refuse(name, array, f"must hold one value for each of the {size} samples")
-    return array
-
-
-def _above_zero(
-    name: str, value: object, why: str = ": a contact holds until its threshold"
-) -> Array:
+def _above_zero(name: str, value: object, size: int | None = None) -> Array:
+    """`value` as an array above zero, of one value for each of `size` samples where that is given."""
     array = finite_array(name, value)
+    if size is not None and array.size != size:
+        refuse(name, array, f"must hold one value for each of the {size} samples")
     bad = np.flatnonzero(array <= 0.0)
     if bad.size:
-        refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be above zero" + why)
+        refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be above zero")
     return array
 
 
@@ -143,10 +124,8 @@ def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
         return [(x, shares)]
     many = max(int(np.sqrt(x.size)), _LEAST_GROUP)
     low, high = np.maximum(place - 1 - many, 0), np.minimum(place + many, x.size - 1)
-    below, above = (
-        (x[place - 1] - x[low]) / (place - 1 - low),
-        (x[high] - x[place]) / (high - place),
-    )
+    below = (x[place - 1] - x[low]) / (place - 1 - low)
+    above = (x[high] - x[place]) / (high - place)
     wider = (x[place] - x[place - 1]) / np.maximum(below, above)
     if wider.max() < _GAP + np.log(x.size):
         return [(x, shares)]
@@ -227,9 +206,3 @@ class Sampled(Mixture):
         below[atom] -= self.atoms[1]
         self.cdf_misfit = float(max((steps - up_to).max(), (below - steps + shares).max()))
         self.beyond = float(below[0]), float(self.sf(values[-1]))
-
-    def _ppf(self, q: Array) -> Array:
-        return self.components[0].ppf(q) if len(self.components) == 1 else super()._ppf(q)
-
-    def _isf(self, q: Array) -> Array:
-        return self.components[0].isf(q) if len(self.components) == 1 else super()._isf(q)

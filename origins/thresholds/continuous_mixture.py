@@ -2,20 +2,19 @@
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
 from origins.errors import InputError, finite, positive, refuse
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.mixture import Mixture, mixture
+from origins.thresholds.mixture import Mixture
 from origins.thresholds.quadrature import NODES, gauss
 from origins.thresholds.scipy_laws import as_thresholds
 
 _MOST = 512  # laws in the mixture
 _PILOTS = 16
 _SAME = 1e-9  # of a place: as near, it is one
-_BESIDE = 1e-9
 _JUMP = 1e-4  # in units of 1/<x_s>
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
@@ -55,19 +54,13 @@ def continuous_mixture(
     exact values or jumps that move with phi: the average has none, while any finite mixture keeps one for each law,
     and a K* of its own with it.
     """
-    lower, upper, accuracy = (
-        finite("lower", lower),
-        finite("upper", upper),
-        positive("accuracy", accuracy),
-    )
+    lower, upper = finite("lower", lower), finite("upper", upper)
+    accuracy = positive("accuracy", accuracy)
     if not upper > lower:
         refuse("upper", upper, f"must be above lower = {lower:g}")
     if not callable(law):
-        refuse(
-            "law",
-            law,
-            "must be a function of phi, such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))",
-        )
+        such = "such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))"
+        refuse("law", law, f"must be a function of phi, {such}")
     if density is not None and not callable(density):
         refuse("density", density, "must be a function of phi")
     # never at an end of an interval, where sums would agree however rough the law is in between
@@ -111,9 +104,8 @@ def continuous_mixture(
     shares = np.concatenate([one.weights for one in parts])
     laws = [law for one in parts for law in one.laws]
     used = np.flatnonzero(shares)
-    flat = cast(Mixture, mixture([laws[i] for i in used], shares[used] / shares.sum()))
-    found = ContinuousMixture(flat.components, flat.weights, error)
-    found.parts = flat.parts
+    found = ContinuousMixture([laws[i] for i in used], shares[used] / shares.sum())
+    found.quadrature_error = error
     return found
 
 
@@ -136,7 +128,7 @@ def _check_moving(laws: Sequence[Thresholds]) -> None:
     """InputError where an exact value or a jump of the density stands at another place in every law."""
     found = [_hard_points(one) for one in laws]
     for i, points in enumerate(found):
-        others = np.concatenate([other for j, other in enumerate(found) if j != i])
+        others = np.concatenate(found[:i] + found[i + 1 :])
         for point in points:
             if not (np.abs(others - point) <= _SAME * abs(point)).any():
                 raise InputError(
@@ -150,21 +142,13 @@ def _check_moving(laws: Sequence[Thresholds]) -> None:
 def _hard_points(law: Thresholds) -> Array:
     """Places of exact values, and those where the density jumps or diverges."""
     points = law.breakpoints[law.breakpoints > 0.0]
-    if points.size:
-        beside = law.pdf(points[:, None] * (1.0 + np.array([-_BESIDE, _BESIDE])))
-        size = (
-            np.abs(np.diff(np.where(np.isfinite(beside), beside, np.inf), axis=1)[:, 0])
-            * law.mean()
-        )
-        points = points[~(size <= _JUMP)]
+    below, above = (law.pdf(points * (1.0 + side)) * law.mean() for side in (-_SAME, _SAME))
+    with np.errstate(invalid="ignore"):
+        points = points[~(np.abs(above - below) <= _JUMP)]
     return np.concatenate([points, law.atoms[0]])
 
 
 class ContinuousMixture(Mixture):
     """The mixture at the nodes; quadrature_error as in continuous_mixture."""
 
-    def __init__(
-        self, components: Sequence[Thresholds], weights: Array, quadrature_error: float
-    ) -> None:
-        super().__init__(components, weights)
-        self.quadrature_error = quadrature_error
+    quadrature_error: float

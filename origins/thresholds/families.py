@@ -54,7 +54,9 @@ class Rectangular(Thresholds):
     def _isf(self, q: Array) -> Array:
         return self.upper - self._width * q
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
+        if n != round(n):
+            return super()._moment(n)
         # (u^(n+1) - l^(n+1)) / (n+1)(u - l) without the cancellation
         powers = self.upper ** np.arange(n + 1.0) * self.lower ** np.arange(n, -1.0, -1.0)
         return float(powers.sum()) / (n + 1)
@@ -106,7 +108,7 @@ class GeneralisedGamma(Thresholds):
         with np.errstate(divide="ignore", over="ignore"):
             return xlogy(self.onset_power, x / self.width) - (x / self.width) ** self.decay
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         order = (self.onset_power + 1.0) / self.decay
         with np.errstate(over="ignore"):
             return float(np.float64(self.width) ** n * poch(order, n / self.decay))
@@ -139,7 +141,7 @@ class Weibull(Thresholds):
     def _from_hazard(self, hazard: Array) -> Array:
         return self._width * hazard ** (1.0 / self._shape)
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         with np.errstate(over="ignore"):
             return float(np.float64(self._width) ** n * gamma(1.0 + n / self._shape))
 
@@ -194,5 +196,5 @@ class Persson(Thresholds):
     def _logpdf(self, x: Array) -> Array:
         return self._log_beside(x - self._origin)
 
-    def _moment(self, n: int) -> float:
+    def _moment(self, n: float) -> float:
         return float(self.width**n * gamma(1.0 + n / 4.0)) if self._a == 0.0 else super()._moment(n)

@@ -32,12 +32,10 @@ def gaussian(
     mean, std = finite("mean", mean), between("std", std, 1.0 / _LARGEST, _LARGEST, _UNIT)
     if abs(mean) > _LARGEST:
         refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
-    if std < _NARROWEST * mean:
-        rule = f"one value to round-off; take identical, value = {mean:g}"
-        refuse("std", std, f"is below 1e-15 of the mean: {rule}")
-    if std < -_NARROWEST * mean:
-        rule = f"where nothing is left of the law; std = {std:g}"
-        refuse("mean", mean, f"lies more than 1e15 widths below 0, {rule}")
+    if std < _NARROWEST * abs(mean):
+        rule = "one value to round-off" if mean > 0.0 else "nothing is left of it above 0"
+        rule = f"is below 1e-15 of the mean, {mean:g}: {rule}; take identical, or a wider law"
+        refuse("std", std, rule)
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
@@ -66,11 +64,8 @@ class CutGaussian(Thresholds):
         # P_c(0), and its log, by the form that stays finite however little of the parent is kept
         self._log_kept = float(log_ndtr(-self._z0))
         self._kept = float(ndtr(-self._z0))
-        if self._z0 > 0.0:
-            self._at_zero = 2.0 / float(erfcx(self._z0 / _ROOT_TWO)) / (_ROOT_TWO_PI * parent_std)
-        else:
-            at_zero = np.exp(-0.5 * self._z0**2 - self._log_kept)
-            self._at_zero = at_zero / (_ROOT_TWO_PI * parent_std)
+        scaled = float(erfcx(self._z0 / _ROOT_TWO))
+        self._at_zero = 2.0 / scaled / (_ROOT_TWO_PI * parent_std)
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
@@ -129,12 +124,12 @@ class NormalAboveZero(CutGaussian):
             x = x + np.where(np.isfinite(step) & (np.abs(step) < 0.1 * self.parent_std), step, 0.0)
         return np.maximum(x, 0.0)
 
-    def _moment(self, n: int) -> float:
-        if self.parent_mean < 0.0:
+    def _moment(self, n: float) -> float:
+        if self.parent_mean < 0.0 or n != round(n):
             return super()._moment(n)
         variance = self.parent_std**2
         lower, moment = 1.0, self.parent_mean + variance * self._at_zero
-        for order in range(2, n + 1):
+        for order in range(2, round(n) + 1):
             lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
         return moment
 

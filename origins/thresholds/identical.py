@@ -3,6 +3,7 @@
 import numpy as np
 
 from origins.errors import positive
+from origins.thresholds.families import Rectangular
 from origins.thresholds.law import Array, Thresholds
 
 
@@ -11,34 +12,24 @@ def identical(value: float) -> Thresholds:
     return Identical(positive("value", value))
 
 
-class Identical(Thresholds):
-    """All weight in one atom; pdf is zero everywhere."""
+class Identical(Rectangular):
+    """A rectangle of no width, all weight in one atom; pdf is zero everywhere."""
+
+    onset_power = np.inf
 
     def __init__(self, value: float) -> None:
-        self.value = value
-
-    def support(self) -> tuple[float, float]:
-        return self.value, self.value
+        super().__init__(value, value)
 
     @property
     def breakpoints(self) -> Array:
-        return np.array([self.value])
+        return np.array([self.lower])
 
     @property
     def atoms(self) -> tuple[Array, Array]:
-        return np.array([self.value]), np.array([1.0])
+        return np.array([self.lower]), np.array([1.0])
 
     def _pdf(self, x: Array) -> Array:
         return np.zeros(x.shape)
 
-    def _ppf(self, q: Array) -> Array:
-        return np.full(q.shape, self.value)
-
-    def _isf(self, q: Array) -> Array:
-        return np.full(q.shape, self.value)
-
-    def _variance(self) -> float:
-        return 0.0
-
-    def _moment(self, n: int) -> float:
-        return self.value**n
+    def _moment(self, n: float) -> float:
+        return self.lower**n

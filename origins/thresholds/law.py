@@ -12,7 +12,6 @@ import numpy.typing as npt
 from origins.errors import InputError, refuse
 from origins.thresholds.inversion import invert_hazard
 from origins.thresholds.numerical import NumericalLaw
-from origins.thresholds.quadrature import moment as panel_moment
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
@@ -102,23 +101,29 @@ class Thresholds:
 
     def _from_hazard(self, hazard: Array) -> Array:
         """Thresholds at which -log of the survival is `hazard`."""
-        flat = hazard.ravel()
-        if type(self)._sf is Thresholds._sf:
-            left, right = self._numerical.bracket(flat)
-        else:
-            left, right = (np.full(flat.shape, end) for end in self._bracket(float(flat.max())))
-        return invert_hazard(self, flat, left, right, 0.5 * left + 0.5 * right).reshape(
-            hazard.shape
-        )
+        left, right = self._bracket(hazard.ravel())
+        middle = 0.5 * left + 0.5 * right
+        return invert_hazard(self, hazard.ravel(), left, right, middle).reshape(hazard.shape)
 
-    def _moment(self, n: int) -> float:
-        return self._central_moment(n, 0.0)
+    def _bracket(self, hazard: Array) -> tuple[Array, Array]:
+        """Lengths between which -log of the survival reaches each hazard, shape (n,)."""
+        if type(self)._sf is Thresholds._sf:
+            return self._numerical.bracket(hazard)
+        lower, upper = self.support()
+        if np.isinf(upper):
+            upper, most = max(2.0 * lower, 1.0), float(hazard.max())
+            while -self._logsf(np.array([upper]))[0] < most and upper < 1e300:
+                upper *= 2.0
+        return np.full(hazard.shape, lower), np.full(hazard.shape, upper)
+
+    def _moment(self, n: float) -> float:
+        return self._numerical.moment(n)
 
     def _variance(self) -> float:
         mean, square = self.moment(1), self.moment(2)
         if not square - mean * mean < 1e-3 * square:
             return square - mean * mean
-        return self._central_moment(2, mean)
+        return self._numerical.moment(2, mean)
 
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
@@ -140,11 +145,6 @@ class Thresholds:
             raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
         return found
 
-    def _central_moment(self, n: int, centre: float) -> float:
-        if type(self)._sf is Thresholds._sf:
-            return self._numerical.moment(n, centre)
-        return panel_moment(self, n, centre)
-
     @property
     def atoms(self) -> tuple[Array, Array]:
         """(positions, weights) of the exact single values in the law; empty where it is continuous."""
@@ -153,19 +153,19 @@ class Thresholds:
     # -- what everyone calls --------------------------------------------------------------------------
     def pdf(self, x: npt.ArrayLike) -> Array:
         """Density P_c(x), per length; atoms left out, the limit from inside at the support's ends. Shape as x."""
-        return self._density(self._pdf, x, 0.0)
+        return self._inside(self._pdf, x, 0.0, 0.0)
 
     def logpdf(self, x: npt.ArrayLike) -> Array:
         """log P_c(x), finite where P_c underflows."""
-        return self._density(self._logpdf, x, -np.inf)
+        return self._inside(self._logpdf, x, -np.inf, -np.inf)
 
     def cdf(self, x: npt.ArrayLike) -> Array:
         """Probability that a threshold is at most x."""
-        return self._inside(self._cdf, x, 0.0, self._lowest_atom, 1.0)
+        return self._inside(self._cdf, x, 0.0, 1.0, self._lowest_atom)
 
     def sf(self, x: npt.ArrayLike) -> Array:
         """Survival: probability that a threshold exceeds x."""
-        survival = self._inside(self._sf, x, 1.0, 1.0 - self._lowest_atom, 0.0)
+        survival = self._inside(self._sf, x, 1.0, 0.0, 1.0 - self._lowest_atom)
         if not self._survival_checked:
             self.check_survival(x, survival)
             self._survival_checked = True
@@ -181,7 +181,7 @@ class Thresholds:
 
     def logsf(self, x: npt.ArrayLike) -> Array:
         """log of the survival, finite where it underflows."""
-        return self._inside(self._logsf, x, 0.0, np.log1p(-self._lowest_atom), -np.inf)
+        return self._inside(self._logsf, x, 0.0, -np.inf, np.log1p(-self._lowest_atom))
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         """Threshold below which a fraction q lies. InputError for q outside [0, 1]."""
@@ -190,10 +190,6 @@ class Thresholds:
     def isf(self, q: npt.ArrayLike) -> Array:
         """Threshold above which a fraction q lies, accurate for tiny q. InputError for q outside [0, 1]."""
         return self._quantile(self._isf, q, ends=self.support()[::-1])
-
-    def rough_quantiles(self, below: Array, above: Array) -> tuple[Array, Array]:
-        """ppf(below) and isf(above), where a few digits will do."""
-        return self.ppf(below), self.isf(above)
 
     def moment(self, n: int) -> float:
         """<x_s^n>, n = 0, 1, 2, ..., a length to the power n; inf where it does not exist."""
@@ -229,28 +225,22 @@ class Thresholds:
         inner: Callable[[Array], Array],
         x: npt.ArrayLike,
         below: float,
-        at_lower: float,
         above: float,
+        at_lower: float | None = None,
     ) -> Array:
+        """inner(x) inside the support, else its limits; a density has no `at_lower`, and is asked at the ends, too."""
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
-        if x.ndim and x.size and x.min() > lower and x.max() < upper:
+        if at_lower is None:
+            within = (x >= lower) & (x <= upper) & np.isfinite(x)
+        else:
+            within = (x > lower) & (x < upper)
+        if x.ndim and x.size and within.all():
             return inner(x)
         # a NaN compares false everywhere and stays what it is
         out = np.where(x >= upper, above, np.where(x < lower, below, x))
-        out[x == lower] = at_lower if lower < upper else above
-        within = (x > lower) & (x < upper)
-        if within.any():
-            out[within] = inner(x[within])
-        return out[()]
-
-    def _density(self, inner: Callable[[Array], Array], x: npt.ArrayLike, outside: float) -> Array:
-        x = np.asarray(x, dtype=float)
-        lower, upper = self.support()
-        if x.ndim and x.size and x.min() >= lower and x.max() <= upper and x.max() < np.inf:
-            return inner(x)
-        out = np.where(np.isnan(x), x, outside)
-        within = (x >= lower) & (x <= upper) & np.isfinite(x)
+        if at_lower is not None:
+            out[x == lower] = at_lower if lower < upper else above
         if within.any():
             out[within] = inner(x[within])
         return out[()]
@@ -267,13 +257,3 @@ class Thresholds:
         if within.any():
             out[within] = inner(q[within])
         return out[()]
-
-    def _bracket(self, hazard: float) -> tuple[float, float]:
-        """A finite interval that holds every threshold up to the one where -log sf(x) = hazard."""
-        lower, upper = self.support()
-        if np.isfinite(upper):
-            return lower, upper
-        upper = max(2.0 * lower, 1.0)
-        while -self._logsf(np.array([upper]))[0] < hazard and upper < 1e300:
-            upper *= 2.0
-        return lower, upper

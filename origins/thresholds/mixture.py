@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -34,34 +33,29 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
         positive(f"weights[{i}]", share)
     if abs((whole := float(shares.sum())) - 1.0) > 1e-12:
         refuse("weights", weights, f"must add up to 1, not {whole:.15g}; divide each by their sum")
-    # mixtures are taken apart, so that none lies within another
-    laws: list[Thresholds] = []
-    inner: list[float] = []
-    parts: list[tuple[float, Thresholds]] = []
-    for component, share in zip(components, shares / whole, strict=True):
-        law = as_thresholds(component)
-        flat = law if isinstance(law, Mixture) else Mixture([law], np.ones(1))
-        laws += flat.components
-        inner += list(share * flat.weights)
-        parts += [(share * one, part) for one, part in flat.parts]
-    found = Mixture(laws, np.array(inner))
-    found.parts = tuple(parts)
-    return found
+    return Mixture([as_thresholds(component) for component in components], shares / whole)
 
 
 class Mixture(Thresholds):
     """Sums of the components' functions, all positive, so that no accuracy is lost.
+
+    Mixtures among the components are taken apart, so that none lies within another.
 
     parts : pairs of weight and law, the laws as they were given: those from samples are whole there, while
         `components` are what they are made of.
     """
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
-        self.components = tuple(components)
-        self.weights = weights
-        self.parts: tuple[tuple[float, Thresholds], ...] = tuple(
-            zip(weights.tolist(), self.components, strict=True)
-        )
+        self.parts: tuple[tuple[float, Thresholds], ...] = ()
+        self.components: tuple[Thresholds, ...] = ()
+        self.weights = np.empty(0)
+        for law, share in zip(components, weights.tolist(), strict=True):
+            inner = law if isinstance(law, Mixture) else None
+            self.parts += tuple(
+                (share * w, part) for w, part in (inner.parts if inner else [(1.0, law)])
+            )
+            self.components += inner.components if inner else (law,)
+            self.weights = np.append(self.weights, share * inner.weights if inner else share)
         ends = [component.support() for component in self.components]
         self._support = min(end[0] for end in ends), max(end[1] for end in ends)
         self.onset_power = min(
@@ -69,10 +63,12 @@ class Mixture(Thresholds):
         )
         self._breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
         self.knows_breakpoints = all(component.knows_breakpoints for component in self.components)
-        self.cut_weight = float(weights @ [component.cut_weight for component in self.components])
+        self.cut_weight = float(
+            self.weights @ [component.cut_weight for component in self.components]
+        )
         positions = np.concatenate([c.atoms[0] for c in self.components])
         shares = np.concatenate(
-            [w * c.atoms[1] for c, w in zip(self.components, weights, strict=True)]
+            [w * c.atoms[1] for c, w in zip(self.components, self.weights, strict=True)]
         )
         atoms, place = np.unique(positions, return_inverse=True)
         self._atoms = atoms, np.bincount(place, shares, atoms.size).astype(float)
@@ -91,10 +87,7 @@ class Mixture(Thresholds):
         return self._atoms
 
     def _sum(self, values: list[Array]) -> Array:
-        total = self.weights[0] * values[0]
-        for share, value in zip(self.weights[1:], values[1:], strict=True):
-            total += share * value
-        return total
+        return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))
 
     def _log_sum(self, values: list[Array]) -> Array:
         highest = np.maximum.reduce(values)
@@ -117,22 +110,6 @@ class Mixture(Thresholds):
     def _logsf(self, x: Array) -> Array:
         return self._near_one(x, self._log_sum([c.logsf(x) for c in self.components]))
 
-    @cached_property
-    def _steps(self) -> list[tuple[float, float, float]]:
-        """(position, hazard before, hazard after) of each atom and of each end of a component, where a gap may begin:
-        there a whole interval of q, or one q to its last bits, belongs to one threshold."""
-        ends = np.array([end for c in self.components for end in c.support() if np.isfinite(end)])
-        x = np.unique(np.concatenate([ends, self._atoms[0]]))
-        weight = np.array([self._atoms[1][self._atoms[0] == position].sum() for position in x])
-        cdf = np.maximum(self.cdf(x) - weight, 0.0)
-        with np.errstate(divide="ignore"):
-            before = np.where(
-                cdf < 0.5, -np.log1p(-np.minimum(cdf, 0.5)), -np.log(self.sf(x) + weight)
-            )
-        return list(
-            zip(x.tolist(), before.tolist(), (-np.asarray(self.logsf(x))).tolist(), strict=True)
-        )
-
     def _ppf(self, q: Array) -> Array:
         return self._between([c.ppf(q) for c in self.components], -np.log1p(-q))
 
@@ -142,21 +119,22 @@ class Mixture(Thresholds):
     def _between(self, quantiles: list[Array], hazard: Array) -> Array:
         """Thresholds at which -log of the survival is `hazard`, among the components' own quantiles."""
         goal = hazard.ravel()
+        # all of an atom's weight belongs to its value, and the weight up to a gap to the gap's left end
+        marks = self.breakpoints
+        before, after = (-self.logsf(x) for x in (np.nextafter(marks, 0.0), marks))
+        first = np.minimum(np.searchsorted(after, goal * (1.0 - _ROUNDING)), marks.size - 1)
+        here = (goal >= before[first] * (1.0 - _ROUNDING)) & (
+            goal <= after[first] * (1.0 + _ROUNDING)
+        )
+        out, left = marks[first], ~here
         # the components' quantiles are good to their last bits only
-        low = np.minimum.reduce(quantiles).ravel() * (1.0 - 1e-14)
-        high = np.maximum.reduce(quantiles).ravel() * (1.0 + 1e-14)
-        out = np.empty(goal.shape)
-        open_ = np.ones(goal.shape, dtype=bool)
-        # the left end of a gap is the threshold of its q
-        for position, before, after in reversed(self._steps):
-            here = (goal >= before * (1.0 - _ROUNDING)) & (goal <= after * (1.0 + _ROUNDING))
-            out[here], open_[here] = position, False
-        low, high = low[open_], high[open_]
-        out[open_] = invert_hazard(self, goal[open_], low, high, 0.5 * (low + high))
+        low = np.minimum.reduce(quantiles).ravel()[left] * (1.0 - 1e-14)
+        high = np.maximum.reduce(quantiles).ravel()[left] * (1.0 + 1e-14)
+        out[left] = invert_hazard(self, goal[left], low, high, 0.5 * (low + high))
         return out.reshape(hazard.shape)
 
-    def _moment(self, n: int) -> float:
-        return float(self.weights @ [c.moment(n) for c in self.components])
+    def _moment(self, n: float) -> float:
+        return float(self.weights @ [c._moment(n) for c in self.components])
 
     def _variance(self) -> float:
         mean = self.mean()

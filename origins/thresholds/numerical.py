@@ -291,7 +291,7 @@ class NumericalLaw:
         low, high = np.maximum(panel - 2, 0), np.minimum(panel + 1, self._edges.size - 1)
         return self._edges[low] + self._origin, self._edges[high] + self._origin
 
-    def moment(self, n: int, centre: float = 0.0) -> float:
+    def moment(self, n: float, centre: float = 0.0) -> float:
         """<(x - centre)^n>, a length to the power n; inf where the tail is too heavy for it."""
         with np.errstate(over="ignore", invalid="ignore"):
             each = self._node_weights * (self._nodes + (self._origin - centre)) ** n

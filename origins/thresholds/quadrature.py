@@ -18,11 +18,10 @@ GAUSS_WEIGHTS = 0.5 * GAUSS_WEIGHTS
 
 _SEEDS = np.array([1e-15, 1e-9, 1e-5, 1e-3, 0.03, 0.25, 0.5])
 _TAIL = 1e-18
+_ACCURACY = 1e-15
 _DEPTH = 64
 _MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many
 _EPSILON = float(np.finfo(float).eps)
-# survivals at which a moment's tail is cut into further panels
-_FAR = 10.0 ** -np.array([18, 20, 22, 25, 29, 34, 40, 48, 58, 70, 85, 105, 130, 160, 200, 250, 300])
 
 
 def gauss(left: Array, right: Array) -> tuple[Array, Array]:
@@ -31,27 +30,22 @@ def gauss(left: Array, right: Array) -> tuple[Array, Array]:
     return left[..., None] + width * GAUSS_NODES, width * GAUSS_WEIGHTS
 
 
-def panel_edges(
-    thresholds: Any, upper: float = np.inf, accuracy: float = 1e-15, tail: float = _TAIL
-) -> Array:
-    """Edges of panels on each of which 8 nodes integrate P_c(x) and x P_c(x) to `accuracy` of the whole.
+def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> Array:
+    """Edges of panels on each of which 8 nodes integrate P_c(x) and x P_c(x) to 1e-15 of the whole.
 
     Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are not looked at.
     """
     lower, end = thresholds.support()
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
-    low, high = thresholds.rough_quantiles(_SEEDS, np.concatenate([_SEEDS, far, [tail]]))
-    # a quantile that a law cannot give is no seed
-    low, high = low[np.isfinite(low)], high[np.isfinite(high)]
-    seeds = [low, high[:-1], thresholds.breakpoints]
-    furthest = float(high.max()) if high.size else 1.0
-    top = min(upper, end if np.isfinite(end) else _reach(thresholds, furthest, tail))
+    low = thresholds.ppf(_SEEDS)
+    high = thresholds.isf(np.concatenate([_SEEDS, far, [tail]]))
+    top = min(upper, end if np.isfinite(end) else float(high[-1]))
     if not top > lower:
         return np.empty(0)
-    edges = np.unique(np.concatenate([[lower, top], *seeds]))
+    edges = np.unique(np.concatenate([[lower, top], low, high[:-1], thresholds.breakpoints]))
     edges = edges[(edges >= lower) & (edges <= top)]
     left, right = edges[:-1], edges[1:]
-    scale = float(low[-1] if low.size else top) or 1.0
+    scale = float(low[-1]) or 1.0
     done, found = np.zeros(2), [edges]
     for _ in range(_DEPTH):
         middle = _middle(left, right)
@@ -63,7 +57,7 @@ def panel_edges(
         level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
         rounding = _EPSILON * np.abs(whole) * right / (right - left)
         missed = np.abs(_cdf_mass(thresholds, left, right) - whole[0]) > 1e-12 + 64.0 * rounding[0]
-        open_ = (np.abs(first + second - whole) > accuracy * level + rounding).any(axis=0) | missed
+        open_ = (np.abs(first + second - whole) > _ACCURACY * level + rounding).any(axis=0) | missed
         open_ &= (middle > left) & (middle < right)
         if not 0 < open_.sum() <= _MOST:
             break
@@ -79,13 +73,6 @@ def _middle(left: Array, right: Array) -> Array:
     return np.where(
         (left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right)
     )
-
-
-def _reach(thresholds: Any, x: float, tail: float) -> float:
-    """x, or further out where survival is still above `tail`."""
-    while float(thresholds.sf(x)) > 1.01 * tail and x < 1e150:
-        x *= 2.0
-    return x
 
 
 def _mass(thresholds: Any, left: Array, right: Array, scale: float) -> Array:
@@ -109,27 +96,3 @@ def _cdf_mass(thresholds: Any, left: Array, right: Array) -> Array:
     for position, weight in zip(*thresholds.atoms, strict=True):
         mass = mass - weight * ((left < position) & (position <= right))
     return mass
-
-
-def moment(thresholds: Any, n: int, centre: float = 0.0) -> float:
-    """<(x_s - centre)^n> by panels, atoms added; for laws whose tail falls faster than any power.
-
-    Where the nodes' rounding spoils a panel, beside a density that diverges, the cdf gives its weight.
-    """
-    edges = panel_edges(thresholds)
-    atoms, weights = thresholds.atoms
-    total = float((weights * (atoms - centre) ** n).sum())
-    if not edges.size:
-        return total
-    if not np.isfinite(thresholds.support()[1]):
-        edges = np.unique(np.concatenate([edges, thresholds.isf(_FAR)]))
-    left, right = edges[:-1], edges[1:]
-    nodes, factors = gauss(left, right)
-    factors = factors * finite_density(thresholds, nodes)
-    mass, known = factors.sum(-1), _cdf_mass(thresholds, left, right)
-    spoilt = np.abs(mass - known) > 16.0 * _EPSILON
-    empty = spoilt & (mass <= 0.0)
-    factors[empty] = known[empty, None] * GAUSS_WEIGHTS
-    kept = spoilt & ~empty
-    factors[kept] *= (known[kept] / mass[kept])[:, None]
-    return total + float((factors * (nodes - centre) ** n).sum())

@@ -8,7 +8,6 @@ import numpy as np
 
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.numerical import NumericalLaw
 
 _BELOW_ZERO = 1e-15  # weight at or below x = 0 that rounding alone leaves
 _CUT_LIMIT = 1e-6  # weight there that may be cut off, as of starts beyond every threshold
@@ -73,18 +72,27 @@ def single_mean(name: str, frozen: Any) -> float:
     return float(mean)
 
 
-class ForeignThresholds(Thresholds):
-    """A law that tells its support's ends, and no other breakpoints; its onset is fitted."""
+class ScipyDensity(Thresholds):
+    """The density of a distribution where x > 0, normalised; cut_weight lay at or below 0.
+
+    A distribution tells the ends of its support, and no other breakpoints; its onset is fitted.
+    """
 
     knows_breakpoints = False
 
-    def __init__(self, ends: tuple[float, float], below: float) -> None:
-        self._support = ends
+    def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
+        self.distribution, self._support = distribution, ends
+        self.cut_weight = below if below > _BELOW_ZERO else 0.0
         # a law that reaches below 0 starts at 0 with a finite density, however small
-        self.onset_power, self.onset_power_error = (0.0, 0.0) if below > 0.0 else self._fit_onset()
+        fitted = (0.0, 0.0) if below > 0.0 else self._fit_onset()
+        self.onset_power, self.onset_power_error = fitted
 
     def support(self) -> tuple[float, float]:
         return self._support
+
+    def _log_weight(self, x: Array) -> Array:
+        with np.errstate(all="ignore"):
+            return np.asarray(self.distribution.logpdf(x))
 
     def _fit_onset(self) -> tuple[float, float]:
         """Limit of (x - a) P_c / cdf at the support's lower end a, less one, and its error; inf where it has none."""
@@ -101,36 +109,20 @@ class ForeignThresholds(Thresholds):
         return float(np.round(limit, 6)) + 0.0, float(abs(limit - last)) + 1e-6
 
 
-class ScipyDensity(ForeignThresholds):
-    """The density of a distribution where x > 0, normalised; cut_weight lay at or below 0."""
-
-    def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
-        self.cut_weight = below if below > _BELOW_ZERO else 0.0
-        self._distribution = distribution
-        self._numerical = NumericalLaw(
-            self._log_weight, *ends, [end for end in ends if end < np.inf]
-        )
-        super().__init__(ends, below)
-
-    def _log_weight(self, x: Array) -> Array:
-        with np.errstate(all="ignore"):
-            return np.asarray(self._distribution.logpdf(x))
-
-
-class FrozenThresholds(ForeignThresholds):
+class FrozenThresholds(ScipyDensity):
     """Delegates to a frozen distribution on x >= 0."""
 
     def __init__(
         self, frozen: Any, ends: tuple[float, float], below: float, mean: float, name: str
     ) -> None:
-        self.frozen, self._mean, self._name = frozen, mean, name
-        super().__init__(ends, below)
+        self._mean, self._name = mean, name
+        super().__init__(frozen, ends, below)
 
     def _ask(self, method: str, x: Array) -> Array:
         # what overflows on the way is the distribution's own affair: its answer counts
         with np.errstate(all="ignore"):
             try:
-                return getattr(self.frozen, method)(x)
+                return getattr(self.distribution, method)(x)
             except OverflowError as error:
                 own = f"the distribution's own {method} overflows"
                 raise InputError(f"{self._name}: {own}; use milder parameters") from error
@@ -164,15 +156,11 @@ class FrozenThresholds(ForeignThresholds):
             x[bad] = invert(q[bad])
         return x
 
-    def rough_quantiles(self, below: Array, above: Array) -> tuple[Array, Array]:
-        low, high = self._ask("ppf", below), self._ask("isf", above)
-        return np.maximum(low, self._support[0]), np.maximum(high, self._support[0])
-
-    def _moment(self, n: int) -> float:
-        value = self._mean if n == 1 else float(self.frozen.moment(n))
+    def _moment(self, n: float) -> float:
+        value = self._mean if n == 1 else float(self.distribution.moment(n))
         # where a moment is infinite some distributions return what their formula gives beyond its range
         beyond = not value >= self._mean**n * (1.0 - 1e-9)
         return np.inf if beyond or np.isnan(value) else value
 
     def _variance(self) -> float:
-        return float(self.frozen.var())
+        return float(self.distribution.var())

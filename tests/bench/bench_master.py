@@ -7,9 +7,11 @@ units of the mean threshold. Every kind of scene beside an older version: bench_
 """
 
 import importlib.util
+import sys
 import time
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -21,22 +23,15 @@ import master
 import origins
 from master.paper.explicit import explicit
 
-Array = npt.NDArray[np.float64]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from phase_type import gaussian_force
+
+Array = npt.NDArray[np.float64]
 PATH = np.linspace(0.0, 5.0, 501)
 MEAN, STD, START_STD = 1.0, 0.05, 0.025
 GOAL_TIME, GOAL_ERROR = 5e-3, 1e-10
 ROW = "{:44s} {:>9} {:>9} {:>10} {:>10}  {}"
-
-
-def gaussian_force(x: Array, mean: float, std: float, start_std: float) -> Array:
-    """F/(N_c <k>) for Gaussian thresholds and a Gaussian start about 0, weight below 0 neglected."""
-    generations = np.arange(1, int(1.5 * x[-1] / mean) + 20)[:, None]
-    width = np.sqrt(generations * std**2 + start_std**2)
-    z = (x - generations * mean) / width
-    return x - (mean * ndtr(z) - std**2 / width * np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)).sum(
-        axis=0
-    )
 
 
 def timed(call: Callable[[], Any], budget: float = 0.4) -> tuple[Any, float, float]:
@@ -75,7 +70,7 @@ def gaussian_contacts() -> origins.Contacts:
 def scene() -> None:
     """Fig. A02: the ladder of tolerances, the paper's scheme, voles."""
     head(f"Fig. A02: gaussian({MEAN}, {STD}), start gaussian(0, {START_STD}), 501 points to X = 5")
-    contacts, exact = gaussian_contacts(), gaussian_force(PATH, MEAN, STD, START_STD)
+    contacts, exact = gaussian_contacts(), gaussian_force(PATH, MEAN, STD, 0.0, START_STD)
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12):
         solution, *times = timed(partial(master.solve, contacts, PATH, tolerance))
         true = float(np.abs(solution.force - exact).max())
@@ -84,12 +79,8 @@ def scene() -> None:
     for breaking in ("printed", "survival"):
         for step in (0.01, 0.005, 0.0025, 0.00125):
             twin, *times = timed(partial(explicit, contacts, PATH, step, breaking))
-            show(
-                f"explicit, step {step}, {breaking}",
-                times,
-                None,
-                float(np.abs(twin.force - exact).max()),
-            )
+            true = float(np.abs(twin.force - exact).max())
+            show(f"explicit, step {step}, {breaking}", times, None, true)
     voles_scene(exact)
 
 
@@ -130,9 +121,5 @@ def voles_scene(exact: Array) -> None:
                 show(name, times, None, float(np.abs(answer - exact).max()))
 
 
-def main() -> None:
-    scene()
-
-
 if __name__ == "__main__":
-    main()
+    scene()

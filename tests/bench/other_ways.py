@@ -17,7 +17,6 @@ from eq_model.closest import closest, draw_start
 
 CONTACTS = 10_000
 LAW = origins.gaussian(mean=1.0, std=0.05)
-
 Array = npt.NDArray[np.float64]
 
 
@@ -34,29 +33,6 @@ def paper_algorithm(x, gap, fresh):  # type: ignore[no-untyped-def]
             gap[i] -= step
         x[closest_one], gap[closest_one] = 0.0, threshold
     return x.mean()
-
-
-@njit
-def heap_algorithm(born, at, fresh):  # type: ignore[no-untyped-def]
-    """Contacts in a binary heap by where they break next; the mean stretch at the end."""
-    n = at.size
-    last = 0.0
-    for threshold in fresh:
-        last = at[0]
-        birth, end = last, last + threshold
-        here = 0
-        while True:
-            child = 2 * here + 1
-            if child >= n:
-                break
-            if child + 1 < n and at[child + 1] < at[child]:
-                child += 1
-            if at[child] >= end:
-                break
-            at[here], born[here] = at[child], born[child]
-            here = child
-        at[here], born[here] = end, birth
-    return last - born.mean()
 
 
 def paper_compiled(breaks: int = 20_000) -> float:
@@ -77,22 +53,6 @@ def paper_numpy() -> float:
     started = time.perf_counter()
     _, breaks = closest(origins.Contacts(LAW), 0.98, n_contacts=CONTACTS)
     return (time.perf_counter() - started) / breaks * 1e9
-
-
-def heap_compiled(breaks: int = 2_000_000) -> tuple[float, float]:
-    """Of the heap compiled with numba, fresh thresholds included; and without them."""
-    generator, best, alone = np.random.default_rng(0), np.inf, np.inf
-    for count in (10, breaks, breaks, breaks):
-        at = np.sort(LAW.rvs(CONTACTS, generator))
-        born = np.zeros(CONTACTS)
-        begun = time.perf_counter()
-        fresh = LAW.rvs(count, generator)
-        started = time.perf_counter()
-        heap_algorithm(born, at, fresh)
-        if count > 10:
-            now = time.perf_counter()
-            best, alone = min(best, now - begun), min(alone, now - started)
-    return best / breaks * 1e9, alone / breaks * 1e9
 
 
 def mesa(breaks: int = 20_000) -> tuple[str, float, float]:
@@ -136,11 +96,8 @@ def main() -> None:
     contacts, path = origins.Contacts(LAW), np.linspace(0.0, 100.0, 501)
     runs = [eq_model.simulate(contacts, path, n_contacts=3_000_000) for _ in range(3)]
     own = min(run.run_time for run in runs) / runs[0].breaks * 1e9
-    drawn, alone = heap_compiled()
     rows = {
         "ensemble": own,
-        "heap, compiled": drawn,
-        "  its thresholds drawn before": alone,
         "the paper's, compiled": paper_compiled(),
         "the paper's, numpy": paper_numpy(),
     }

@@ -1,5 +1,5 @@
-"""The oracle: answers of the solvers as they were before they were rebuilt, and their judge.
+"""The oracle: calls of master, and what commit ee6a1b9 answered to them before the rebuild.
 
-`cases` lists calls of the public face of master, `answers.npz` holds what commit ee6a1b9 answered
-to them, and `judge` writes such files and compares them; it says how it is run.
+`answers.npz` holds each call as a text, such as `force(Contacts(gaussian(1, 0.2)), [0, 1], 1e-6)`,
+with its answer. `calls` answers such texts, and `judge` compares answers.
 """

@@ -14,7 +14,6 @@ import master
 import origins
 
 Array = npt.NDArray[np.float64]
-
 POINTS = 60  # of a path at most: errors are seen anywhere, and thousands of forces take their time
 FAR_SHARE = 1.0 / 3.0  # of the numbers of a far case that come from far corners
 

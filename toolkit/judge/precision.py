@@ -3,11 +3,16 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import ndtr
 
-from toolkit.judge.references import Reference, reference
+from origins.contacts import Contacts
+from origins.errors import InputError
+from origins.start import GaussianStart
+from origins.thresholds.gaussian import CutGaussian
 from toolkit.scene import laws
 from toolkit.scene.scene import Scene
 
@@ -15,9 +20,10 @@ Array = npt.NDArray[np.float64]
 Work = Callable[[float], tuple[Array, float | None]]
 """Force, and the error that the method claims (both lengths), at a rung of its ladder."""
 
-TELLING = 10.0
-_LONG = 1.0
-_FEWEST_RUNS, _MOST_RUNS, _ENOUGH = 3, 20, 0.2
+_RUNS, _LONG = 5, 1.0  # runs of which the best counts; s of a run that is not repeated
+_ROUND_OFF = 2.0**-53
+_NEGLIGIBLE = 1e-16  # of the mean threshold: what a cut at 0 may change of a closed form
+_ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -36,18 +42,19 @@ class Ladders:
     longest: float = 3.0
 
 
+class Reference(NamedTuple):
+    """F/(N_c<k>) on a path (a length), and a bound on its largest error in mean thresholds."""
+
+    force: Array
+    error: float
+
+
 @dataclass(frozen=True)
 class Point:
-    """One method at one rung; errors in units of the mean threshold.
+    """One `method` ("master", "explicit", "ensemble", "closest") at one rung, its `setting`; errors in mean thresholds.
 
-    method : "master", "explicit", "ensemble" or "closest".
-    setting : tolerance, steps per mean threshold, or number of contacts.
-    error : largest difference from the reference over the path. Of the ensemble and the closest contact it is that of
-        one seed.
-    claimed_error : what the method says of itself: the master equation's bound, the ensemble's largest standard
-        error; None where it says nothing.
-    run_time : s, the best of `runs` warm runs.
-    at_reference : whether the error is below ten times the reference's own, which then is part of it.
+    error : largest difference from the closed form over the path; claimed_error : what the method says of itself, None
+    where it says nothing; run_time : s, the best of `runs` warm runs.
     """
 
     method: str
@@ -56,7 +63,6 @@ class Point:
     claimed_error: float | None
     run_time: float
     runs: int
-    at_reference: bool
 
 
 @dataclass(frozen=True)
@@ -65,7 +71,7 @@ class Precision:
 
     name: str
     title: str
-    reference: Reference
+    reference_error: float
     points: list[Point]
     notes: list[str]
 
@@ -74,39 +80,49 @@ def precision(
     scene: Scene, ladders: Ladders | None = None, report: Callable[[Point], None] | None = None
 ) -> Precision:
     """Measure the master equation and the paper's explicit scheme (scenes with [master]), the ensemble and the paper's
-    closest-contact algorithm (scenes with [eq]).
+    closest-contact algorithm (scenes with [eq]), at the rungs of `ladders` (None: the command's).
 
-    Parameters
-    ----------
-    scene : a checked scene; its tolerance and number of contacts are left aside, its seed is used.
-    ladders : what to measure at; None: the command's.
-    report : called with each point as soon as it is measured.
-
-    A ladder ends early after a run of more than `ladders.longest`. Raises InputError for a scene that a method refuses,
-    before anything is reported.
+    `report` is called with each point as soon as it is measured. Of the scene its seed is used, its tolerance and its
+    number of contacts are not. Raises InputError, before anything is reported, for a scene that a method refuses, and
+    where F is not known in closed form.
     """
     scene.only_forward("precision")
     ladders = ladders or Ladders()
     unit = scene.contacts.mean_threshold
-    against = reference(scene.contacts, scene.path)
+    against = closed_form(scene.contacts, scene.path)
+    if against is None:
+        rule = (
+            "needs F in closed form: Gaussian thresholds far from 0, from one stretch or a Gaussian"
+        )
+        raise InputError(f"precision: {rule} of them")
     methods = list(_methods(scene, ladders))
     for _, rungs, work in methods:
         work(rungs[0])  # so that nothing is imported or compiled while timed
     points: list[Point] = []
-    notes = _notes(scene, against)
+    notes = [
+        f"true error: largest over {scene.path.size} positions, in units of <x_s>, from the closed form for Gaussian "
+        f"thresholds, good to {against.error:.0e}",
+        "run time: wall time, best of the warm runs; compilation is not in it",
+    ]
+    if scene.master is not None:
+        notes.append("explicit: the paper's scheme, Eqs. (Q2)-(Q4), which claims no error")
+    if scene.eq is not None:
+        notes.append(
+            f"ensemble, closest: of the one seed {scene.eq.seed}; the ensemble claims its largest standard error, "
+            "which the worst of many positions exceeds"
+        )
     for method, rungs, work in methods:
         for setting in rungs:
             run_time, runs, (force, claimed) = _time(work, setting)
             error = float(np.abs(force - against.force).max()) / unit
             claimed = None if claimed is None else float(claimed) / unit
-            at_reference = error < TELLING * against.error
-            points.append(Point(method, setting, error, claimed, run_time, runs, at_reference))
+            points.append(Point(method, setting, error, claimed, run_time, runs))
             if report is not None:
                 report(points[-1])
             if run_time > ladders.longest and setting != rungs[-1]:
                 notes.append(f"{method}: no further, as a run took more than {ladders.longest:g} s")
                 break
-    return Precision(scene.name, scene.title or scene.name, against, points, notes)
+    return Precision(scene.name, scene.title or scene.name, against.error, points, notes)
 
 
 def _methods(scene: Scene, ladders: Ladders) -> Iterator[tuple[str, Sequence[float], Work]]:
@@ -120,12 +136,11 @@ def _methods(scene: Scene, ladders: Ladders) -> Iterator[tuple[str, Sequence[flo
             solved = master.solve(contacts, path, tolerance=tolerance)
             return solved.force, float(solved.force_error) * unit
 
+        def step(number: float) -> tuple[Array, None]:
+            return explicit(contacts, path, step=unit / number).force, None
+
         yield "master", ladders.tolerances, solve
-        yield (
-            "explicit",
-            ladders.steps,
-            lambda n: (explicit(contacts, path, step=unit / n).force, None),
-        )
+        yield "explicit", ladders.steps, step
     if (eq := scene.eq) is not None:
         import eq_model
         from eq_model.closest import closest
@@ -149,33 +164,40 @@ def _time(work: Work, setting: float) -> tuple[float, int, tuple[Array, float | 
         began = time.perf_counter()
         answer = work(setting)
         times.append(time.perf_counter() - began)
-        enough = len(times) >= _MOST_RUNS or (len(times) >= _FEWEST_RUNS and sum(times) > _ENOUGH)
-        if enough or max(times) > _LONG:
+        if len(times) == _RUNS or times[-1] > _LONG:
             return min(times), len(times), answer
 
 
-def _notes(scene: Scene, against: Reference) -> list[str]:
-    notes = [
-        f"true error: largest over {scene.path.size} positions, in units of <x_s>, from {against.source}, "
-        f"good to {against.error:.0e}",
-        f"* below {TELLING:g} times that: the reference's own error is part of it",
-        "run time: wall time, best of the warm runs; compilation is not in it",
-    ]
-    lowest = scene.contacts.start.span[0]
-    if scene.master is not None:
-        notes.append("explicit: the paper's scheme, Eqs. (Q2)-(Q4), which claims no error")
-        if lowest < 0.0 and float(scene.contacts.thresholds.cdf(-lowest)) > 1e-12:
-            notes.append(
-                "explicit: as in the paper, contacts that start at x < 0 are under P(x) from x = 0 on, not from |x|, "
-                "so it does not tend to the model's force"
-            )
-    if scene.eq is not None:
-        notes += [
-            f"ensemble, closest: statistical, of the one seed {scene.eq.seed}; the ensemble claims its largest "
-            "standard error, which the worst of many positions exceeds",
-            "closest: the paper's algorithm, which claims no error; it errs as an ensemble of as many contacts",
-        ]
-    return notes
+def closed_form(contacts: Contacts, path: Array) -> Reference | None:
+    """Gaussian thresholds from one stretch or a Gaussian of them; None for others, and where weight is cut at 0.
+
+    With thresholds of mean m and width s, and starts of mean x_0 and width s_0, the n-th break of a contact comes at
+    X_n, normal with mean n m - x_0 and variance n s^2 + s_0^2, and then the n-th threshold is released, so that
+    F = x_0 + X - sum over n of E[threshold n; X_n < X]. The error is a bound for round-off.
+    """
+    thresholds, start = contacts.thresholds, contacts.start
+    if not isinstance(thresholds, CutGaussian):
+        return None
+    if not (start.is_single or isinstance(start, GaussianStart)):
+        return None
+    mean, width, first = thresholds.parent_mean, thresholds.parent_std, start.mean()
+    spread = 0.0 if start.is_single else 1.0 / (_ROOT_TWO_PI * float(start.pdf(first)))
+    narrowest = float(np.hypot(width, spread))
+    reach = float(path[-1]) + abs(first) + mean
+    cut = float(ndtr(-mean / width))
+    cut_at_start = float(ndtr((first - mean) / narrowest) + ndtr((-first - mean) / narrowest))
+    # a contact that the cut concerns, in any generation, is off by at most the way it went
+    if mean <= 0.0 or (cut_at_start + (reach / mean + 1.0) * cut) * reach > _NEGLIGIBLE * mean:
+        return None
+    force, count, z = first + path, 0, np.zeros(1)
+    while z[-1] >= -10.0:
+        count += 1
+        scatter = np.sqrt(count * width**2 + spread**2)
+        z = (path - count * mean + first) / scatter
+        force -= mean * ndtr(z) - width**2 / scatter * np.exp(-0.5 * z * z) / _ROOT_TWO_PI
+    # each term is rounded, and its argument is, which tells more the narrower the laws
+    error = float(_ROUND_OFF * (count + 4.0 + mean / narrowest) * reach / mean)
+    return Reference(force, error)
 
 
 def table_head() -> list[str]:
@@ -186,20 +208,11 @@ def table_head() -> list[str]:
 
 def table_line(point: Point) -> str:
     """One point as a line of the table."""
-    settings = {
-        "master": f"tolerance {point.setting:.0e}",
-        "explicit": f"<x_s>/{point.setting:g}",
-    }
-    setting = settings.get(point.method, f"{point.setting:,.0f} contacts")
-    mark = "*" if point.at_reference else " "
+    setting = f"{point.setting:,.0f} contacts"
+    if point.method == "master":
+        setting = f"tolerance {point.setting:.0e}"
+    elif point.method == "explicit":
+        setting = f"<x_s>/{point.setting:g}"
     claimed = "" if point.claimed_error is None else f"{point.claimed_error:.1e}"
-    run_time = (
-        f"{1e3 * point.run_time:.2f} ms" if point.run_time < 1.0 else f"{point.run_time:.2f} s "
-    )
-    return f"{point.method:9} {setting:>19}  {point.error:9.1e}{mark}  {claimed:>8}  {run_time:>10}  {point.runs:4d}"
-
-
-def table(measured: Precision) -> list[str]:
-    """All points as lines of text, with the notes."""
-    lines = [measured.title, *table_head(), *(table_line(point) for point in measured.points)]
-    return [*lines, *measured.notes]
+    run_time = f"{1e3 * point.run_time:.2f} ms"
+    return f"{point.method:9} {setting:>19}  {point.error:10.1e}  {claimed:>8}  {run_time:>10}  {point.runs:4d}"

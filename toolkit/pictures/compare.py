@@ -1,163 +1,147 @@
-"""The picture of a comparison: the surface where all scenes share one, P_c, F(X), and the springs that slip."""
+"""Pictures of judgements: scenes beside each other, and true error against run time."""
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from toolkit.judge.compare import Verdict
-from toolkit.judge.deviation import deviation
-from toolkit.pictures.axes import heights, name_lengths, plain
-from toolkit.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from toolkit.judge.precision import Precision
+from toolkit.pictures.thresholds import highest, plain, some_of
+from toolkit.results.beside import deviation
 
 # Okabe and Ito's, which the colour-blind tell apart too; curves that coincide leave each other in sight by their dashes
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
 _DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
-_COLUMNS = 5  # names in a row
 _BARS = 33  # error bars of a curve
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
+_METHODS = {
+    "master": ("o", "#1f4e79", "master equation"),
+    "explicit": ("s", "#5dade2", "the paper's explicit scheme"),
+    "ensemble": ("^", "#c0392b", "EQ ensemble, one seed"),
+    "closest": ("v", "#e59866", "the paper's closest contact, one seed"),
+}
+_LEAST = 1e-17  # an error of 0 has no place on a logarithmic axis
 
 
-def save_comparison(verdicts: Sequence[Verdict], scenes: Sequence[Scene], path: Path) -> None:
+def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
     """All panels on one figure, as a PNG; the session's backend is not touched."""
-    from toolkit.scene.surfaces import shared_surface
-
-    draw_comparison(verdicts, shared_surface(scenes)).savefig(path, dpi=130, format="png")
+    draw_comparison(verdicts).savefig(path, dpi=130, format="png")
 
 
-def draw_comparison(verdicts: Sequence[Verdict], surface: Any = None) -> "Figure":
-    """The figure; `surface`, where there is one, is its heights and sizes in m."""
+def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
+    """P_c, springs that slip, forces, and the difference of both solvers, a colour and a dash for each scene."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13, 9), layout="constrained")
-    columns = ["P", "S"] if surface is None else ["surface", "P", "S"]
-    rows: list[Any] = [columns, ["F"] * len(columns), ["z"] * len(columns)]
+    rows: list[Any] = [["P", "S"], ["F", "F"], ["z", "z"]]
     places = figure.subplot_mosaic(rows, height_ratios=[3, 3, 1.2])
     places["z"].sharex(places["F"])
-    if surface is not None:
-        plot_surface(places["surface"], *surface)
-    plot_thresholds(places["P"], verdicts)
-    plot_springs(places["S"], verdicts)
-    plot_forces(places["F"], verdicts)
-    plot_deviations(places["z"], verdicts)
+    styled: list[tuple[dict[str, Any], Verdict]] = []
+    for index, verdict in enumerate(verdicts):
+        ink, dash = _INK[index % len(_INK)], _DASHES[index % len(_DASHES)]
+        style = {"color": ink, "ls": dash, "lw": 1.3, "label": plain(verdict.name)}
+        styled.append((style, verdict))
+    _thresholds(places["P"], styled)
+    _springs(places["S"], styled)
+    _forces(places["F"], places["z"], styled)
     # below all axes: within them it would lie on curves
-    named = places["F"].get_legend_handles_labels()
-    if named[0]:
-        number = min(len(named[0]), _COLUMNS)
-        figure.legend(*named, loc="outside lower center", ncols=number, fontsize="small")
+    figure.legend(*places["F"].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
 
 
-def plot_surface(axes: "Axes", surface: Any, sizes: tuple[float, float]) -> "Axes":
-    """Heights (m) over an area of `sizes` (m)."""
-    extent = (0.0, sizes[0], 0.0, sizes[1])
-    image = axes.imshow(surface.T, origin="lower", extent=extent, cmap="cividis")
-    bar = axes.figure.colorbar(image, ax=axes, shrink=0.85)
-    for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y"), (bar.ax.yaxis, "height")):
-        name_lengths(axis, name, metres=True)
-    axes.set_title("the surface")
-    return axes
-
-
-def plot_thresholds(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     """P_c of each scene in units of its own mean threshold; exact values as spikes, on an axis for their weight."""
-    reach, highest, tops, own = 0.0, 0.0, list[float](), None
-    for ink, dash, verdict in _inked(verdicts):
+    reach, tops, own = 0.0, list[float](), None
+    for style, verdict in styled:
         curve, unit = verdict.result.thresholds, verdict.mean_threshold
-        shown, style = np.isfinite(curve.density), {"color": ink, "ls": dash, "lw": 1.3}
-        x, density = curve.x[shown] / unit, curve.density[shown] * unit
-        axes.plot(x, density, label=plain(verdict.name), **style)
-        if density.any():
-            tops.append(heights(curve, curve.density * unit).top)
+        shown = np.isfinite(curve.density)
+        axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, **style)
+        if curve.density[shown].any():
+            tops.append(highest(curve, curve.density * unit))
         if curve.atoms.size:
             own = own or axes.twinx()
-            highest = max(highest, float(curve.atom_weights.max()))
-            own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, **style)
-            own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=ink)
-            reach = max(reach, float(curve.atoms.max()) / unit)
-        reach = max(reach, float(curve.x[curve.survival > 2e-3].max(initial=unit)) / unit)
-    axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", xlim=(0.0, 1.05 * reach))
-    if own is not None:
-        own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, 1.05 * highest))
-    if not tops:
-        axes.set(yticks=[])
-        return axes
-    axes.set_ylabel(r"$\langle x_s\rangle\,P_c$")
-    if max(tops) > _APART * min(tops):
+            own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=style["color"])
+            own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=style["color"])
+            own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, None))
+        ends = [unit, *curve.atoms, *curve.x[curve.survival > 2e-3]]
+        reach = max(reach, 1.05 * max(ends) / unit)
+    axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", xlim=(0.0, reach))
+    axes.set(ylabel=r"$\langle x_s\rangle\,P_c$", ylim=(0.0, 1.05 * max(tops, default=1.0)))
+    if tops and max(tops) > _APART * min(tops):
         axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
-    else:
-        axes.set_ylim(0.0, 1.05 * max(tops))
-    return axes
 
 
-def plot_forces(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
-    """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error."""
+def _forces(axes: Any, below: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
+    """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error; and `below` their
+    difference in standard errors, where enough contacts have broken to tell."""
     reaches = []
-    for ink, dash, verdict in _inked(verdicts):
-        unit, name = verdict.mean_threshold, plain(verdict.name)
-        scale = verdict.kinetic_force * unit
-        solved, eq = verdict.result.master, verdict.result.eq
+    for style, verdict in styled:
+        unit, scale = (
+            verdict.mean_threshold,
+            verdict.value("kinetic_force") * verdict.mean_threshold,
+        )
+        solved, eq, apart = verdict.result.master, verdict.result.eq, deviation(verdict.result)
         reaches += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
         if solved is not None:
-            line: dict[str, Any] = {"color": ink, "ls": dash, "lw": 1.3, "label": name}
-            axes.plot(solved.path / unit, solved.force / scale, zorder=3, **line)
+            axes.plot(solved.path / unit, solved.force / scale, zorder=3, **style)
         if eq is not None:
-            some = np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
-            bars: dict[str, Any] = {"yerr": eq.force_standard_error[some] / scale, "capsize": 1.5}
-            bars |= {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": ink, "zorder": 2}
-            bars["label"] = None if solved is not None else name
-            axes.errorbar(eq.path[some] / unit, eq.force[some] / scale, **bars)
+            some, ink = some_of(eq.path.size, _BARS), style["color"]
+            bars: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": ink, "capsize": 1.5}
+            bars["label"] = style["label"] if solved is None else None
+            error = eq.force_standard_error[some] / scale
+            axes.errorbar(eq.path[some] / unit, eq.force[some] / scale, yerr=error, **bars)
+            told = some_of(apart.off.size, 60) if apart.off.size else apart.points
+            below.plot(eq.path[apart.points][told] / unit, apart.off[told], ".", ms=3.5, color=ink)
     axes.axhline(1.0, color="0.6", lw=0.8, zorder=0)
-    axes.set(ylabel="$F/F_k$", ylim=(0.0, None))
-    shortest, longest = min(reaches, default=1.0), max(reaches, default=1.0)
-    axes.set_xlim(0.0, 1.02 * longest)
-    if longest > _APART * shortest:
-        axes.set(xscale="log", xlim=(min(0.1, 0.1 * shortest), 1.05 * longest))
+    axes.set(ylabel="$F/F_k$", ylim=(0.0, None), xlim=(0.0, 1.02 * max(reaches, default=1.0)))
+    if reaches and max(reaches) > _APART * min(reaches):
+        axes.set(xscale="log", xlim=(0.1 * min(1.0, *reaches), 1.05 * max(reaches)))
     axes.set_title("force: master equation (lines), EQ ensemble (points, ±1 standard error)")
-    return axes
+    below.axhspan(-2.0, 2.0, color="0.92", zorder=0)
+    below.set(ylabel="EQ − ME\n(std. errors)", ylim=(-5.0, 5.0))
+    below.set_xlabel(r"slider position $X/\langle x_s\rangle$")
 
 
-def plot_deviations(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
-    """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
-    for ink, _, verdict in _inked(verdicts):
-        if verdict.result.master is not None and verdict.result.eq is not None:
-            path, off = deviation(verdict.result)
-            shown = slice(None, None, max(1, path.size // 60))
-            axes.plot(path[shown] / verdict.mean_threshold, off[shown], ".", ms=3.5, color=ink)
-    axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
-    kind = ", logarithmic axis" if axes.get_xscale() == "log" else ""
-    axes.set_xlabel(rf"slider position $X/\langle x_s\rangle${kind}")
-    axes.set(ylabel="EQ − ME\n(std. errors)", ylim=(-5.0, 5.0))
-    return axes
-
-
-def plot_springs(axes: "Axes", verdicts: Sequence[Verdict]) -> "Axes":
+def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     """K*/(N<k>) of each scene: a softer driving spring is unstable. Infinite ones reach the edge."""
-    springs = [verdict.critical_spring for verdict in verdicts]
+    springs = [verdict.value("critical_spring") for _, verdict in styled]
     finite = [spring for spring in springs if 0.0 < spring < np.inf]
     low, high = min([*finite, 1e-3]) / 3.0, max([*finite, 1.0]) * 3.0
-    for row, (ink, _, verdict) in enumerate(_inked(verdicts)):
-        value = min(max(verdict.critical_spring, low), high)
-        bars = axes.barh(row, value - low, left=low, color=ink, height=0.6)
-        text = "infinite" if np.isinf(verdict.critical_spring) else f"{verdict.critical_spring:.3g}"
+    for row, (spring, (style, _)) in enumerate(zip(springs, styled, strict=True)):
+        width = min(max(spring, low), high) - low
+        bars = axes.barh(row, width, left=low, color=style["color"], height=0.6)
+        text = "infinite" if np.isinf(spring) else f"{spring:.3g}"
         axes.bar_label(bars, [text], padding=3, fontsize="small")
-    names = [plain(verdict.name) for verdict in verdicts]
-    axes.set_yticks(range(len(verdicts)), names, fontsize="small")
+    axes.set_yticks(range(len(styled)), [style["label"] for style, _ in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.set_title("stick-slip below this spring")
-    return axes
 
 
-def _inked(verdicts: Sequence[Verdict]) -> list[tuple[str, Any, Verdict]]:
-    """A colour and a dash for each."""
-    return [
-        (_INK[index % len(_INK)], _DASHES[index % len(_DASHES)], verdict)
-        for index, verdict in enumerate(verdicts)
-    ]
+def save_precision(measured: Precision, path: Path) -> None:
+    """True error in units of <x_s> against run time in s as a PNG, one marker per method, what it claims as a hollow
+    one."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 6), layout="constrained")
+    axes = figure.subplots()
+    for method, (marker, ink, label) in _METHODS.items():
+        points = [point for point in measured.points if point.method == method]
+        run_time = [point.run_time for point in points]
+        claimed = [point.claimed_error or np.nan for point in points]
+        hollow: dict[str, Any] = {"mfc": "none", "mec": ink, "label": f"{label}: its claim"}
+        if points:
+            error = np.maximum([point.error for point in points], _LEAST)
+            axes.plot(run_time, error, marker + "-", color=ink, lw=1, label=label)
+        if np.isfinite(claimed).any():
+            axes.plot(run_time, claimed, marker, **hollow)
+    axes.set(xscale="log", yscale="log", xlabel="run time (s)")
+    axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
+    axes.grid(alpha=0.3)
+    against = f"against the closed form, good to {measured.reference_error:.0e}"
+    axes.set_title(f"{plain(measured.title)}\n{against}", fontsize="medium")
+    axes.legend(fontsize="small")
+    figure.savefig(path, dpi=130, format="png")

@@ -1,53 +1,47 @@
-"""Pictures: functions that take matplotlib axes and return them. Data are in the unit of the thresholds."""
+"""Pictures of a run and of a sweep: functions that take matplotlib axes and return them.
+
+Data are in the unit of the thresholds.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from toolkit.judge.deviation import deviation, telling, why_not_compared
-from toolkit.pictures.abscissa import (
+from toolkit.pictures.thresholds import (
+    INK,
+    Array,
     along,
-    clock,
-    conditions,
     curves,
-    grows,
-    with_slips,
+    name_lengths,
+    plain,
+    plot_density,
+    some_of,
     write_along,
 )
-from toolkit.pictures.axes import INK, name_lengths, plain
-from toolkit.pictures.sweep import plot_sweep, sweep_panels
-from toolkit.pictures.thresholds import plot_density
-from toolkit.results.records import AgeingRecord, Result, Simulated, SoftRecord, is_coupled
-from toolkit.results.slips import slips_beside
+from toolkit.results.beside import deviation, why_not_compared
+from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-_NO_DEFECT = 1e-3  # of a weight of 1: less is not drawn larger than that
-_ALL = 1e-9  # of the contacts
+_HELD = 1.0 - 1e-9  # of the contacts: fewer that hold are worth a picture
 _LEGEND = 0.13  # of the height, room for each of its rows above the curve
 _BARS = 61  # as many error bars as leave the line in sight
-_REPLICAS = 5  # as many curves as can be told from one another
+_REPLICAS, _LINES = 5, 8  # as many curves as can be told from one another
+_SWEPT = {
+    "velocity": ("speed", "v", "m/s"),
+    "temperature": ("temperature", r"k_BT/\langle k\rangle", "m²"),
+    "kelvin": ("temperature", "T", "K"),
+    "rate": ("rate of ageing", "D", "m²/s"),
+    "delay": ("delay", r"\tau_m", "s"),
+}
 
 
 def plot(result: Result, axes: Any = None) -> Any:
     """F(X) from every solver, F(t) where the drive has a time for each point, F_k along a sweep where that alone was
-    asked for, and P_c(x) beside it.
+    asked for, and P_c(x) beside it, of a Result of toolkit.run or toolkit.load.
 
-    Parameters
-    ----------
-    result : Result
-        Of toolkit.run or toolkit.load.
-    axes : pair of matplotlib axes, optional
-        Where to draw F and P_c; left out, pyplot makes a figure for them.
-
-    Returns
-    -------
-    axes
-        The two of them, a numpy array where pyplot made them. Their figure saves the picture:
-        ``toolkit.plot(result)[0].figure.savefig("picture.png")``.
+    They are drawn on `axes`, a pair of matplotlib's; left out, pyplot makes a figure. Returns the two of them, whose
+    figure saves the picture: ``toolkit.plot(result)[0].figure.savefig("picture.png")``.
     """
     if axes is None:
         from matplotlib import pyplot
@@ -56,165 +50,162 @@ def plot(result: Result, axes: Any = None) -> Any:
         _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
     (plot_force if curves(result) else plot_sweep)(axes[0], result)
     plot_density(axes[1], result.thresholds)
-    if grows(result):
-        age = result.asked.contacts.thresholds["age"]
-        axes[1].set_title(f"thresholds at $X$ = 0, age {age:.3g}")
     return axes
 
 
-def plot_force(axes: "Axes", result: Result) -> "Axes":
+def plot_force(axes: Any, result: Result) -> Any:
     """F/(N_c<k>) against X, or t where the drive keeps time: the master equation as a line, the ensemble as error bars,
     one standard error, under it; on a soft slider some replicas, since their mean over a slip is the force of none."""
     solved, eq = result.master, result.eq
     if solved is not None:
-        path, force = along(result, solved), solved.force
-        label, dashes = "master equation", "-"
+        path, force, label = along(result, solved), solved.force, "master equation"
         if not solved.success:
-            dashes = "--"
             label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
-        if isinstance(solved, SoftRecord):
-            path, force = with_slips(path, force, solved)
-        axes.plot(path, force, color=INK["master"], lw=1.4, ls=dashes, zorder=3, label=label)
+        if isinstance(solved, SoftRecord) and (np.diff(solved.path) > 0.0).all():
+            # the ends of each slip where it happens, between points of the path
+            slips = solved.slips
+            at = np.searchsorted(solved.path, slips.drive).repeat(2)
+            ends = np.column_stack([slips.force_before, slips.force_after]).ravel()
+            there = np.interp(slips.drive, solved.path, path).repeat(2)
+            path, force = np.insert(path, at, there), np.insert(force, at, ends)
+        style = _style("master", ls="-" if solved.success else "--", lw=1.4, zorder=3, label=label)
+        axes.plot(path, force, **style)
         if isinstance(solved, AgeingRecord) and solved.outrun < path[-1]:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):
-        number = min(_REPLICAS, len(eq.forces))
-        each = f"{eq.contacts // len(eq.forces):,} contacts"
-        style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
+        number, style = min(_REPLICAS, len(eq.forces)), _style("eq", lw=0.7, alpha=0.7, zorder=2)
         lines = axes.plot(along(result, eq), eq.forces[:number].T, **style)
+        each = f"{eq.contacts // len(eq.forces):,} contacts"
         lines[0].set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
     elif eq is not None:
-        some = _some(eq)
-        bars: dict[str, Any] = {"ms": 3, "capsize": 2, "lw": 1, "color": INK["eq"], "zorder": 2}
-        bars |= {"yerr": eq.force_standard_error[some], "label": "EQ ensemble, ±1 standard error"}
-        axes.errorbar(along(result, eq)[some], eq.force[some], fmt="o", **bars)
+        some = some_of(eq.path.size, _BARS)
+        style = _style(
+            "eq", fmt="o", ms=3, capsize=2, lw=1, zorder=2, label="EQ, ±1 standard error"
+        )
+        error = eq.force_standard_error[some]
+        axes.errorbar(along(result, eq)[some], eq.force[some], yerr=error, **style)
     write_along(axes, result)
     name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.in_metres)
-    axes.set_title(
-        "\n".join(filter(None, [plain(result.title or result.name), conditions(result)]))
-    )
+    axes.set_title(plain(result.title or result.name))
     # slips and cycles leave no corner free
-    handles, _ = axes.get_legend_handles_labels()
+    rows = -(-len(axes.get_legend_handles_labels()[0]) // 2)
     bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, top + _LEGEND * -(-len(handles) // 2) * (top - bottom))
+    axes.set_ylim(bottom, top + _LEGEND * rows * (top - bottom))
     axes.legend(loc="upper right", ncols=2, fontsize="small")
     return axes
 
 
-def plot_position(axes: "Axes", result: Result) -> "Axes":
+def _style(ink: str, **more: Any) -> dict[str, Any]:
+    return {"color": INK[ink], **more}
+
+
+def plot_position(axes: Any, result: Result) -> Any:
     """Where the drive, or the rigid slider, and a soft slider are at each time."""
-    curve, name = curves(result)[0], "slider\nposition $X$"
+    curve = curves(result)[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
     if isinstance(curve, SoftRecord) or is_coupled(curve):
-        axes.plot(along(result, curve), curve.position, color=INK["master"], lw=1.2, label="slider")
+        axes.plot(along(result, curve), curve.position, **_style("master", lw=1.2, label="slider"))
         axes.legend(fontsize="small")
-        name = "position"
     write_along(axes, result)
-    name_lengths(axes.yaxis, name, result.in_metres)
+    name_lengths(axes.yaxis, "position", result.in_metres)
     return axes
 
 
-def plot_holding(axes: "Axes", result: Result) -> "Axes":
+def plot_holding(axes: Any, result: Result) -> Any:
     """The fraction of the contacts that hold; the others wait to form again."""
-    solved, eq = result.master, result.eq
-    if solved is not None:
-        axes.plot(along(result, solved), solved.holding, color=INK["master"], lw=1.2, label="ME")
-    if eq is not None:
-        some = _some(eq)
-        axes.plot(along(result, eq)[some], eq.holding[some], ".", ms=4, color=INK["eq"], label="EQ")
-    if solved is not None and eq is not None:
-        axes.legend(fontsize="small", ncols=2, loc="lower right", borderpad=0.2)
+    for curve, ink, mark in ((result.master, "master", "-"), (result.eq, "eq", ".")):
+        if curve is not None:
+            some = slice(None) if ink == "master" else some_of(curve.path.size, _BARS)
+            place = along(result, curve)[some]
+            axes.plot(place, curve.holding[some], mark, **_style(ink, ms=4, lw=1.2))
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     write_along(axes, result)
     return axes
 
 
-def plot_deviation(axes: "Axes", result: Result) -> "Axes":
+def plot_deviation(axes: Any, result: Result) -> Any:
     """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
-    off = deviation(result)[1]
+    apart = deviation(result)
     if (reason := why_not_compared(result)) is not None:
         middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
         axes.text(0.5, 0.5, f"not compared: {reason}", **middle)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
-        axes.plot(along(result, result.eq)[telling(result)], off, ".", ms=3.5, color=INK["eq"])
-    reach = max(4.0, 1.1 * float(np.abs(off).max(initial=0.0)))
+        axes.plot(along(result, result.eq)[apart.points], apart.off, ".", **_style("eq", ms=3.5))
+    reach = max(4.0, 1.1 * (apart.worst or 0.0))
     axes.set(ylabel="EQ − ME\n(std. errors)", ylim=(-reach, reach))
     write_along(axes, result)
     return axes
 
 
-def plot_slips(axes: "Axes", result: Result) -> "Axes":
-    """How late the slips of the replicas come, mean and standard error; N contacts slip late by some N^(-2/3)."""
-    eq, beside = result.eq, slips_beside(result)
-    if is_coupled(eq) and beside:
-        unit = result.mean_threshold
-        late = np.array([slip.mean_drive - slip.drive for slip in beside]) / unit
-        error = np.array([slip.drive_error for slip in beside]) / unit
-        at = np.interp([slip.drive for slip in beside], eq.path, along(result, eq))
-        axes.errorbar(at, late, yerr=error, fmt="o", ms=3, capsize=2, lw=1, color=INK["eq"])
-        scale = (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0)
-        axes.axhspan(0.0, scale, color="0.92", zorder=0, label="$N^{-2/3}$")
-        axes.legend(fontsize="small", loc="upper left", borderpad=0.2)
-    axes.axhline(0.0, color="0.6", lw=0.8, zorder=1)
-    axes.set_ylabel("slips late\nby $X_T/\\langle x_s\\rangle$")
-    write_along(axes, result)
-    return axes
-
-
-def plot_defects(axes: "Axes", result: Result) -> "Axes":
-    """What the paper's closure of ageing does not keep: mass of P_c less 1, and weight below 0."""
-    if isinstance(solved := result.master, AgeingRecord):
-        path, below = along(result, solved), solved.positivity_defect
-        axes.plot(path, solved.mass_defect, color=INK["master"], label="mass of $P_c$ less 1")
-        axes.plot(path, below, "--", color=INK["eq"], label="weight below 0")
-        most = max(float(np.abs(solved.mass_defect).max()), float(below.max()), _NO_DEFECT)
-        axes.set(ylabel="defects\nof (Q15)", ylim=(-0.15 * most, 1.3 * most))
+def plot_sweep(axes: Any, result: Result) -> Any:
+    """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
+    sweep: Any = result.sweep
+    _along_sweep(axes, result, sweep.force)
+    name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
+    if not curves(result):
+        axes.set_title(plain(result.title or result.name))
+    if len(sweep.along) > 1:
         axes.legend(fontsize="small")
-        write_along(axes, result)
     return axes
 
 
-def _some(eq: "Simulated") -> Any:
-    """Indices of the points that are drawn of an ensemble."""
-    return np.unique(np.linspace(0, eq.path.size - 1, _BARS).round().astype(int))
+def plot_critical_spring(axes: Any, result: Result) -> Any:
+    """K*/(N_c<k>) along the sweep, from 0: below it stick-slip. What is infinite is not drawn."""
+    spring: Any = result.sweep.critical_spring  # type: ignore[union-attr]
+    _along_sweep(axes, result, np.where(np.isfinite(spring), spring, np.nan))
+    axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
+    axes.set_ylim(bottom=0.0)
+    return axes
 
 
-def _waits(result: Result) -> bool:
-    """Whether contacts wait before they form again."""
-    return any(bool((curve.holding < 1.0 - _ALL).any()) for curve in curves(result))
+def _along_sweep(axes: Any, result: Result, values: Array) -> None:
+    """Lines against the sweep's first quantity, named by its second; with SI units where lengths are metres."""
+    from matplotlib import colormaps
+
+    sweep: Any = result.sweep
+    first, *second = sweep.along
+    x = getattr(sweep, first)
+    rows = x.reshape(x.shape[0], -1)[:, 0]
+    table = values.reshape(rows.size, -1)
+    some = some_of(table.shape[1], _LINES)
+    units = {name: unit for name, (*_, unit) in _SWEPT.items() if result.in_metres or unit == "K"}
+    style = _style("master", lw=1.4, marker="." if rows.size < 2 * _LINES else "")
+    for k, column in enumerate(some):
+        for name in second:
+            here = float(getattr(sweep, name)[0, column])
+            style["label"] = f"${_SWEPT[name][1]}$ = {here:.3g} {units.get(name, '')}".rstrip()
+            style["color"] = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
+        axes.plot(rows, table[:, column], **style)
+    name, symbol, _ = _SWEPT[first]
+    axes.set_xlabel(f"{name} ${symbol}$ ({units.get(first, '')})".removesuffix(" ()"))
+    if rows.min() > 0.0 and rows.max() > 30.0 * rows.min():
+        axes.set_xscale("log")
 
 
 def save_picture(result: Result, path: Path) -> None:
     """The picture of a run as a PNG, on a figure of its own: the session's backend is not touched."""
     from matplotlib.figure import Figure
 
-    below: list[Callable[[Any, Result], Any]] = []
-    if curves(result) and clock(result) is not None:
+    solved, below = result.master, list[Callable[[Any, Result], Any]]()
+    if curves(result) and result.timed:
         below.append(plot_position)
-    if _waits(result):
+    if any((curve.holding < _HELD).any() for curve in curves(result)):
         below.append(plot_holding)
-    if slips_beside(result):
-        below.append(plot_slips)
-    elif result.master is not None and result.eq is not None:
+    if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    elif isinstance(result.master, AgeingRecord):
-        below.append(plot_defects)
-    swept = [draw for draw, there in sweep_panels(result) if there]
-    if not curves(result):
-        swept = swept[1:]  # the first of them heads the picture
+    swept = [plot_sweep] if curves(result) and result.sweep is not None else []  # else it is above
+    if result.sweep is not None and result.sweep.critical_spring is not None:
+        swept.append(plot_critical_spring)
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]
     figure = Figure(figsize=(10, 1 + sum(heights)), layout="constrained")
     rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in (*below, *swept))]
     places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=heights)
     plot(result, [places["F"], places["P"]])
-    for draw in swept:
+    for draw in (*swept, *below):
         draw(places[draw.__name__], result)
-    above = places["F"]
-    for draw in below:
-        own = draw(places[draw.__name__], result)
-        own.sharex(places["F"])
-        above.set_xlabel("")
-        above = own
+    for draw, above in zip(below, ["F", *(draw.__name__ for draw in below)], strict=False):
+        places[draw.__name__].sharex(places["F"])
+        places[above].set_xlabel("")
     figure.savefig(path, dpi=150, format="png")

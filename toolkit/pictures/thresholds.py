@@ -1,112 +1,170 @@
-"""Pictures of a law of thresholds: P_c, its survival and its hazard."""
+"""Axes that can be read, and on them pictures of a law of thresholds, and of islands, whose barriers they come from."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from origins.domains.domain_samples import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
-from toolkit.pictures.axes import INK, heights, name_lengths, plain, spans_decades
-from toolkit.results.records import ThresholdCurve
+from toolkit.results.records import Result, ThresholdCurve
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+Array = npt.NDArray[np.float64]
 
-_STEPS = 2000  # as many as a picture can show
+INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
+_SPIKE = 10.0  # times what 95 % of the contacts see: a higher end of a density is cut off
+_STEPS, _ISLANDS = 2000, 20_000  # as many as a picture can show
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
-def plot_density(axes: "Axes", curve: ThresholdCurve) -> "Axes":
+def plain(text: str) -> str:
+    """`text` as matplotlib shows it: what is no formula, though it has dollars, letter by letter."""
+    from matplotlib.mathtext import MathTextParser
+
+    try:
+        MathTextParser("agg").parse(text)
+    except ValueError:
+        return text.replace("\\$", "$").replace("$", r"\$")
+    return text
+
+
+def name_lengths(axis: Any, name: str, metres: bool) -> None:
+    """Label an axis of lengths; ticks in metres have a prefix, such as 25 nm."""
+    from matplotlib.ticker import EngFormatter
+
+    axis.set_label_text(name)
+    if metres:
+        axis.set_major_formatter(EngFormatter(unit="m"))
+
+
+def highest(curve: ThresholdCurve, values: Array) -> float:
+    """Where an axis ends that shows `values` over curve.x, however narrow their peaks; but a spike at an end of
+    the law, where a density diverges, is cut off at what 5 % of the contacts or more see of it."""
+    shown = np.isfinite(values) & (values > 0.0)
+    weight, seen = -np.diff(curve.survival, append=0.0)[shown], values[shown]
+    if not weight.sum() > 0.0:
+        return float(seen.max(initial=1.0))
+    order, top = np.argsort(seen), float(seen.max())
+    high = seen[order][np.searchsorted(weight[order].cumsum(), 0.95 * weight.sum())]
+    at_end = int(np.argmax(seen)) in (0, seen.size - 1)
+    return float(1.5 * high) if top > _SPIKE * high and at_end else 1.05 * top
+
+
+def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
+    """Indices of at most so many of `size` points, evenly."""
+    return np.unique(np.linspace(0, size - 1, most).round().astype(np.intp))
+
+
+def curves(result: Result) -> list[Any]:
+    """What the solvers found, the master equation's first."""
+    return [curve for curve in (result.master, result.eq) if curve is not None]
+
+
+def along(result: Result, curve: Any) -> Array:
+    """What a curve is drawn against: times where the scene gives them, else its path."""
+    return result.time[: curve.path.size] if result.timed else curve.path
+
+
+def write_along(axes: Any, result: Result) -> None:
+    """The axis of that. Where holds have a scale, points are even on it, so that each decade of a hold can be told."""
+    drive = result.asked.drive
+    if drive is None or drive.times is None:
+        pulled = drive is not None and drive.spring is not None
+        place = "drive position $X_T$" if pulled else "slider position $X$"
+        name_lengths(axes.xaxis, place, result.in_metres)
+        return
+    axes.set_xlabel(f"time $t${' (s)' if result.in_metres else ''}")
+    if drive.hold_scale is not None:
+        times, number = result.time, np.arange(result.time.size, dtype=float)
+        both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))
+        axes.set_xscale("function", functions=both)
+        turns = np.unique([times[0], *drive.times])
+        turns = turns[some_of(turns.size, 8)]
+        axes.set_xticks(turns, [f"{time:.9g}" for time in turns])
+        axes.set_xlim(times[0], times[-1])
+        how = f"logarithmic in holds, even in ln(1 + t/{drive.hold_scale:.3g}) since each began"
+        axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
+
+
+def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     """P_c(x), with exact single values as lines as high as their weight."""
     finite = np.isfinite(curve.density)
-    if curve.density[finite].any():
-        _upright(axes, curve, curve.density)
-        x, density = curve.x[finite], curve.density[finite]
-        axes.fill_between(x, density, color=INK["thresholds"], alpha=0.25, lw=0)
-        axes.plot(x, density, **_STYLE)
-    _label(axes, curve, "thresholds", "threshold $x$", "$P_c(x)$")
+    smooth = curve.density[finite].any()
+    if smooth:
+        axes.fill_between(
+            curve.x[finite], curve.density[finite], alpha=0.25, lw=0, color=INK["thresholds"]
+        )
+        _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x)$")
+    _label(axes, curve, "thresholds", "threshold $x$")
     if curve.atoms.size:
         # a weight is no density: beside one it has an axis of its own
-        own = axes.twinx() if curve.density[finite].any() else axes
+        own = axes.twinx() if smooth else axes
         own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
-        top = 1.05 * float(curve.atom_weights.max())
-        own.set(ylabel="weight at one value", ylim=(0.0, top))
+        own.set(ylabel="weight at one value", ylim=(0.0, 1.05 * float(curve.atom_weights.max())))
     return axes
 
 
-def plot_survival(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """S(x), the probability that a threshold exceeds x."""
-    axes.plot(curve.x, curve.survival, **_STYLE)
-    axes.set(ylabel="$S(x)$", ylim=(0, 1.05))
-    _label(axes, curve, "survival", "threshold $x$")
-    return axes
-
-
-def plot_samples(axes: "Axes", thresholds: Thresholds) -> "Axes":
+def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
     """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
     if isinstance(thresholds, Sampled):
-        x, above = thresholds.samples, 1.0 - np.cumsum(thresholds.shares)
-        some = np.unique(np.linspace(0, x.size - 1, _STEPS).round().astype(int))
+        some = some_of(thresholds.samples.size, _STEPS)
+        above = 1.0 - np.cumsum(thresholds.shares)[some]
         label = f"{thresholds.n_samples} samples"
-        axes.step(x[some], above[some], where="post", color="0.25", lw=0.6, label=label)
+        axes.step(thresholds.samples[some], above, where="post", color="0.25", lw=0.6, label=label)
         axes.legend()
     return axes
 
 
-def plot_hazard(axes: "Axes", curve: ThresholdCurve) -> "Axes":
-    """P_c(x)/S(x), the rate of breaking per length at stretch x, up to where one contact in a thousand holds."""
-    shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
-    hazard = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
-    if shown.any():
-        _upright(axes, curve, hazard)
-    axes.plot(curve.x[shown], hazard[shown], **_STYLE)
-    _label(axes, curve, "hazard", "stretch $x$", "$P_c(x)/S(x)$")
-    return axes
+def _draw(axes: Any, curve: ThresholdCurve, values: Array, name: str) -> None:
+    """A quantity per length, within limits that show it."""
+    axes.plot(curve.x, values, **_STYLE)
+    axes.set(
+        ylabel=f"{name} (1/m)" if curve.in_metres else name, ylim=(0.0, highest(curve, values))
+    )
 
 
-def _upright(axes: "Axes", curve: ThresholdCurve, values: Any) -> None:
-    """The limits of y."""
-    found = heights(curve, values)
-    axes.set(yscale="log" if found.logarithmic else "linear", ylim=(found.bottom, found.top))
-
-
-def _label(
-    axes: "Axes", curve: ThresholdCurve, title: str, name: str, inverse: str | None = None
-) -> None:
-    """Title, the axis of x and, where it is one of inverse lengths, that of y."""
-    first, last = reach_of(curve)
-    axes.set_title(title)
-    if spans_decades(curve):
-        first = float(curve.x[curve.x > 0.0].min())
-        axes.set_xscale("log")
-    axes.set_xlim(first, last)
-    name_lengths(axes.xaxis, name, curve.in_metres)
-    if inverse is not None:
-        axes.set_ylabel(f"{inverse} (1/m)" if curve.in_metres else inverse)
-
-
-def reach_of(curve: ThresholdCurve) -> tuple[float, float]:
-    """A little beyond all but a thousandth of the thresholds, from 0 unless they all lie far from it."""
+def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
+    """Title, and the axis of x: a little beyond all but a thousandth of the thresholds, from 0 unless they all lie far
+    from it."""
     first = float(curve.x[curve.survival < 1.0 - 1e-3].min())
     last = float(curve.x[curve.survival > 1e-3].max(initial=first))
     # one exact value has no width of its own
     margin = 0.15 * (last - first) if last - first > 1e-9 * last else 0.5 * last
-    return (first - margin if first > 0.5 * last else 0.0), last + margin
+    axes.set(title=title, xlim=(first - margin if first > 0.5 * last else 0.0, last + margin))
+    name_lengths(axes.xaxis, name, curve.in_metres)
 
 
 def save_thresholds_picture(
-    curve: ThresholdCurve, thresholds: Thresholds, title: str, path: Path
+    thresholds: Thresholds, curve: ThresholdCurve, title: str, path: Path
 ) -> None:
-    """P_c, survival, that of the samples if there are any over it, and hazard side by side as a PNG."""
+    """P_c, survival S, with that of the samples if there are any over it, and hazard P_c/S, the rate of breaking per
+    length up to where one contact in a thousand holds, side by side as a PNG."""
     from matplotlib.figure import Figure
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    # room between the panels: the first has a second axis where there are exact values
-    figure = Figure(figsize=(11.5, 3.6), layout=ConstrainedLayoutEngine(wspace=0.1))
-    axes = figure.subplots(1, 3)
-    plot_density(axes[0], curve)
-    plot_samples(plot_survival(axes[1], curve), thresholds)
-    plot_hazard(axes[2], curve)
+    figure = Figure(figsize=(11.5, 3.6), layout="constrained")
+    density, survival, hazard = figure.subplots(1, 3)
+    plot_density(density, curve)
+    survival.plot(curve.x, curve.survival, **_STYLE)
+    survival.set(ylabel="$S(x)$", ylim=(0, 1.05))
+    _label(plot_samples(survival, thresholds), curve, "survival", "threshold $x$")
+    shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
+    values = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
+    _draw(hazard, curve, values, "$P_c(x)/S(x)$")
+    _label(hazard, curve, "hazard", "stretch $x$")
     figure.suptitle(plain(title))
+    figure.savefig(path, dpi=150, format="png")
+
+
+def save_barriers(domains: DomainSamples, path: Path) -> None:
+    """Barrier of each island that was drawn, against its angle in degrees, as a PNG; larger islands darker."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes, some = figure.subplots(), slice(_ISLANDS)
+    place = np.degrees(domains.angles[some]), domains.barriers[some]
+    shown = axes.scatter(*place, c=domains.n_atoms[some], cmap="viridis_r", s=3.0, lw=0.0)
+    figure.colorbar(shown, label="atoms")
+    axes.set(xlabel="angle (degrees)", ylabel=r"barrier $\epsilon_a$ (energy)", ylim=(0.0, None))
     figure.savefig(path, dpi=150, format="png")

@@ -7,49 +7,37 @@ import os
 import tomllib
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import MISSING, fields, is_dataclass, replace
+from dataclasses import MISSING, asdict, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from origins.errors import InputError, refuse
-from toolkit.results.folders import write_folder
+from toolkit.results.beside import slips_beside
+from toolkit.results.folders import opened, write_folder, write_sealed
 from toolkit.results.records import (
     AgeingRecord,
     Result,
-    Simulated,
     SoftRecord,
     SolvedRecord,
     ThresholdCurve,
+    is_coupled,
 )
-from toolkit.results.sealed import opened, write_sealed
-from toolkit.results.summary import summary
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
 
-if TYPE_CHECKING:
-    import h5py
-
-RESULT, SUMMARY, PICTURE, TABLE = "result.h5", "summary.json", "picture.png", "sweep.csv"
-_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
-BARRIERS = "barriers.png"  # of islands
+RESULT = "result.h5"
+_OF_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
-_LENGTHS = (
-    *("path", "position", "force", "force_standard_error", "step_error"),
-    *("position_standard_error", "positions", "forces", "x", "atoms"),
-    *("stretch_edges", "threshold_edges", "slip_drive", "slip_before", "slip_after"),
-    *("slip_force_before", "slip_force_after"),
-)
+_LENGTHS = """path position force force_standard_error step_error position_standard_error positions forces x atoms
+stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after"""
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
     """Write result.h5, summary.json and picture.png into `folder`, of a sweep sweep.csv and of islands barriers.png,
-    whole or not at all.
-
-    What this package wrote there earlier and would be taken for this run's is removed: sweep.csv where this result has
-    no sweep, and thresholds.json, its .png and barriers.png beside another scene's result.
+    whole or not at all. What this package wrote there for another scene, or an earlier sweep.csv, is removed.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
@@ -59,31 +47,26 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
 
     writers: dict[str, Callable[[Path], None]] = {
         RESULT: lambda path: _write_result(result, path),
-        SUMMARY: lambda path: write_json(summary(result), path),
-        PICTURE: lambda path: save_picture(result, path),
+        "summary.json": lambda path: write_json(summary(result), path),
+        "picture.png": lambda path: save_picture(result, path),
     }
     if (islands := result.domains) is not None:
-        from toolkit.pictures.islands import save_barriers
+        from toolkit.pictures.thresholds import save_barriers
 
-        writers[BARRIERS] = lambda path: save_barriers(islands, path)
+        writers["barriers.png"] = lambda path: save_barriers(islands, path)
     if (sweep := result.sweep) is not None:
         units = _units(result, short=True) | {"force_error": "<x_s>"}
-        writers[TABLE] = lambda path: _write_csv(sweep, units, path)
-    before = _earlier(folder)
-    gone = [TABLE] if before is not None and before.swept and result.sweep is None else []
+        writers["sweep.csv"] = lambda path: _write_csv(sweep, units, path)
+    gone = ["sweep.csv"] if _earlier(folder).get("swept") else []
     if another(folder, result.name, result.text) is not None:
-        gone += [name for name in (*_THRESHOLDS, BARRIERS) if name not in writers]
-    write_folder(folder, writers, gone)
+        gone += [*_OF_THRESHOLDS, "barriers.png"]
+    write_folder(folder, writers, [name for name in gone if name not in writers])
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
-    """The Result that `save`, or the command `run`, wrote into `folder`.
-
-    Its fields, where they were asked for: `master.path`, `.force`, `.force_error`, `.holding`, `.success`; `eq.path`,
-    `.force`, `.force_standard_error`, `.breaks`, `.histograms`; `thresholds.x`, `.density`, `.survival`, `.unit`;
-    `mean_threshold`; `notes`; `interface["contact_density"].value` and more; `text`,
-    the scene. Raises InputError where there is none.
-    """
+    """The Result that `save`, or the command `run`, wrote into `folder`: `.master.path`, `.force`, `.force_error`;
+    `.eq.force_standard_error`, `.breaks`, `.histograms`; `.thresholds.x`, `.density`; `.interface`, `.notes`, `.text`,
+    and more that Result tells. Raises InputError where there is none."""
     file = Path(folder) / RESULT
     if Path(folder).is_file():
         refuse("folder", str(folder), f"is a file; give the folder, {str(Path(folder).parent)!r}")
@@ -91,9 +74,10 @@ def load(folder: str | os.PathLike[str]) -> Result:
         rule = f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one"
         refuse("folder", str(folder), rule)
     with opened(file) as store:
-        told: dict[str, Any] = {name: str(store.attrs[name]) for name in ("name", "title", "version")}
         return Result(
-            **told,
+            name=str(store.attrs["name"]),
+            title=str(store.attrs["title"]),
+            version=str(store.attrs["version"]),
             text=str(store.attrs["scene"]),
             mean_threshold=float(store.attrs["mean_threshold"]),
             thresholds=_read(store["thresholds"], ThresholdCurve),
@@ -105,38 +89,76 @@ def load(folder: str | os.PathLike[str]) -> Result:
         )
 
 
-class Earlier(NamedTuple):
-    """Of which scene a result is, by its name and TOML text, and whether it has a sweep."""
-
-    name: str
-    text: str
-    swept: bool
-
-
-def _earlier(folder: str | os.PathLike[str]) -> Earlier | None:
-    """What a folder holds; None where that is no result, or none that can be read."""
-    file = Path(folder) / RESULT
-    with suppress(InputError):
-        if file.is_file():
-            with opened(file) as store:
-                return Earlier(
-                    str(store.attrs["name"]), str(store.attrs["scene"]), "sweep" in store
-                )
-    return None
+def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """Name and text of the scene whose result `folder` holds, and whether it is `swept`; {} where none can be read."""
+    with suppress(InputError, OSError), opened(Path(folder) / RESULT) as store:
+        told = {name: str(store.attrs[name]) for name in ("name", "scene")}
+        return told | {"swept": "sweep" in store}
+    return {}
 
 
 def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
     """In words, whose result `folder` holds; None where that is of this scene, by name and contacts, or none is."""
     before = _earlier(folder)
-    if before is None:
-        return None
-    if before.name != name:
-        return f"another scene, {before.name}"
+    if before.get("name", name) != name:
+        return f"another scene, {before['name']}"
     with suppress(ValueError):  # the scene of an older package
-        one, other = (read_table(tomllib.loads(own)).contacts for own in (before.text, text))
+        texts = (before.get("scene", text), text)
+        one, other = (read_table(tomllib.loads(own)).contacts for own in texts)
         if one == other:
             return None
     return "this scene with other contacts"
+
+
+def summary(result: Result) -> dict[str, Any]:
+    """The numbers of a run that one looks at first; lengths in the unit of the thresholds, times in seconds."""
+    asked, solved, eq, sweep = result.asked, result.master, result.eq, result.sweep
+    content: dict[str, Any] = {"name": result.name, "title": result.title}
+    content |= {"version": result.version, "mean_threshold": result.mean_threshold}
+    content |= {"success": result.success, "unit": result.thresholds.unit}
+    if solved is not None and asked.master is not None:
+        content["master"] = {"tolerance": asked.master.tolerance, **_numbers(solved)}
+        if isinstance(solved, SoftRecord):
+            content["master"]["period_error"] = 2.0 * float(solved.slips.drive_error)
+    if eq is not None and asked.eq is not None:
+        own = _numbers(eq) | {"followed": int(eq.contacts)}
+        own |= {"largest_standard_error": own.pop("largest_force_standard_error")}
+        for name in ("contacts", "replicas", "seed", "tolerance"):
+            own[name] = getattr(asked.eq, name)
+        if is_coupled(eq):
+            own["slips"] = eq.slips.number.size
+            own["slips_beside"] = [slip._asdict() for slip in slips_beside(result)]
+        content["eq"] = own
+    if sweep is not None:
+        content["sweep"] = _numbers(sweep) | {"points": sweep.force.size}
+    if result.interface is not None:
+        content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
+    return content | {"notes": list(result.notes)}
+
+
+def _flat(answer: Any) -> dict[str, Any]:
+    """The fields of a record, those of slips and regimes too."""
+    values = {field.name: getattr(answer, field.name) for field in fields(answer)}
+    for name, prefix in (("slips", "slip_"), ("regime", "")):
+        if is_dataclass(part := values.pop(name, None)):
+            values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
+    return values
+
+
+def _numbers(answer: Any) -> dict[str, Any]:
+    """The fields of a record that are no arrays, as JSON knows them; of arrays of errors and defects the largest, and
+    of a path's force the last."""
+    told: dict[str, Any] = {}
+    for name, value in _flat(answer).items():
+        if not isinstance(value, np.ndarray):
+            value = list(value) if isinstance(value, tuple) else value
+            told[name] = value.item() if isinstance(value, np.generic) else value
+        elif name.endswith(("error", "defect")):
+            told[f"largest_{name}"] = float(np.abs(value).max(initial=0.0))
+        elif name == "force" and hasattr(answer, "path"):
+            told["last_force"] = float(value[-1])
+    told.pop(_HISTOGRAMS, None)
+    return told
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:
@@ -153,10 +175,6 @@ def write_json(content: dict[str, Any], path: Path) -> None:
     path.write_text(text + "\n", encoding="utf-8")
 
 
-def write_lines(lines: list[str], path: Path) -> None:
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
 def _write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
     """A line for each point, a column for each array that the sweep has, its unit in brackets, with all digits."""
     arrays = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
@@ -171,9 +189,9 @@ def _units(result: Result, short: bool = False) -> dict[str, str]:
     """Of all arrays that have one, by name; an own unit of length is named in full unless it shall be `short`."""
     unit = "length" if short and not result.in_metres else result.thresholds.unit
     clock = "s" if result.in_metres else "time"
-    units = {**dict.fromkeys(_LENGTHS, unit), "density": f"1 / {unit}", "notes": "text"}
-    units |= dict.fromkeys(("thresholds", "stretches"), f"1 / {unit}")
-    units |= dict.fromkeys(("threshold_error", "stretch_error"), f"1 / {unit}")
+    units = dict.fromkeys(_LENGTHS.split(), unit) | {"notes": "text"}
+    inverse = "density thresholds stretches threshold_error stretch_error"
+    units |= dict.fromkeys(inverse.split(), f"1 / {unit}")
     units |= {"delay": clock, "time": clock, "kelvin": "K", "velocity": f"{unit} / {clock}"}
     return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
@@ -189,17 +207,15 @@ def _write_result(result: Result, path: Path) -> None:
     write_sealed(path, contents)
 
 
-def _fill(result: Result, store: "h5py.File") -> None:
+def _fill(result: Result, store: Any) -> None:
     units = _units(result)
+    store.attrs["scene"] = result.text
     for name in ("name", "title", "version", "mean_threshold"):
         store.attrs[name] = getattr(result, name)
-    store.attrs["scene"] = result.text
-    if result.asked.drive is not None:
-        store["time"] = result.time
-    if result.notes:
-        store["notes"] = list(result.notes)
-    for name in set(store):
-        store[name].attrs["units"] = units[name]
+    for name, values in (("time", result.time), ("notes", list(result.notes))):
+        if len(values):
+            store[name] = values
+            store[name].attrs["units"] = units[name]
     for name, number in (result.interface or {}).items():
         own = store.create_dataset(f"interface/{name}", data=number.value)
         own.attrs["units"] = number.unit or "1"
@@ -207,26 +223,17 @@ def _fill(result: Result, store: "h5py.File") -> None:
             own.attrs["error"] = number.error
     for name in ("thresholds", "sweep", "master", "eq"):
         if (answer := getattr(result, name)) is not None:
-            own = name != "master" or isinstance(answer, SolvedRecord)  # else it has more fields
-            kind = type(answer) if own else SolvedRecord
-            _write(store.create_group(name), answer, kind, units)
+            _write(store.create_group(name), answer, units)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
         for index, histogram in enumerate(result.eq.histograms):
             own = store.create_group(f"eq/{_HISTOGRAMS}/{index}")
-            _write(own, histogram, type(histogram), units, compression="gzip", shuffle=True)
+            _write(own, histogram, units, compression="gzip", shuffle=True)
 
 
-def _write(
-    group: "h5py.Group", answer: Any, kind: type[Any], units: dict[str, str], **how: Any
-) -> None:
-    """The fields of `kind`, as found on `answer`: arrays as data sets, the rest as attributes, those of slips and
-    regimes too."""
-    values = {field.name: getattr(answer, field.name) for field in fields(kind)}
-    for name, prefix in (("slips", "slip_"), ("regime", "")):
-        if is_dataclass(part := values.pop(name, None)):
-            values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
-    for name, value in values.items():
+def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
+    """A record: arrays as data sets, the rest as attributes."""
+    for name, value in _flat(answer).items():
         if isinstance(value, np.ndarray) or name == _PER_RANK:
             group.create_dataset(name, data=value, **how)
             group[name].attrs["units"] = units.get(name, "1")
@@ -234,7 +241,7 @@ def _write(
             group.attrs[name] = value
 
 
-def _read_interface(group: "h5py.Group") -> dict[str, Number]:
+def _read_interface(group: Any) -> dict[str, Number]:
     numbers = {}
     for name, data in group.items():
         error, unit = data.attrs.get("error"), str(data.attrs["units"])
@@ -243,20 +250,18 @@ def _read_interface(group: "h5py.Group") -> dict[str, Number]:
     return numbers
 
 
-def _read_master(group: "h5py.Group") -> SolvedRecord:
+def _read_master(group: Any) -> SolvedRecord:
     if "position" not in group:
         return _read(group, AgeingRecord if "mass_defect" in group else SolvedRecord)
     from master.soft.regime import Regime
     from master.soft.slips import Slips
 
     slips = _read(group, Slips, "slip_")
-    regime = _read(group, Regime, slips=int(slips.drive.size), trend=None)
-    trend = float(group.attrs.get("trend", math.nan))
-    regime = replace(regime, trend=None if math.isnan(trend) else trend)
+    regime = _read(group, Regime, slips=int(slips.drive.size), trend=group.attrs.get("trend"))
     return _read(group, SoftRecord, slips=slips, regime=regime)
 
 
-def _read_eq(group: "h5py.Group") -> "Simulated":
+def _read_eq(group: Any) -> Any:
     from eq_model import CoupledResult, CoupledSlips, EnsembleResult
     from eq_model.histogram import Histogram
 
@@ -267,7 +272,7 @@ def _read_eq(group: "h5py.Group") -> "Simulated":
     return _read(group, EnsembleResult, histograms=found)
 
 
-def _read(group: "h5py.Group", kind: type[Any], prefix: str = "", **given: Any) -> Any:
+def _read(group: Any, kind: type[Any], prefix: str = "", **given: Any) -> Any:
     """A record of this kind with the fields that the group holds under their names, and those `given`."""
     values = {field.name: field.default for field in fields(kind) if field.default is not MISSING}
     for name in (field.name for field in fields(kind)):

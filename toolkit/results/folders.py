@@ -1,17 +1,22 @@
-"""Output folders: written whole or not at all."""
+"""Output folders, written whole or not at all, and files with a checksum: a header of 512 bytes, then the contents.
+
+HDF5 skips such a header, so that any HDF5 program reads a sealed result file.
+"""
 
 import fcntl
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from origins.errors import InputError, refuse, shown
-from toolkit.results.sealed import flush_folder
 
-_TRIED = bytes(512)
+_HEADER = 512  # bytes: the least that HDF5 skips
+_MAGIC = b"mesofriction, sha256 of the rest: "
+_HDF5 = b"\x89HDF"  # begins the files of older versions, which have no checksum
 
 
 def check_folder(folder: str | os.PathLike[str]) -> None:
@@ -19,32 +24,26 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
     with _draft(folder) as draft:
         place = draft / (Path(folder).absolute().name or "root")  # a name may be too long
         place.mkdir()
-        (place / "try").write_bytes(_TRIED)
+        (place / "try").write_bytes(bytes(_HEADER))
 
 
 @contextmanager
 def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
-    """Hold `folder` against other runs on this machine, which would replace one result by another.
+    """Hold `folder` against this user's other runs on this machine, which would replace one result by another.
 
     Raises InputError where another run holds it. The lock is a file in the system's folder for temporary files, since
     the output folder need not exist yet; it ends with the process, however that ends.
     """
-    name = sha256(str(Path(folder).resolve()).encode("utf-8", "surrogateescape")).hexdigest()[:24]
+    name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
+    file = Path(tempfile.gettempdir()) / f"mesofriction-{os.getuid()}-{name}.lock"
     try:
-        file = Path(tempfile.gettempdir()) / f"mesofriction-{name}.lock"
-        lock = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError:  # no room for locks, or another user's
+        lock = file.open("a")
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        rule = f"another run is writing there, or {file} cannot be locked; choose another folder, or wait"
+        raise InputError(f"out = {str(folder)!r}: {rule}") from error
+    with lock:
         yield
-        return
-    try:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            rule = "another run is writing there; choose another folder, or wait until it has ended"
-            raise InputError(f"out = {str(folder)!r}: {rule}") from error
-        yield
-    finally:
-        os.close(lock)
 
 
 def write_folder(
@@ -62,23 +61,30 @@ def write_folder(
     with _draft(folder) as draft:
         for name, write in writers.items():
             write(draft / name)
-            with (draft / name).open("rb") as stream:
-                os.fsync(stream.fileno())
+            _flush(draft / name)
         path.mkdir(parents=True, exist_ok=True)
         for name in writers:
             os.replace(draft / name, path / name)
-        flush_folder(path)
-        flush_folder(path.parent)
+        with suppress(OSError):  # names of new files, where the file system can
+            _flush(path)
+            _flush(path.parent)
         for name in gone:
             (path / name).unlink(missing_ok=True)
+
+
+def _flush(path: Path) -> None:
+    """Bring a file, or the names in a folder, to the disk."""
+    place = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(place)
+    finally:
+        os.close(place)
 
 
 @contextmanager
 def _draft(folder: str | os.PathLike[str]) -> Iterator[Path]:
     """A folder for drafts on the disk of `folder`, taken away in the end. Raises InputError where the disk refuses."""
     path = Path(folder).absolute()
-    if "\0" in str(folder):
-        refuse("out", str(folder), "holds a letter that no name may have; choose another")
     try:
         for place in (path, *path.parents):
             if place.is_dir():
@@ -87,6 +93,63 @@ def _draft(folder: str | os.PathLike[str]) -> Iterator[Path]:
                 refuse("out", str(folder), f"{place} is a file, not a folder; choose another")
         with tempfile.TemporaryDirectory(prefix=".draft-", dir=place) as draft:
             yield Path(draft)
-    except OSError as error:
-        why = error.strerror or error
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # of no name a path may have, ValueError
+        why = getattr(error, "strerror", None) or error
         raise InputError(f"out = {shown(str(folder))}: cannot be written: {why}") from error
+
+
+def write_sealed(path: Path, contents: bytes) -> None:
+    """Replace the file by header and contents, whole or not at all; on the disk when this returns. Raises OSError."""
+    draft = path.with_name(f".{path.name}.part")
+    try:
+        draft.write_bytes(_header(contents) + contents)
+        _flush(draft)
+        os.replace(draft, path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def read_sealed(path: Path) -> bytes | None:
+    """The contents; None where they are not what was written. Raises OSError."""
+    data = path.read_bytes()
+    contents = data[_HEADER:]
+    return contents if data[:_HEADER] == _header(contents) else None
+
+
+def _header(contents: bytes) -> bytes:
+    return (_MAGIC + sha256(contents).hexdigest().encode() + b"\n").ljust(_HEADER, b"\0")
+
+
+@contextmanager
+def opened(file: Path) -> Iterator[Any]:
+    """A sealed HDF5 file, open for reading.
+
+    What is damaged is refused before HDF5 sees it, which would crash on some bytes; so are data that are elsewhere.
+    Raises InputError.
+    """
+    import h5py
+
+    try:
+        with file.open("rb") as stream:
+            old = stream.read(len(_HDF5)) == _HDF5
+        if not old and read_sealed(file) is None:
+            raise OSError("its checksum is wrong")
+        with h5py.File(file, "r") as store:
+            links, items = dict[str, Any](), dict[str, Any]()
+            store.visititems_links(links.__setitem__)
+            store.visititems(items.__setitem__)
+            for name, link in links.items():
+                item = items.get(name)
+                away = isinstance(item, h5py.Dataset) and (item.external or item.is_virtual)
+                if away or not isinstance(link, h5py.HardLink):
+                    raise OSError(f"the data of {name} are in another file, or under another name")
+            yield store
+    except InputError:
+        raise
+    except Exception as error:  # whatever h5py and numpy make of bytes that nobody wrote so
+        why = " ".join(str(error).split())
+        raise InputError(
+            f"folder = {str(file.parent)!r}: its {file.name} is not one of mesofriction: {why}"
+        ) from error

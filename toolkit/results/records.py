@@ -2,7 +2,7 @@
 
 import tomllib
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,11 +16,6 @@ from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import SceneTable, read_table
 
-if TYPE_CHECKING:
-    from eq_model import CoupledResult, EnsembleResult
-    from master.soft.regime import Regime
-    from master.soft.slips import Slips
-
 Array = npt.NDArray[np.float64]
 
 OWN_UNIT = "length unit of the thresholds"
@@ -30,8 +25,7 @@ _PER_PANEL = 24
 @dataclass(frozen=True)
 class SolvedRecord:
     """A master equation's answer: F = `force` over `path` (lengths, shape (n,)), `holding`, the fraction of contacts
-    that hold, `force_error` in mean thresholds, `run_time` in s. The solvers' own answers have these fields, and
-    more."""
+    that hold, `force_error` in mean thresholds, `run_time` in s."""
 
     path: Array
     force: Array
@@ -52,8 +46,8 @@ class SoftRecord(SolvedRecord):
     balance: float
     position: Array
     period: float
-    slips: "Slips"
-    regime: "Regime"
+    slips: Any
+    regime: Any
 
     __repr__ = brief
 
@@ -70,21 +64,15 @@ class AgeingRecord(SolvedRecord):
     __repr__ = brief
 
 
-Simulated: TypeAlias = "EnsembleResult | CoupledResult"
-Curve: TypeAlias = "SolvedRecord | Simulated"
-
-
 def record_of(answer: Any) -> Any:
-    """What is kept of the master equation's answer: a record where it has parts of its own, else itself."""
-    marks = {"regime": SoftRecord, "mass_defect": AgeingRecord}
-    kind: Any = next((kind for mark, kind in marks.items() if hasattr(answer, mark)), None)
-    if kind is None:
-        return answer
+    """What is kept of the master equation's answer."""
+    kind: Any = SoftRecord if hasattr(answer, "regime") else SolvedRecord
+    kind = AgeingRecord if hasattr(answer, "mass_defect") else kind
     values = {field.name: getattr(answer, field.name) for field in fields(kind)}
     return kind(**{name: np.nan if value is None else value for name, value in values.items()})
 
 
-def is_coupled(eq: object) -> "TypeGuard[CoupledResult]":
+def is_coupled(eq: object) -> bool:
     """Whether an ensemble's answer is that of contacts on a soft slider."""
     return hasattr(eq, "avalanches")
 
@@ -96,14 +84,14 @@ class ThresholdCurve:
     `unit` is that of every length of the run: "m" where the law comes from a surface, else the scene's own.
     """
 
-    __repr__ = brief
-
     x: Array
     density: Array
     survival: Array
     atoms: Array
     atom_weights: Array
     unit: str
+
+    __repr__ = brief
 
     @property
     def in_metres(self) -> bool:
@@ -114,28 +102,16 @@ class ThresholdCurve:
 class Result:
     """A run of a scene; lengths are in the unit `thresholds.unit`, run times in s.
 
-    Attributes
-    ----------
-    name, title, text, version : str
-        Of the scene, its TOML text, and this package's version.
-    mean_threshold : float
-        <x_s>, a length.
-    thresholds : ThresholdCurve
-        P_c as drawn.
-    master, eq, sweep : SolvedRecord, eq_model.EnsembleResult, SweepRecord or None
-        Each solver's answer, None where it was not asked for. `master` is a SoftRecord where a spring pulls, an
-        AgeingRecord in the paper's closure of ageing; `eq` is an eq_model.CoupledResult where a spring pulls. A run
-        that went on from a checkpoint counts the `run_time` of all launches, each its slowest rank's, and the breaks of
-        the earlier ones on rank 0: a note says so.
-    time : array of shape (n,)
-        When each point of the path is reached, s for a surface, else in the scene's own unit; empty without a path.
-    notes : tuple of str
-        What to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless, that it
-        went on from a checkpoint.
-    interface : dict or None
-        For a rough surface, its contacts in SI units: a Number (`value`, `error`, `unit`) by name.
-    domains : origins.DomainSamples or None
-        For islands, their barriers and angles; not kept in the folder, but drawn there.
+    `text` is the scene's TOML text, `version` this package's, `mean_threshold` <x_s>, `thresholds` P_c as drawn.
+
+    `master`, `eq` and `sweep` are each solver's answer, None where it was not asked for. Where a spring pulls they are
+    a SoftRecord and an eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. A run that
+    went on from a checkpoint counts the `run_time` of all launches, and the breaks of the earlier ones on rank 0.
+
+    `notes` tell what to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless,
+    that it went on from a checkpoint. `interface` has, for a rough surface, its contacts in SI units: a Number
+    (`value`, `error`, `unit`) by name. `domains` are the barriers and angles of islands, which the folder's picture
+    shows and its files do not keep.
     """
 
     name: str
@@ -145,7 +121,7 @@ class Result:
     mean_threshold: float
     thresholds: ThresholdCurve
     master: SolvedRecord | None
-    eq: "Simulated | None"
+    eq: Any
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
     sweep: SweepRecord | None = None
@@ -163,6 +139,12 @@ class Result:
         return read_table(tomllib.loads(self.text))
 
     @property
+    def timed(self) -> bool:
+        """Whether the scene says when each point of the path is reached."""
+        drive = self.asked.drive
+        return drive is not None and drive.times is not None
+
+    @property
     def papers_closure(self) -> bool:
         """Whether the master equation is solved in a closure of the paper that single contacts do not follow."""
         laws = self.asked.contacts.thermal, self.asked.contacts.ageing
@@ -170,6 +152,7 @@ class Result:
 
     @property
     def time(self) -> Array:
+        """When each point of the path is reached, s for a surface, else in the scene's own unit; empty without one."""
         if self.asked.drive is None:
             return np.empty(0)
         drive = make_drive(self.asked.drive)
@@ -182,9 +165,7 @@ class Result:
     @property
     def success(self) -> bool:
         """Whether every solver reached what was asked of it."""
-        return all(
-            answer is None or answer.success for answer in (self.master, self.eq, self.sweep)
-        )
+        return all(one is None or one.success for one in (self.master, self.eq, self.sweep))
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

@@ -4,8 +4,6 @@ Each rank replaces a file of its own. A run that goes on, on whatever number of 
 into rank 0's file and takes the others away. Files say which blocks they hold, so that none counts twice.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys
@@ -17,40 +15,29 @@ from hashlib import sha256
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 import numpy as np
 
 from origins.errors import InputError, positive
 from origins.thresholds.law import Thresholds
-from toolkit.results.sealed import flush_folder, read_sealed, write_sealed
+from toolkit.results.folders import read_sealed, write_sealed
 from toolkit.running.ranks import on_root
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import read_table
 from toolkit.version import __version__
 
-if TYPE_CHECKING:
-    from eq_model.state import State
-
-NAME = "checkpoint"
 EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
 BLOCKS = "eq.blocks"  # how contacts are divided
-
-_BESIDE = {"title", "eq.wall_time", "wall_time"}  # what the ensemble's numbers do not depend on
+_BESIDE = ("title", "master", "eq.wall_time", "wall_time")  # no matter for the ensemble's numbers
 _LONG = 60  # letters: longer values are told by their beginning and a digest
 _QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
 
 class Checkpoint:
-    """The checkpoint of one scene's ensemble in `folder`/checkpoint; nothing is written before its first `every` s.
-
-    Parameters
-    ----------
-    folder : where the results will be written.
-    scene : whose checkpoint it is; another one's is refused.
-    comm : mpi4py communicator, or None for this process alone.
-    every : seconds from one checkpoint to the next, at most.
+    """The checkpoint of one scene's ensemble in `folder`/checkpoint; nothing is written before its first `every` s, nor
+    sooner after the last. Another scene's is refused. `comm` is the mpi4py communicator, None for this process alone.
     """
 
     def __init__(
@@ -58,8 +45,9 @@ class Checkpoint:
     ) -> None:
         self.every = positive("checkpoint", every)
         self.folder = Path(folder)
-        self._home, self._comm = self.folder / NAME, comm
+        self._home, self._comm = self.folder / "checkpoint", comm
         self._rank = 0 if comm is None else comm.Get_rank()
+        self._file = self._home / f"000-rank-{self._rank:05d}.npz"
         self._identity = identity(scene)
         self._last, self._refused = time.monotonic(), ""
         self._written: list[range] | None = None
@@ -71,38 +59,35 @@ class Checkpoint:
             return f"what it found last could not be written to {self._home}"
         return f"its finished blocks are kept in {self._home}"
 
-    def earlier(self, only_look: bool = False) -> list[State]:
+    def earlier(self, only_look: bool = False) -> list[Any]:
         """What an earlier run found, for `Ensemble`: whole on rank 0, elsewhere which contacts it was; [] if nothing.
 
         All ranks must call. Unless it shall `only_look`, rank 0's file then holds all of it.
         Raises InputError where the checkpoint is that of another scene, seed or version.
         """
-        whole: State | None = None
+        whole: list[Any] = []
 
-        def look() -> State | None:
-            nonlocal whole
+        def look() -> list[Any]:
             files = sorted(self._home.glob("*-rank-*.npz"))
-            whole = self._joined(files)
-            if whole is None:
-                return None
-            say(
-                f"going on from the checkpoint in {self._home}: {whole.contacts:,} contacts are done"
-            )
-            if not only_look and len(files) > 1 and self.write(whole):
+            if (found := self._joined(files)) is None:
+                return []
+            whole.append(found)
+            contacts = f"{found.contacts:,} contacts are done"
+            say(f"going on from the checkpoint in {self._home}: {contacts}")
+            if not only_look and len(files) > 1 and self.write(found):
                 for file in set(files) - {self._file}:
                     file.unlink()
-            return whole.without_sums()
+            return [found.without_sums()]
 
         rest = on_root(self._comm, look)
-        found = rest if whole is None else whole
-        return [] if found is None else [found]
+        return whole or rest
 
-    def keep(self, state: State) -> None:
+    def keep(self, state: Any) -> None:
         """Write this rank's `state` if it is new and the last was written long enough ago."""
         if time.monotonic() - self._last >= self.every and state.done is not self._written:
             self.write(state)
 
-    def write(self, state: State) -> bool:
+    def write(self, state: Any) -> bool:
         """Write this rank's `state`, and say whether it is on the disk; one that refuses is told once, by rank 0."""
         before, self._refused = self._refused, ""
         try:
@@ -118,16 +103,11 @@ class Checkpoint:
     def remove(self) -> None:
         """Forget it: the results are written. On rank 0 alone."""
         with suppress(OSError):
-            for pattern in ("*-rank-*.npz", ".*.part"):
-                for file in self._home.glob(pattern):
-                    file.unlink(missing_ok=True)
+            for file in (*self._home.glob("*-rank-*.npz"), *self._home.glob(".*.part")):
+                file.unlink(missing_ok=True)
             self._home.rmdir()
 
-    @property
-    def _file(self) -> Path:
-        return self._home / f"000-rank-{self._rank:05d}.npz"
-
-    def _joined(self, files: list[Path]) -> State | None:
+    def _joined(self, files: list[Path]) -> Any:
         """All that these files hold, of this run; what is damaged is left out."""
         states = []
         for file in files:
@@ -135,43 +115,34 @@ class Checkpoint:
             if read is None:
                 say(f"{file}: is damaged; what it held is done again")
                 continue
-            self._check(read[1])
+            own, other = self._identity, read[1]
+            for key in {**own, **other}:
+                if own.get(key) != other.get(key):
+                    there, here = other.get(key, "left out"), own.get(key, "left out")
+                    raise InputError(
+                        f"out = {str(self.folder)!r}: holds the checkpoint of another run, {key} = {there} there and "
+                        f"{here} here; choose another folder, or remove {self._home}"
+                    )
             states.append(read[0])
-        found: State | None = None
+        found: Any = None
         # rank 0's may hold what others, which were not yet taken away, hold too
         for state in sorted(states, key=lambda state: -state.contacts):
-            if found is None:
-                found = state
-            elif not _overlap(found.done, state.done):
-                found = found.joined(state)
+            blocks = sorted(
+                [*(found.done if found else ()), *state.done], key=lambda one: one.start
+            )
+            if all(before.stop <= after.start for before, after in pairwise(blocks)):
+                found = state if found is None else found.joined(state)
         return found
 
-    def _check(self, other: dict[str, str]) -> None:
-        own = self._identity
-        apart = [key for key in {**own, **other} if own.get(key) != other.get(key)]
-        if apart:
-            key, more = apart[0], f" and {len(apart) - 1} more" if len(apart) > 1 else ""
-            raise InputError(
-                f"out = {str(self.folder)!r}: holds the checkpoint of another run, {key} = "
-                f"{other.get(key, 'left out')} there and {own.get(key, 'left out')} here{more}; choose another folder, "
-                f"or remove {self._home}"
-            )
 
-
-def write_state(file: Path, state: State, told: dict[str, str]) -> None:
+def write_state(file: Path, state: Any, told: dict[str, str]) -> None:
     """Write `state`, and `told`, of which run it is: whole or not at all, and on the disk when this returns."""
     stream = BytesIO()
     np.savez(stream, told_of=json.dumps(told), **state.arrays())
-    draft = file.with_name(f".{file.name}.part")
-    try:
-        write_sealed(draft, stream.getvalue())
-        os.replace(draft, file)
-    finally:
-        draft.unlink(missing_ok=True)
-    flush_folder(file.parent)
+    write_sealed(file, stream.getvalue())
 
 
-def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
+def read_state(file: Path) -> Any:
     """State, and of which run it is; None for a file that a failing disk spoiled.
 
     Raises InputError for one of an older version, which is a bare zip file or divides contacts otherwise.
@@ -190,20 +161,14 @@ def read_state(file: Path) -> tuple[State, dict[str, str]] | None:
     except OSError:
         return None
     except (KeyError, TypeError, ValueError) as error:  # its checksum was right
-        rule = (
-            f"is a checkpoint of an older version; remove {file.parent}, or choose another folder"
-        )
-        raise InputError(f"{file}: {rule}") from error
+        rule = f"remove {file.parent}, or choose another folder"
+        raise InputError(f"{file}: is a checkpoint of an older version; {rule}") from error
 
 
 def identity(scene: Scene) -> dict[str, str]:
     """All that the ensemble's numbers depend on, by name: the scene's keys, the laws as drawn, the version."""
     table = msgspec.to_builtins(read_table(tomllib.loads(scene.text)))
-    told = {
-        name: text
-        for name, text in _flat(table, ())
-        if name not in _BESIDE and not name.startswith("master")
-    }
+    told = {key: text for key, text in _flat(table, "") if not key.startswith(_BESIDE)}
     told["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         told["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
@@ -215,14 +180,14 @@ def say(line: str) -> None:
     print(f"mesofriction: {line}", file=sys.stderr, flush=True)
 
 
-def _flat(value: Any, where: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+def _flat(value: Any, where: str) -> Iterator[tuple[str, str]]:
     """Keys of nested tables as one, such as eq.seed, with their values as short text."""
     if isinstance(value, dict):
         for key, item in value.items():
-            yield from _flat(item, (*where, key))
+            yield from _flat(item, f"{where}.{key}".lstrip("."))
     elif value is not None:
         text = json.dumps(value)
-        yield ".".join(where), text if len(text) <= _LONG else f"{text[:_LONG]}... {_digest(text)}"
+        yield where, text if len(text) <= _LONG else f"{text[:_LONG]}... {_digest(text)}"
 
 
 def _drawn(law: Thresholds) -> str:
@@ -233,9 +198,3 @@ def _drawn(law: Thresholds) -> str:
 
 def _digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()[:12]
-
-
-def _overlap(one: list[range], other: list[range]) -> bool:
-    """Whether two lists of blocks have a block in common."""
-    parts = sorted([*one, *other], key=lambda part: part.start)
-    return any(before.stop > after.start for before, after in pairwise(parts))

@@ -1,15 +1,16 @@
 """What a scene's solvers will take and give, told beforehand by one short pilot of each."""
 
 import math
+import resource
 import sys
 import time
 from dataclasses import dataclass
 from typing import Any
 
-from origins.errors import InputError
-from toolkit.running.blocks import follow
+import numpy as np
+
 from toolkit.running.checkpoint import Checkpoint
-from toolkit.running.runner import make_ensemble, solve_master
+from toolkit.running.runner import follow, make_ensemble, solve_master
 from toolkit.running.signals import TimeIsUp, no_longer_than
 from toolkit.scene.scene import Scene
 
@@ -24,13 +25,11 @@ class Forecast:
     """What the ensemble is expected to take and give, good to a factor of about two; contacts of a tolerance to four,
     as they are followed in rounds that double, and as few breaks tell little of the error.
 
-    contacts : to be followed, of `most`, `done` of them by an earlier run. breaks : of all of them.
-    run_time : s, of those that are left, on `ranks`. memory : MB of a rank. error : largest standard error of the force
-    in mean thresholds; nan on a soft slider, of which replicas tell it. pilot : contacts that tell all this.
+    contacts : to be followed, `done` of them by an earlier run. breaks : of all of them. run_time : s, of those that
+    are left. memory : MB of a rank. error : largest standard error of the force in mean thresholds; nan on a soft
+    slider, of which replicas tell it. pilot : contacts that tell all this.
     """
 
-    ranks: int
-    most: int
     done: int
     contacts: int
     breaks: float
@@ -43,38 +42,32 @@ class Forecast:
 def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
     """Follow some contacts of the scene's ensemble, and scale what they take to the whole.
 
-    `done` contacts need not be followed again. All ranks of the communicator must call. Raises InputError for a scene
-    without [eq], and as a run does.
+    `done` contacts need not be followed again. All ranks must call. Raises InputError as a run does.
     """
-    asked, soft = scene.eq, scene.drive.spring is not None
-    if asked is None:
-        raise InputError("dry run: the scene has no [eq]; only an ensemble's work is foreseen so")
-    ranks, most = 1 if comm is None else comm.Get_size(), asked.contacts * asked.replicas
-    size = min(_COUPLED_PILOT, asked.contacts) if soft else min(_PILOT * ranks, most)
+    asked: Any = scene.eq
+    soft, ranks = scene.drive.spring is not None, 1 if comm is None else comm.Get_size()
+    contacts = asked.contacts * asked.replicas
+    size = min(_COUPLED_PILOT, asked.contacts) if soft else min(_PILOT * ranks, contacts)
     small: dict[str, Any] = {"n_contacts": size, "n_replicas": 1, "wall_time": _ENOUGH}
-    ensemble: Any = make_ensemble(
-        scene, asked, comm, **small, **({} if soft else {"tolerance": None})
-    )
+    ensemble: Any = make_ensemble(scene, asked, comm, **small, tolerance=None)
     ready = ensemble.state.run_time  # tables are made once
     found: Any = follow(ensemble)
-    n, contacts = found.contacts, most
     error = float(found.force_standard_error.max()) / scene.contacts.mean_threshold
     if asked.tolerance is not None:
-        # not as a power, which may overflow
-        ratio = error / asked.tolerance
-        contacts = min(math.ceil(min(n * ratio * ratio, most)), most)
+        wanted = found.contacts * np.square(error / np.float64(asked.tolerance))
+        contacts = math.ceil(min(wanted, contacts))
     shared = min(ranks, asked.replicas) if soft else 1  # a pilot on a soft slider is one rank's
-    left = max(contacts - done, 0)
+    each = (found.run_time - ready) / found.contacts / shared
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10  # of kB, but for macOS
+    held = held / 2**10 if sys.platform == "darwin" else held
     return Forecast(
-        ranks=ranks,
-        most=most,
         done=done,
         contacts=contacts,
-        breaks=found.breaks / n * contacts,
-        run_time=ready + (found.run_time - ready) / n * left / shared,
-        memory=_peak() + _AFTERWARDS + (_EACH * asked.contacts if soft else 0.0),
-        error=math.nan if soft else error * math.sqrt(n / contacts),
-        pilot=n,
+        breaks=found.breaks / found.contacts * contacts,
+        run_time=ready + each * max(contacts - done, 0),
+        memory=held + _AFTERWARDS + (_EACH * asked.contacts if soft else 0.0),
+        error=math.nan if soft else error * math.sqrt(found.contacts / contacts),
+        pilot=found.contacts,
     )
 
 
@@ -93,49 +86,35 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     if scene.eq is None:
         return out
     told = forecast(scene, comm, sum(state.contacts for state in earlier))
-    tolerance, wall_time = scene.eq.tolerance, scene.eq.wall_time or math.inf
-    met = "yes" if told.contacts < told.most else "perhaps not"
-    of_all = f", of {told.most:,} at most" if tolerance is not None else ""
+    tolerance, most = scene.eq.tolerance, scene.eq.contacts * scene.eq.replicas
+    of_all = "" if tolerance is None else f", of {most:,} at most"
     of_all += f" in {scene.eq.replicas:,} replicas" if scene.drive.spring is not None else ""
     of_all += f", {told.done:,} of them done before" if told.done else ""
     besides = "for what is left, " * bool(told.done) + "[master] and compilation not counted"
+    ranks = 1 if comm is None else comm.Get_size()
     out += [
         f"contacts        {told.contacts:,}{of_all}",
         f"breaks          {told.breaks:.2g}",
-        f"run time        {told.run_time:.2g} s on {told.ranks} rank(s), {besides}",
+        f"run time        {told.run_time:.2g} s on {ranks} rank(s), {besides}",
         f"memory          up to {told.memory:.0f} MB for each rank",
     ]
     if not math.isnan(told.error):
         out.append(f"standard error  {told.error:.2g} of <x_s>, the largest over the path")
-    if tolerance is not None:
-        out.append(f"tolerance       {tolerance:.1e} reached: {met}")
-    if told.run_time > wall_time:
-        out.append(f"wall time       {wall_time:g} s stops it before")
+    if told.run_time > (scene.eq.wall_time or math.inf):
+        out.append(f"wall time       {scene.eq.wall_time:g} s stops it before")
     return [*out, f"good to a factor of two, as {told.pilot:,} contacts tell; nothing was written"]
 
 
 def _master_line(scene: Scene, asked: float) -> str:
     """How far the master equation comes within a second."""
-    error, began = math.inf, time.perf_counter()
-
-    def hear(found: float) -> None:
-        nonlocal error
-        error = min(error, found)
-
+    errors, began = [math.inf], time.perf_counter()
+    ends = f"; {asked:.0e} was asked, and no more is reached"
     try:
         with no_longer_than(_ENOUGH):
-            solved = solve_master(scene, asked, hear)
-        error, ends = float(solved.force_error), f"; {asked:.0e} was asked, and no more is reached"
+            errors.append(float(solve_master(scene, asked, errors.append).force_error))
     except TimeIsUp:
         ends = f"; {asked:.0e}, as asked, takes longer, how much is not foreseen"
-    ends = f", within the {asked:.0e} asked for" if error <= asked else ends
-    reached = f"error {error:.1e} of <x_s>" if math.isfinite(error) else "no error is known"
-    return f"master          {reached} after {time.perf_counter() - began:.2g} s{ends}"
-
-
-def _peak() -> float:
-    """MB that this process has held at most."""
-    import resource
-
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return held / (2**20 if sys.platform == "darwin" else 2**10)
+    if min(errors) <= asked:
+        ends = f", within the {asked:.0e} asked for"
+    took = time.perf_counter() - began
+    return f"master          error {min(errors):.1e} of <x_s> after {took:.2g} s{ends}"

@@ -27,10 +27,7 @@ class Progress:
     def count(self, done: int, expected: int) -> None:
         """So many contacts are done of those expected."""
         now = time.monotonic()
-        since, before = self._first = self._first or (
-            now,
-            done,
-        )  # a first block does not tell the pace
+        since, before = self._first = self._first or (now, done)  # one block tells no pace
         self._said = f"{done:,} of {expected:,} contacts ({done / expected:.0%})"
         if now > since and done > before:
             pace = (done - before) / (now - since)
@@ -51,11 +48,9 @@ class Progress:
         self._ticking.join()
 
     def _tick(self) -> None:
-        terminal = sys.stderr.isatty()
-        patience, pace = (_PATIENCE, _PACE) if terminal else (_LOG_PATIENCE, _LOG_PACE)
-        begin, end = (
-            ("\r\033[K", "") if terminal else ("", "\n")
-        )  # from the line's beginning, erased
+        patience, pace, begin, end = _LOG_PATIENCE, _LOG_PACE, "", "\n"
+        if terminal := sys.stderr.isatty():  # from the line's beginning, erased
+            patience, pace, begin, end = _PATIENCE, _PACE, "\r\033[K", ""
         wait, shown = min(_EARLY, patience), False
         while not self._done.wait(wait):
             since = time.monotonic() - self._begun

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from typing import Any, NoReturn, TypeVar
 
 from origins.errors import InputError
-from toolkit.running.launch import Launch
-from toolkit.running.signals import Terminated, terminable
+from toolkit.running.signals import Launch, Terminated, terminable
 
 T = TypeVar("T")
 
@@ -29,6 +28,7 @@ def communicator(launch: Launch) -> Any:
     """
     if launch.size == 1:
         return None
+    started = f"{launch.by}: started {launch.size} ranks, but mpi4py"
     try:
         with warnings.catch_warnings():
             # that a launcher of another MPI was used is said below, in one line
@@ -36,18 +36,16 @@ def communicator(launch: Launch) -> Any:
             from mpi4py import MPI
     except (ImportError, RuntimeError, OSError) as error:
         raise InputError(
-            f"{launch.by}: started {launch.size} ranks, but mpi4py cannot be imported ({error}); install it against "
-            f"the MPI that is there (docs/clusters.md), or the extra [mpi], or run without {launch.by}"
+            f"{started} cannot be imported ({error}); install it against the MPI that is there (docs/clusters.md), or "
+            f"the extra [mpi], or run without {launch.by}"
         ) from error
-    if MPI.COMM_WORLD.Get_size() < launch.size:
+    if (there := MPI.COMM_WORLD.Get_size()) < launch.size:
         cure = "use the mpirun that belongs to mpi4py's MPI, or build mpi4py against this one"
         if launch.by == "srun":
             cure = (
                 "say how Slurm is to connect them, srun --mpi=pmix or --mpi=pmi2 (docs/clusters.md)"
             )
-        raise InputError(
-            f"{launch.by}: started {launch.size} ranks, but mpi4py's MPI connects {MPI.COMM_WORLD.Get_size()}; {cure}"
-        )
+        raise InputError(f"{started}'s MPI connects {there}; {cure}")
     return MPI.COMM_WORLD
 
 
@@ -82,33 +80,34 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
             ending = None if comm is None else comm.Dup()
             return work(comm)
     except InputError as error:
-        alike = ending is None or _arrived(ending, _PATIENCE)
-        if launched.rank == 0 or not alike:
-            print(f"mesofriction: {error}", file=sys.stderr, flush=True)
-        if not alike:
-            _abort(ending, 2)
-        return 2
+        return _end(ending, launched, 2, str(error), _PATIENCE)
     except (KeyboardInterrupt, Terminated) as stop:
         status, word = (143, "terminated") if isinstance(stop, Terminated) else (130, "interrupted")
         notes = getattr(stop, "__notes__", None)
-        alike = ending is None or _arrived(ending, _GRACE if notes else _NOTHING_TO_KEEP)
-        if launched.rank == 0 or not alike:
-            note = (notes or ["nothing was written"])[0]
-            print(f"mesofriction: {word}; {note}", file=sys.stderr, flush=True)
-        if ending is None:
-            return status
-        if not alike:
-            _abort(ending, status)
-        # the launcher ends all ranks as soon as one has ended: none may before rank 0 has spoken
-        _arrived(ending, _GRACE)
-        sys.stdout.flush()
-        os._exit(status)  # what ranks waited for in vain does not matter any more
+        said = f"{word}; {(notes or ['nothing was written'])[0]}"
+        _end(ending, launched, status, said, _GRACE if notes else _NOTHING_TO_KEEP)
+        if ending is not None:
+            # the launcher ends all ranks as soon as one has ended: none may before rank 0 has spoken
+            _arrived(ending, _GRACE)
+            sys.stdout.flush()
+            os._exit(status)  # what ranks waited for in vain does not matter any more
+        return status
     except BaseException:
         if ending is None:
             raise
         # an exception that leaves one rank only would leave the others waiting for ever
         traceback.print_exc()
         _abort(ending, 1)
+
+
+def _end(comm: Any, launched: Launch, status: int, line: str, patience: float) -> int:
+    """Say why, once where all ranks end alike; ranks that do not within `patience` seconds are ended."""
+    alike = comm is None or _arrived(comm, patience)
+    if launched.rank == 0 or not alike:
+        print(f"mesofriction: {line}", file=sys.stderr, flush=True)
+    if not alike:
+        _abort(comm, status)
+    return status
 
 
 def _abort(comm: Any, status: int) -> NoReturn:

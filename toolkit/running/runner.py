@@ -5,33 +5,29 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from dataclasses import replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origins.errors import InputError, refuse
+from toolkit.results.beside import resets_apart
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
-from toolkit.running.blocks import follow, unfinished
+from toolkit.results.records import Result, SoftRecord, SolvedRecord, record_of, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
-from toolkit.running.notes import foreseen, went_on
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
-from toolkit.running.signals import TimeIsUp, no_longer_than
+from toolkit.running.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.scene import laws
-from toolkit.scene.interfaces import of_interface, remarks
-from toolkit.scene.sampling import numerical_only
+from toolkit.scene.interfaces import foreseen, numerical_only, of_interface, remarks
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.tables import EqTable
 from toolkit.version import __version__
 
-if TYPE_CHECKING:
-    from eq_model import Ensemble
-
 _GOOD_ENOUGH = 1e-3  # of <x_s>: an error that a picture hardly shows
-_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"}
-_EQ_KEYS |= {
-    name: name for name in ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
+_STOP = 7117  # tag of the message by which a rank passes a signal on to the others
+_OWN_NAMES = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {
+    name: name for name in _OWN_NAMES
 }
 
 
@@ -42,26 +38,16 @@ def run(
     folder: str | PathLike[str] | None = None,
     checkpoint: float = EVERY,
 ) -> Result:
-    """Solve what the scene asks for.
+    """Solve what the scene asks for: a dict, a scene file or the name of a shipped scene.
 
-    Parameters
-    ----------
-    scene : dict, path or name of a shipped scene
-    comm : mpi4py communicator, optional
-        Sampling of thresholds and the ensemble's work are shared among its ranks, all of which must call; None: this
-        process alone.
-        Every rank gets the whole result.
-    progress : callable, optional
-        Called as progress(done, expected) after each block of the ensemble, with contacts of the whole run; the other
-        ranks are taken to be as far as this one. With a tolerance what is expected changes on the way.
-    folder : path, optional
-        Where the result is written, as by `save`, and until then every `checkpoint` seconds what the ensemble has
-        found; a run that finds that of the same scene there goes on from it, to the same bits. None: nothing is
-        written.
+    All ranks of the mpi4py communicator `comm` must call; they share the work, and each gets the whole result. None:
+    this process alone. `progress` is called as progress(done, expected) after each block of the ensemble, with contacts
+    of the whole run; with a tolerance what is expected changes on the way.
 
-    Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first. In an interactive session an
-    interrupted ensemble's result is that of its finished blocks, with success = False; ranks that are not interrupted
-    come to their end first.
+    The result is written into `folder`, as by `save`, and until then every `checkpoint` seconds what the ensemble has
+    found; a run that finds that of the same scene there goes on from it, to the same bits. None: nothing is written.
+    Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first.
+
     Raises InputError for a scene that cannot be run, and for a folder that cannot be written or that holds the
     checkpoint of another scene.
     """
@@ -70,7 +56,7 @@ def run(
         return solve(scene, comm, progress)[0]
     with open_checkpoint(folder, scene, comm, checkpoint) as kept:
         result, finished = solve(scene, comm, progress, kept)
-        write(result, folder, comm, kept if finished else None)
+        write(result, comm, kept, finished)
     return result
 
 
@@ -78,10 +64,8 @@ def run(
 def open_checkpoint(
     folder: str | PathLike[str], scene: Scene, comm: Any, every: float
 ) -> Iterator[Checkpoint]:
-    """The checkpoint in a folder that can be written, which no other run writes to meanwhile; all ranks must call.
-
-    Says so where the folder holds another scene's result. Raises InputError where it cannot be written.
-    """
+    """The scene's checkpoint in `folder`, which no other run writes meanwhile; InputError, before any work, where that
+    cannot be written."""
     with ExitStack() as held:
 
         def hold() -> None:
@@ -94,15 +78,13 @@ def open_checkpoint(
         yield Checkpoint(folder, scene, comm, every)
 
 
-def write(
-    result: Result, folder: str | PathLike[str], comm: Any, done_with: Checkpoint | None
-) -> None:
-    """Save the result, on rank 0, and only then remove the checkpoint that is done with."""
+def write(result: Result, comm: Any, kept: Checkpoint, finished: bool) -> None:
+    """Save the result where the checkpoint is, on rank 0, and only then remove that of a run that is finished."""
 
     def on_first() -> None:
-        save(result, folder)
-        if done_with is not None:
-            done_with.remove()
+        save(result, kept.folder)
+        if finished:
+            kept.remove()
 
     on_root(comm, on_first)
 
@@ -115,17 +97,19 @@ def solve(
     told: bool = False,
 ) -> tuple[Result, bool]:
     """Solve what the scene asks for, and whether nothing is left to go on with; progress is `told` on stderr."""
-    interface, law = scene.contacts.interface, scene.contacts.thresholds
-    deadline = scene.deadline()
-    shown = _shown if told else lambda what: nullcontext()
-    ensemble, before, finished = None, 0, True
+    interface, law, deadline = scene.contacts.interface, scene.contacts.thresholds, scene.deadline()
+
+    def shown(what: str) -> Any:
+        return closing(Progress(what)) if told else nullcontext()
+
+    ensemble, before = None, 0
+    master = sweep = eq = None
     if scene.eq is not None:  # made first: what it refuses is told before any work
         with shown("eq"):
             earlier = [] if kept is None else kept.earlier()
             before = sum(state.contacts for state in earlier)
             ensemble = make_ensemble(scene, scene.eq, comm, earlier=earlier)
         del earlier  # the ensemble has its own of what was counted, which takes room
-    master = sweep = eq = None
     if scene.master is not None:
         with shown("master equation") as bar, until(deadline, scene, "[master]"):
             solved = solve_master(scene, scene.master.tolerance, bar and bar.refine)
@@ -135,9 +119,20 @@ def solve(
             sweep = solve_sweep(scene.contacts, scene.sweep, bar and bar.expect)
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
-            found = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
-        eq, finished = found, not unfinished(ensemble, found)
+            eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
     notes = [*remarks(law), *numerical_only(law), *foreseen(scene)]
+    if (
+        isinstance(master, SoftRecord)
+        and master.regime.verdict == "undecided"
+        and not master.slips.drive.size
+    ):
+        far = float(law.isf(1e-3)) + scene.contacts.mean_threshold / (scene.drive.spring or 1.0)
+        notes.append(f"a first slip is to be expected before X_T = {far:.3g}; drive as far")
+    if before:
+        notes.append(
+            f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, "
+            "and breaks_per_rank counts the earlier ones' on rank 0"
+        )
     result = Result(
         name=scene.name,
         title=scene.title,
@@ -147,17 +142,55 @@ def solve(
         thresholds=sample_curve(law),
         master=master,
         eq=eq,
-        notes=(*notes, *went_on(before)),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
         domains=law.domains,
     )
+    result = replace(result, notes=(*notes, *resets_apart(result)))
+    finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
+    if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):
+        say(f"stopped by the wall time; run it again with --out {kept.folder} to go on")
     return result, finished
 
 
-def _shown(what: str) -> Any:
-    """A context that gives what shows progress."""
-    return closing(Progress(what))
+def follow(
+    ensemble: Any,
+    progress: Callable[[int, int], None] | None = None,
+    checkpoint: Checkpoint | None = None,
+    done_before: int = 0,
+    deadline: float | None = None,
+) -> Any:
+    """Work through an ensemble that is not yet begun to its result; all ranks of its communicator must call.
+
+    SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then do what they did
+    before: end the program as a rule. A rank that gets one tells the other ranks, which end likewise. Contacts that
+    were `done_before` count in `progress`, other ranks' as far as this one is. After the `deadline`, s of the monotonic
+    clock, no block begins.
+    """
+    comm, shown = ensemble.comm, (-1, -1)
+    ranks = 1 if comm is None else comm.Get_size()
+    with deferred() as asked:
+        for done, _ in ensemble:
+            now = min(done_before + done * ranks, ensemble.expected), ensemble.expected
+            if progress is not None and now != shown:
+                progress(*now)
+                shown = now
+            if deadline is not None and time.monotonic() > deadline:
+                ensemble.stop()
+            if ranks > 1 and asked.signal is None and comm.Iprobe(tag=_STOP):
+                asked.signal = comm.recv(tag=_STOP)
+            elif ranks > 1 and asked.signal is not None:
+                for rank in set(range(ranks)) - {comm.Get_rank()}:
+                    comm.isend(asked.signal, dest=rank, tag=_STOP)
+            if checkpoint is not None and asked.signal is None:
+                checkpoint.keep(ensemble.state)
+            elif asked.signal is not None:
+                if checkpoint is not None:
+                    checkpoint.write(ensemble.state)
+                asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
+    if checkpoint is not None:  # of a finished one too: the disk may refuse the result
+        checkpoint.write(ensemble.state)
+    return ensemble.result()
 
 
 @contextmanager
@@ -173,10 +206,8 @@ def until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
 
 def _as_good_as_asked(solved: SolvedRecord, scene: Scene) -> SolvedRecord:
     """The answer; a success also where it misses a tolerance that nobody asked for, as its error is beside it."""
-    whole = solved.path.size == scene.path.size
-    if solved.success or scene.tolerance_given or not whole:
-        return solved
-    if not solved.force_error <= _GOOD_ENOUGH:
+    missed = scene.tolerance_given or solved.path.size != scene.path.size
+    if solved.success or missed or not solved.force_error <= _GOOD_ENOUGH:
         return solved
     said = f"error {solved.force_error:.1e} of <x_s>; no tolerance was asked for"
     return replace(solved, success=True, message=said)
@@ -185,7 +216,7 @@ def _as_good_as_asked(solved: SolvedRecord, scene: Scene) -> SolvedRecord:
 def solve_master(
     scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None
 ) -> SolvedRecord:
-    """The master equation's answer along the scene's drive.
+    """The master equation's answer along the scene's drive; `refined` hears of each error on the way.
 
     Raises InputError where it has none, which says so where the scene's ensemble would run without it.
     """
@@ -207,7 +238,7 @@ def solve_master(
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
 
 
-def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ensemble":
+def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
     """The ensemble that the scene's table asks for; `other` arguments of its class take the place of its own.
 
     Raises InputError with the scene's own keys.
@@ -218,10 +249,8 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> "Ens
     if scene.master is not None:
         # single contacts know no mean rate and no common P_c: they tell how far off these are
         contacts = contacts.each_by_itself()
-    arguments: dict[str, Any] = {"comm": comm, "histograms": scene.histogram_points()}
+    arguments: dict[str, Any] = {name: getattr(asked, key) for name, key in _EQ_KEYS.items()}
+    arguments |= {"comm": comm, "histograms": scene.histogram_points()}
     arguments |= {name: getattr(drive, name) for name in ("velocity", "time", "spring", "slip")}
-    arguments |= {
-        name: getattr(asked, key) for name, key in _EQ_KEYS.items() if name != "histograms"
-    }
     with laws.inside("eq", _EQ_KEYS):
         return eq_model.Ensemble(contacts, scene.path, **(arguments | other))

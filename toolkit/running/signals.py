@@ -1,13 +1,44 @@
-"""Signals that end a run: as an exception, or put off until a block of the ensemble is finished."""
+"""How a process was started and is told to end: the launcher's environment, and signals, as exceptions or put off."""
 
+import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from types import FrameType
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
-ENDING = (signal.SIGTERM, signal.SIGHUP)
+_ENDING = (signal.SIGTERM, signal.SIGHUP)
+_STEP = "SLURM_STEP_NUM_TASKS"
+# (number of ranks, own rank) as each launcher's processes see them. SLURM_NTASKS is not among them: a batch script
+# sees it too, alone. PMI: mpich, Intel MPI, srun --mpi=pmi2; MV2: mvapich; the step's variables: any srun.
+_VARIABLES = (
+    ("PMI_SIZE", "PMI_RANK"),
+    ("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"),
+    ("MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"),
+    (_STEP, "SLURM_PROCID"),
+)
+
+
+class Launch(NamedTuple):
+    """What the launcher's environment says of this process; `by` is its name."""
+
+    size: int = 1
+    rank: int = 0
+    by: str = "mpirun"
+
+
+def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
+    """The largest launch named; inner launchers inherit the variables of outer ones."""
+    found = Launch()
+    for size, rank in _VARIABLES:
+        numbers = [environment.get(size, ""), environment.get(rank, "")]
+        if all(map(str.isdecimal, numbers)) and int(numbers[0]) > found.size:
+            found = Launch(int(numbers[0]), int(numbers[1]))
+    # an mpirun within a step of Slurm's sets its own variables beside the step's
+    outer = {size for size, _ in _VARIABLES[1:3]} & environment.keys()
+    if found.size > 1 and environment.get(_STEP) == str(found.size) and not outer:
+        return found._replace(by="srun")
+    return found
 
 
 class Terminated(BaseException):
@@ -24,14 +55,13 @@ def terminable() -> Iterator[None]:
 
     A signal that is ignored, as SIGHUP under nohup, stays ignored.
     """
-    said = False
+    said = []
 
-    def terminate(number: int, frame: FrameType | None) -> NoReturn:
-        nonlocal said
-        said = True
+    def terminate(number: int, frame: Any) -> NoReturn:
+        said.append(number)
         raise Terminated
 
-    with _handled(terminate, *ENDING):
+    with _handled(terminate, *_ENDING):
         try:
             yield
         except Exception as error:
@@ -43,60 +73,59 @@ def terminable() -> Iterator[None]:
 @contextmanager
 def no_longer_than(seconds: float | None) -> Iterator[None]:
     """Raise TimeIsUp within once so many seconds are over; in the main thread only, None for no limit."""
-    if seconds is None or not _in_main_thread():
-        yield
-        return
 
-    def ring(number: int, frame: FrameType | None) -> NoReturn:
+    def ring(number: int, frame: Any) -> NoReturn:
         raise TimeIsUp
 
-    with _handled(ring, signal.SIGALRM):
+    with _handled(ring, *([] if seconds is None else [signal.SIGALRM])) as before:
         try:
-            signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
+            if before:
+                signal.setitimer(signal.ITIMER_REAL, max(seconds or 0.0, 1e-6))
             yield
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            if before:
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 class Deferred:
-    """SIGINT, SIGTERM and SIGHUP are noted in `signal` and not yet heeded; in the main thread only."""
+    """What `deferred` gives: the `signal` that came, and how to heed it."""
 
-    def __init__(self) -> None:
-        self.signal: int | None = None
-
-    def __enter__(self) -> "Deferred":
-        self._context = _handled(self._note, signal.SIGINT, *ENDING)
-        self._before = self._context.__enter__()
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        self._context.__exit__(None, None, None)
-        if kind is None and self.signal is not None:
-            signal.raise_signal(self.signal)  # it came after the last block
-
-    def _note(self, number: int, frame: FrameType | None) -> None:
-        self.signal = number
+    signal: int | None = None
+    before: Mapping[int, Any] = {}
 
     def pass_on(self, note: str) -> None:
         """Do what the noted signal did before; an exception that this raises gets `note`."""
-        number, self.signal = self.signal, None
-        if number is None:
-            return
-        signal.signal(number, self._before.get(number, signal.SIG_DFL))
-        try:
-            signal.raise_signal(number)
-        except BaseException as stop:
-            stop.add_note(note)
-            raise
-        finally:
-            signal.signal(number, self._note)
+        if (number := self.signal) is not None:
+            self.signal = None
+            again = signal.signal(number, self.before.get(number, signal.SIG_DFL))
+            try:
+                signal.raise_signal(number)
+            except BaseException as stop:
+                stop.add_note(note)
+                raise
+            finally:
+                signal.signal(number, again)
+
+
+@contextmanager
+def deferred() -> Iterator[Deferred]:
+    """SIGINT, SIGTERM and SIGHUP are noted within and not yet heeded; in the main thread only."""
+    asked = Deferred()
+
+    def note(number: int, frame: Any) -> None:
+        asked.signal = number
+
+    with _handled(note, signal.SIGINT, *_ENDING) as asked.before:
+        yield asked
+    if asked.signal is not None:
+        signal.raise_signal(asked.signal)  # it came after the last block
 
 
 @contextmanager
 def _handled(handler: Any, *numbers: int) -> Iterator[dict[int, Any]]:
     """These signals go to `handler` within, but those that are ignored; gives what handled them before."""
     before: dict[int, Any] = {}
-    if _in_main_thread():
+    if threading.current_thread() is threading.main_thread():
         for number in numbers:
             if signal.getsignal(number) not in (None, signal.SIG_IGN):
                 before[number] = signal.signal(number, handler)
@@ -105,7 +134,3 @@ def _handled(handler: Any, *numbers: int) -> Iterator[dict[int, Any]]:
     finally:
         for number, own in before.items():
             signal.signal(number, own)
-
-
-def _in_main_thread() -> bool:
-    return threading.current_thread() is threading.main_thread()

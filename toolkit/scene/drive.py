@@ -2,8 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,60 +11,53 @@ from origins.contacts import Contacts
 from origins.drive import Drive
 from origins.errors import InputError, finite, positive, refuse, whole
 from toolkit.scene import laws
-
-if TYPE_CHECKING:
-    from toolkit.scene.tables import DriveTable
+from toolkit.scene.tables import DriveTable
 
 Array = npt.NDArray[np.float64]
 
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_SPRING = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) (N/m|N_c<k>)")
 _MOST_POINTS = 10_000_000
-_LISTED = 4  # other speeds that are told
 _LEAST_SCALE = 1e-14  # of times, whose rounding it would be
 _SAME = 1e-9  # of the furthest point, and of a time
 _KEYS = {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
 
 
-def spring_number(table: "DriveTable", contacts: Contacts) -> float | None:
+def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
     """drive.spring as K/(N_c<k>), a number; None without one. Raises InputError.
 
     Text tells the unit: "0.5 N_c<k>", or "50 N/m", which for thresholds from a surface takes drive.area, the nominal
     area in m². For these a bare number is refused, as it may be meant in either unit.
     """
-    interface, given = contacts.interface, table.spring
-    number, _, unit = given.partition(" ") if isinstance(given, str) else ("", "", "")
+    interface, given, unit = contacts.interface, table.spring, ""
+    if isinstance(given, str):
+        if (read := _SPRING.fullmatch(given)) is None:
+            refuse("drive.spring", given, 'must be a number and a unit, "50 N/m" or "0.5 N_c<k>"')
+        value, unit = positive("drive.spring", float(read[1]), "such as 0.5"), read[2]
     if table.area is not None and unit != "N/m":
         rule = 'is for a spring in N/m, such as spring = "50 N/m"; leave it out'
         refuse("drive.area", table.area, rule)
-    each = 0.0 if interface is None else interface.contact_density * interface.mean_stiffness
-    if not isinstance(given, str):
-        if given is None or interface is None:
-            return given
+    if unit == "N_c<k>":
+        return value
+    if interface is None or given is None:
+        if unit:
+            rule = "needs <k> in N/m, which thresholds from a rough surface know; give a number"
+            refuse("drive.spring", given, rule)
+        return given  # type: ignore[return-value]  # no text
+    each = interface.contact_density * interface.mean_stiffness
+    if not unit:
         refuse(
             "drive.spring",
             given,
             f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m², of '
             f'which each has N_c<k> = {each:.3g} N/m, or spring = "{given:g} N_c<k>" for so many times that',
         )
-    if not _NUMBER.fullmatch(number) or unit not in ("N/m", "N_c<k>"):
-        refuse("drive.spring", given, 'must be a number and a unit, "50 N/m" or "0.5 N_c<k>"')
-    value = positive("drive.spring", float(number), "such as 0.5")
-    if unit == "N_c<k>":
-        return value
-    if interface is None:
-        rule = "needs <k> in N/m, which thresholds from a rough surface know; give a number"
+    if table.area is None or interface.contact_density * positive("drive.area", table.area) < 1.0:
+        rule = f"needs drive.area, the nominal area in m² of a whole slider, with some contacts; it is {table.area}"
         refuse("drive.spring", given, rule)
-    if table.area is None:
-        rule = "needs drive.area, the nominal area in m², such as area = 1e-4"
-        refuse("drive.spring", given, rule)
-    held = interface.contact_density * positive("drive.area", table.area)
-    if held < 1.0:
-        rule = f"holds {held:.2g} contacts; give the nominal area of a whole slider in m²"
-        refuse("drive.area", table.area, rule)
     return value / (each * table.area)
 
 
-def make_drive(table: "DriveTable", spring: float | None = None) -> Drive:
+def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
     """The checked drive of a scene. Raises InputError with the path of the bad key.
 
     `spring` is what `spring_number` finds. Left out, one that has a unit counts as 1, for who asks for the path alone.
@@ -73,26 +65,16 @@ def make_drive(table: "DriveTable", spring: float | None = None) -> Drive:
     if spring is None:
         spring = 1.0 if isinstance(table.spring, str) else table.spring
     points = whole("drive.points", table.points, least=2)
-    if points > _MOST_POINTS:
-        refuse("drive.points", points, f"must be at most {_MOST_POINTS:,}")
-    if (table.to is None) == (table.turns is None):
-        both = "both are given" if table.to is not None else "neither is given"
-        needs = "needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]"
-        raise InputError(f"drive: {needs}; {both}")
-    if table.slip is not None and table.spring is None:
-        rule = "is what a slip of a soft slider does, and without drive.spring the slider is rigid; give one or neither"
-        refuse("drive.slip", table.slip, rule)
     places, clock = _corners(table)
-    if points < places.size:
-        rule = f"must hold positions fewer than drive.points = {points}"
-        refuse("drive.turns", table.turns, rule)
+    if not places.size <= points <= _MOST_POINTS:
+        rule = f"must be at most {_MOST_POINTS:,}, and at least as many as the path has ends, {places.size}"
+        refuse("drive.points", points, rule)
     path, time = _path(places, clock, points, table.hold_scale)
     with laws.inside("drive", _KEYS):
         return Drive(path, table.velocity, time, spring, table.slip or "reset")  # type: ignore[arg-type]
 
 
-@dataclass(frozen=True)
-class Speed:
+class Speed(NamedTuple):
     """A speed of smooth sliding, length per time, and in words which of a scene's it is; nothing where it has one."""
 
     value: float
@@ -105,50 +87,43 @@ def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
         if swept is None:
             return Speed(1.0, "as none is given")
         return Speed(float(swept.flat[0]), "the sweep's first" if np.ptp(swept) > 0.0 else "")
-    if drive.time is None:
-        return Speed(drive.velocity)
     moved = np.diff(drive.path)
+    if drive.time is None or not moved.any():
+        return Speed(drive.velocity)
     speeds = np.abs(moved / np.diff(drive.time))[moved != 0.0]
-    if not speeds.size:
-        return Speed(drive.velocity, "as all legs are holds")
-    known = np.unique(speeds.astype(np.float32))  # without rounding
-    others = [one for one in dict.fromkeys(f"{v:.4g}" for v in known) if one != f"{speeds[0]:.4g}"]
-    told = f"the first leg's, others slide at {', '.join(others[:_LISTED])}" if others else ""
-    return Speed(float(f"{speeds[0]:.12g}"), told)  # less what times round
+    alike = np.allclose(speeds, speeds[0], rtol=1e-6)  # but for how times round
+    return Speed(float(f"{speeds[0]:.12g}"), "" if alike else "the first leg's")
 
 
-def _corners(table: "DriveTable") -> tuple[Array, Array | None]:
+def _corners(table: DriveTable) -> tuple[Array, Array | None]:
     """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
-    given = table.begin is not None
-    ends: dict[str, float | None] = {
-        f"drive.turns[{k}]": end for k, end in enumerate(table.turns or ())
-    }
-    if table.turns is None:
-        ends = {"drive.to": table.to}
-    corners = {"drive.from": table.begin or 0.0} | ends
-    places = np.array([finite(key, place) for key, place in corners.items()])
+    if (table.to is None) == (table.turns is None):
+        raise InputError(
+            "drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; "
+            f"{'neither is' if table.to is None else 'both are'} given"
+        )
+    if table.to is not None and finite("drive.to", table.to) <= 0.0:
+        rule = f"must be above zero; for the other way write turns = [{table.to or -1.0:g}]"
+        refuse("drive.to", table.to, rule)
+    turns = [table.to] if table.turns is None else table.turns
+    ends = [finite(f"drive.turns[{k}]", end) for k, end in enumerate(turns)]
     if not ends:
         refuse("drive.turns", [], "must hold a position at least")
-    if table.turns is None and places[1] <= 0.0:
-        rule = f"must be above zero; for the other way write turns = [{places[1] or -1.0:g}]"
-        refuse("drive.to", places[1], rule)
+    places = np.array([finite("drive.from", table.begin or 0.0), *ends])
     if table.times is None:
-        if table.hold_scale is not None:
-            rule = "is of holds, and without drive.times there is none"
-            refuse("drive.hold_scale", table.hold_scale, rule)
-        same = np.flatnonzero(np.diff(places) == 0.0)
-        if same.size:
-            key = "drive.from" if given and not same[0] else [*ends][same[0]]
-            rule = "is where the path already stands; leave it out, or give drive.times for a hold"
-            refuse(key, places[same[0] + 1], rule)
+        if (places[1:] == places[:-1]).any():
+            key, value = ("turns", ends) if table.turns is not None else ("to", table.to)
+            rule = "has a leg of no length; leave it out, or give drive.times for a hold"
+            refuse(f"drive.{key}", value, rule)
         return places, None
+    given = table.begin is not None
     if len(table.times) != len(ends) + given:
         own = "drive.from and each of drive.turns" if given else "each of drive.turns"
         refuse("drive.times", table.times, f"must hold one time for {own}, {len(ends) + given}")
     clock = np.array([finite(f"drive.times[{k}]", at) for k, at in enumerate(table.times)])
     back = np.flatnonzero(np.diff(clock, prepend=[] if given else 0.0) <= 0.0) + given
     if back.size:
-        rule = "must be later than the time before" + ("" if given else ", 0 the first of them")
+        rule = "must be later than the time before, 0 the first of them without drive.from"
         refuse(f"drive.times[{back[0]}]", clock[back[0]], rule)
     return places, clock if given else np.append(0.0, clock)
 
@@ -165,18 +140,13 @@ def _path(
     number = np.maximum.accumulate(number - corner) + corner
     number = np.minimum(number, points - 1 - corner[::-1])
     path = np.interp(np.arange(points), number, places)
-    if clock is None:
-        return path, None
-    time = np.interp(np.arange(points), number, clock)
+    time = None if clock is None else np.interp(np.arange(points), number, clock)
     if hold_scale is None:
         return path, time
     scale, holds = positive("drive.hold_scale", hold_scale), np.flatnonzero(np.diff(places) == 0.0)
-    if not holds.size:
-        rule = "is of holds, and none of drive.turns is where the path stands"
-        refuse("drive.hold_scale", hold_scale, rule)
-    if scale < _LEAST_SCALE * clock[-1]:
-        rule = f"is lost beside the last of drive.times, {clock[-1]:g}"
-        refuse("drive.hold_scale", hold_scale, rule)
+    if clock is None or time is None or not holds.size or scale < _LEAST_SCALE * clock[-1]:
+        rule = "is of holds: turns where the path stands, with drive.times not too far beyond it"
+        raise InputError(f"drive.hold_scale = {hold_scale}: {rule}")
     for leg in holds:
         share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
         later = scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / scale))
@@ -195,19 +165,20 @@ def histogram_points(
     if times is not None and drive.time is None:
         rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
         refuse("eq.histogram_times", list(times), rule)
-    clock, of_all = drive.path if drive.time is None else drive.time, "; all of drive.times are"
-    asked = [("histograms", k, at, drive.path, "") for k, at in enumerate(positions or ())]
-    asked += [("histogram_times", k, at, clock, of_all) for k, at in enumerate(times or ())]
-    found = set[int]()
-    for name, k, value, points, more in asked:
-        key = f"eq.{name}[{k}]"
-        off = np.abs(points - finite(key, value))
-        there = np.flatnonzero(off <= _SAME * np.abs(value if more else points).max())
-        if not there.size:
-            near = np.unique(points[np.argsort(off, kind="stable")[:2]])
-            told = " and ".join(f"{x:.12g}" for x in near)
-            refuse(key, value, f"is none of the path's points; near it are {told}{more}")
-        if more:
-            there = there[[off[there].argmin()]]
-        found |= {int(at) for at in there if at - 1 not in there or at + 1 not in there}
+    found, clock = set[int](), drive.path if drive.time is None else drive.time
+    for name, asked, points in (
+        ("histograms", positions, drive.path),
+        ("histogram_times", times, clock),
+    ):
+        for k, value in enumerate(asked or ()):
+            off = np.abs(points - finite(f"eq.{name}[{k}]", value))
+            there = np.flatnonzero(off <= _SAME * max(abs(value), np.abs(drive.path).max()))
+            if name == "histogram_times":
+                there = np.flatnonzero((off <= _SAME * abs(value)) & (off == off.min()))[:1]
+            if not there.size:
+                near = np.unique(points[np.argsort(off, kind="stable")[:2]])
+                rule = f"is none of the path's points; near it are {' and '.join(f'{x:.12g}' for x in near)}"
+                all_are = "; all of drive.times are" if name == "histogram_times" else ""
+                refuse(f"eq.{name}[{k}]", value, rule + all_are)
+            found |= {int(at) for at in there if at - 1 not in there or at + 1 not in there}
     return np.array(sorted(found), np.intp)

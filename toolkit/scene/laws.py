@@ -5,49 +5,38 @@ A kind is one entry here. Its keys are the function's own parameters, so a scene
 
 import inspect
 import re
+import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import origins
-from origins.errors import InputError, finite, refuse
+from origins.errors import InputError, refuse
+from origins.roughness.interface import BOLTZMANN
+from toolkit.running.ranks import on_root
+
+T = TypeVar("T")
+
+
+def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
+    """The functions of origins that have these kinds in their names."""
+    return {kind: f"origins:{pattern.format(kind.replace('-', '_'))}" for kind in kinds.split()}
+
 
 _PLAIN = "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian persson lubricated grains"
-THRESHOLDS = {kind: f"origins:{kind.replace('-', '_')}" for kind in _PLAIN.split()}
-THRESHOLDS |= {
-    "growing-grains": "origins:growing_grains",
-    "domains": "toolkit.scene.islands:domains",
-    "from-samples": "toolkit.scene.measured:from_samples",
-    "from-topography": "toolkit.scene.surfaces:from_topography",
-}
-
-START = {
-    "identical": "toolkit.scene.laws:identical_start",
-    "gaussian": "origins:gaussian_start",
-}
-REFORMING = {**START, "boltzmann": "origins:boltzmann_reforming"}
-SURFACES = {
-    "scan": "toolkit.scene.surfaces:open_scan",
-    "self-affine": "toolkit.scene.surfaces:generate",
-    "spectrum": "origins:moments_of_spectrum",
-    "summits": "origins:moments_of_summits",
-}
-STIFFNESSES = {
-    "sound": "origins:sound_stiffness",
-    "mindlin": "origins:mindlin_stiffness",
-    "column": "origins:column_stiffness",
-    "power-law": "origins:PowerLaw",
-}
+_OWN = "toolkit.scene.kinds:"
+THRESHOLDS = _origins(f"{_PLAIN} growing-grains") | {"domains": f"{_OWN}domains"}
+THRESHOLDS |= {"from-samples": f"{_OWN}from_samples", "from-topography": f"{_OWN}from_topography"}
+START = _origins("gaussian", "{}_start") | {"identical": f"{_OWN}identical_start"}
+REFORMING = START | _origins("boltzmann", "{}_reforming")
+SURFACES = {"scan": f"{_OWN}open_scan", "self-affine": f"{_OWN}generate"}
+SURFACES |= _origins("spectrum summits", "moments_of_{}")
+STIFFNESSES = _origins("sound mindlin column", "{}_stiffness") | {"power-law": "origins:PowerLaw"}
 _SHAPES = "triangular square rectangular hexagonal circular irregular"
-ISLANDS = {kind: f"origins:{kind}_island" for kind in _SHAPES.split()}
-ISLANDS |= {"file": "toolkit.scene.islands:island_of_file"}
-SUBSTRATES = {
-    "square": "origins:square_substrate",
-    "hexagonal": "origins:hexagonal_substrate",
-    "fourier": "toolkit.scene.islands:fourier_substrate",
-}
+ISLANDS = _origins(_SHAPES, "{}_island") | {"file": f"{_OWN}island_of_file"}
+SUBSTRATES = _origins("square hexagonal", "{}_substrate") | {"fourier": f"{_OWN}fourier_substrate"}
 
 # keys whose value is a table: its kinds, or the one function it calls
 CONTACTS: dict[str, Mapping[str, str] | str] = {
@@ -66,14 +55,11 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "substrate": SUBSTRATES,
 }
 
+_MOST = 1 << 30  # bytes of a file
+_COLD, _HOT = 1.0, 1e4  # K: between them lie temperatures of contacts
 # how Python's values in a message are written in TOML
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
 _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
-
-
-def identical_start(value: float) -> float:
-    """All contacts start at one stretch (a length)."""
-    return finite("value", value)
 
 
 def build(
@@ -96,34 +82,9 @@ def build(
             refuse(f"{where}.kind", title, f"must be one of {', '.join(kinds)}")
         place = kinds[title]
     module, name = str(place).split(":")
-    with inside(where, {key: key for key in arguments}):
-        for key, value in arguments.items():
-            if key in _TABLES:
-                arguments[key] = build(_TABLES[key], value, key, folder, comm)
-            elif key == "components":
-                tables = isinstance(value, list) and all(isinstance(one, Mapping) for one in value)
-                if not (tables and value):
-                    rule = (
-                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
-                    )
-                    refuse(key, value, rule)
-                parts = enumerate(value)
-                arguments[key] = [
-                    build(THRESHOLDS, part, f"{key}[{k}]", folder, comm) for k, part in parts
-                ]
-    return call(
-        getattr(import_module(module), name), arguments, where, title, folder=folder, comm=comm
-    )
-
-
-def call(
-    function: Callable[..., Any], arguments: Mapping[str, Any], where: str, title: str, **given: Any
-) -> Any:
-    """function(**arguments), whose keys come from the table `where` of a scene.
-
-    Of `given`, which is not for a scene to say, the function gets what it has a parameter for.
-    """
+    function = getattr(import_module(module), name)
     parameters = dict(inspect.signature(function).parameters)
+    given = {"folder": folder, "comm": comm}  # not for a scene to say
     given = {key: value for key, value in given.items() if parameters.pop(key, None) is not None}
     takes = f"{title} takes {', '.join(parameters)}"
     for key, value in arguments.items():
@@ -132,7 +93,20 @@ def call(
     for key, parameter in parameters.items():
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{where}.{key}: is missing; {takes}")
-    with inside(where, {name: name for name in parameters}):
+    with inside(where, {key: key for key in parameters}):
+        for key, value in arguments.items():
+            if key in _TABLES:
+                arguments[key] = build(_TABLES[key], value, key, folder, comm)
+            elif key == "components":
+                if not isinstance(value, list) or not value or not isinstance(value[0], Mapping):
+                    rule = (
+                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
+                    )
+                    refuse(key, value, rule)
+                arguments[key] = [
+                    build(THRESHOLDS, part, f"{key}[{k}]", folder, comm)
+                    for k, part in enumerate(value)
+                ]
         try:
             return function(**arguments, **given)
         except ArithmeticError as error:
@@ -144,18 +118,23 @@ def without_kelvin(
     table: Mapping[str, Any], where: str, thresholds: origins.Thresholds
 ) -> Mapping[str, Any]:
     """The table with its `temperature` as k_BT/<k>, a length squared, where it is given as { kelvin = 300.0 }: for
-    thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others."""
-    given = table.get("temperature")
+    thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others, and for a
+    number that can only be meant in joules."""
+    given, surface, where = table.get("temperature"), thresholds.interface, f"{where}.temperature"
+    if isinstance(given, float) and surface is not None:
+        joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
+        if _COLD < joules < _HOT < kelvin:
+            rule = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; if joules are meant, write temperature ="
+            refuse(where, given, f"{rule} {{ kelvin = {joules:.4g} }}")
     if not isinstance(given, Mapping):
         return table
-    where = f"{where}.temperature"
     if set(given) != {"kelvin"}:
         refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")
-    if thresholds.interface is None:
+    if surface is None:
         rule = "needs <k> in N/m, which thresholds from a rough surface know; give k_BT/<k>, the square of a length"
         refuse(f"{where}.kelvin", given["kelvin"], rule)
     with inside(where, {"kelvin": "kelvin"}):
-        return {**table, "temperature": thresholds.interface.temperature(kelvin=given["kelvin"])}
+        return {**table, "temperature": surface.temperature(kelvin=given["kelvin"])}
 
 
 @contextmanager
@@ -174,3 +153,39 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
         if found and found[1] in keys:
             raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
         raise InputError(f"{where}: {told}") from error
+
+
+def read_file(
+    key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
+) -> T:
+    """What `read` makes of the file in this folder, the same on all ranks, which must all call.
+
+    `key` is the scene's key that names it. Raises InputError for what is no plain file: a pipe or a device might never
+    end.
+    """
+    if not isinstance(file, str):
+        refuse(key, file, f'must be a name of a {what}, such as "own.txt"')
+
+    def checked() -> T:
+        path = folder / file
+        try:
+            status = path.stat()
+            if stat.S_ISREG(status.st_mode) and status.st_size <= _MOST:
+                return read(path)
+        except FileNotFoundError:
+            refuse(key, file, f"no such file in {path.parent.resolve()}")
+        except InputError:
+            raise
+        except (
+            OSError,
+            ValueError,
+        ) as error:  # a name too long for the disk, or with a NUL; no text
+            refuse(key, file, f"cannot be read: {getattr(error, 'strerror', None) or error}")
+        refuse(key, file, f"must be a plain {what} of at most {_MOST:.0e} bytes")
+
+    return on_root(comm, checked)
+
+
+def read_text(path: Path) -> str:
+    """The text of a file, without the mark that some programs put first."""
+    return path.read_text(encoding="utf-8-sig")

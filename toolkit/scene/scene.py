@@ -19,13 +19,11 @@ from origins.errors import InputError, check_tolerance, positive, refuse, shown,
 from toolkit.running.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.drive import Speed, histogram_points, make_drive, sliding_speed, spring_number
-from toolkit.scene.given_files import read_text
 from toolkit.scene.sweep import Sweep, make_sweep
-from toolkit.scene.toml import to_toml
+from toolkit.scene.tables import to_toml
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
-_FURTHEST = 1e6  # mean thresholds
-_MEANT = 3  # names
+_FURTHEST = 1e6  # mean thresholds: beyond, the ensemble's contacts would break for hours
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class Scene:
     `text` is the TOML it came from, `folder` where its file names count from; `drive.path` are positions of the
     slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `given_drive`,
     `master`, `eq` and `sweep` are None where the scene has no such table. `wall_time`: seconds for all of them
-    together, None for no limit; `tolerance_given`: whether the scene names master.tolerance.
+    together, None for no limit; `tolerance_given`: whether the scene names master.tolerance; `area`: drive.area.
     """
 
     name: str
@@ -49,14 +47,14 @@ class Scene:
     sweep: Sweep | None
     wall_time: float | None = None
     tolerance_given: bool = True
+    area: float | None = None
 
     @property
     def drive(self) -> Drive:
         """The drive; InputError for a scene without [drive]."""
         if self.given_drive is None:
-            raise InputError(
-                "drive: is missing; say where the slider goes, such as to = 5.0 with points = 501"
-            )
+            rule = "is missing; say where the slider goes, such as to = 5.0 with points = 501"
+            raise InputError(f"drive: {rule}")
         return self.given_drive
 
     @property
@@ -106,12 +104,11 @@ def load_scene(
             text = to_toml(scene)
             return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
         file = on_root(comm, lambda: _find(scene))
-        text = read_text("scene", str(file), Path(), comm, "is not TOML")
+        text = laws.read_file("scene", str(file), Path(), comm, laws.read_text)
         return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
     except RecursionError as error:
-        raise InputError(
-            "scene: its lists or tables are nested too deeply; a scene needs a few levels"
-        ) from error
+        rule = "its lists or tables are nested too deeply; a scene needs a few levels"
+        raise InputError(f"scene: {rule}") from error
     except InputError:
         raise
     except ValueError as error:  # of tomllib: bad TOML, and whole numbers of thousands of digits
@@ -126,19 +123,16 @@ def _find(scene: object) -> Path:
         return SHIPPED / f"{scene}.toml"
     file = Path(scene)
     try:
-        if file.is_file():
+        if file.exists():
             return file
         beside = {other.stem: str(other) for other in file.parent.glob("*.toml")}
-        folder = file.is_dir()
     except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
         refuse("scene", str(scene), f"cannot be read: {getattr(error, 'strerror', None) or error}")
-    if folder:
-        refuse("scene", str(scene), "is a folder; name a scene file in it")
-    names = sorted({*beside, *shipped_scenes()})
-    close = [beside.get(name, name) for name in get_close_matches(file.stem, names, n=_MEANT)]
-    meant = f"; did you mean {' or '.join(close)}?" if close else ";"
+    close = get_close_matches(file.stem, sorted({*beside, *shipped_scenes()}))
+    meant = f" did you mean {' or '.join(beside.get(name, name) for name in close)}?"
     told = "`mesofriction scenes` lists those that are shipped"
-    refuse("scene", str(scene), f"no such file, and no shipped scene{meant} {told}")
+    rule = f"no such file, and no shipped scene;{meant if close else ''} {told}"
+    refuse("scene", str(scene), rule)
 
 
 def _checked(
@@ -157,12 +151,15 @@ def _checked(
         *(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep),
         wall_time=table.wall_time,
         tolerance_given="tolerance" in given.get("master", {}),
+        area=None if table.drive is None else table.drive.area,
     )
     if solved and table.master is not None:
         _ = scene.drive  # which it needs
     if table.eq is not None:
-        if solved:
-            _check_reach(scene, table.drive)
+        far = float(np.abs(scene.path).max()) / contacts.mean_threshold
+        if solved and far > _FURTHEST:
+            rule = f"goes as far as {far:.1g} mean thresholds of {contacts.mean_threshold:.3g}; is that its unit?"
+            raise InputError(f"drive: {rule} 1e6 mean thresholds at most, or leave [eq] out")
         if scene.drive.spring is not None and (np.diff(scene.path) < 0.0).any():
             rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
             raise InputError(f"drive.turns: {rule}")
@@ -172,39 +169,22 @@ def _checked(
 
 def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
     """Raise InputError for a name or a title that no result file could hold, and for numbers that mean nothing."""
-    bad = [letter for letter in table.title if not letter.isprintable() and letter not in "\t\n"]
-    if bad:
-        refuse("title", table.title, f"holds {bad[0]!r}, which no picture can show; leave it out")
-    try:
-        name.encode()
-    except UnicodeEncodeError:
-        refuse("scene", name, "its name is no UTF-8; rename the file")
+    if not name.isprintable() or not table.title.replace("\n", "").replace("\t", "").isprintable():
+        key, value = ("title", table.title) if name.isprintable() else ("scene", name)
+        refuse(key, value, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
         rule = "so nothing would be computed; add one"
         raise InputError(f"scene: has neither [master] nor [eq] nor [sweep], {rule}")
     if table.master is not None:
         check_tolerance("master.tolerance", table.master.tolerance)
-    if table.wall_time is not None:
-        positive("wall_time", table.wall_time, "such as 3600.0")
-    if (eq := table.eq) is not None:
+    times = {"wall_time": table.wall_time}
+    if table.eq is not None:
+        times |= {"eq.wall_time": table.eq.wall_time, "eq.tolerance": table.eq.tolerance}
         for key, least in (("contacts", 1), ("replicas", 1), ("seed", 0)):
-            whole(f"eq.{key}", getattr(eq, key), least=least)
-        for key, such in (("tolerance", "such as 1e-4"), ("wall_time", "such as 3600.0")):
-            if (value := getattr(eq, key)) is not None:
-                positive(f"eq.{key}", value, such)
-
-
-def _check_reach(scene: Scene, table: tables.DriveTable | None) -> None:
-    """Raise InputError where the ensemble's contacts would break millions of times each, which takes too long."""
-    reach, mean = float(np.abs(scene.path).max()), scene.contacts.mean_threshold
-    if table is None or reach <= _FURTHEST * mean:
-        return
-    unit = "m" if scene.contacts.interface is not None else "the thresholds' unit"
-    rule = f"is {reach / mean:.1g} mean thresholds of {mean:.3g}; give it in {unit}"
-    key, value = ("to", table.to) if table.turns is None else ("turns", table.turns)
-    if abs(table.begin or 0.0) == reach:
-        key, value = "from", table.begin
-    refuse(f"drive.{key}", value, f"{rule}, 1e6 mean thresholds at most, or leave [eq] out")
+            whole(f"eq.{key}", getattr(table.eq, key), least=least)
+    for key, given in times.items():
+        if given is not None:
+            positive(key, given, "such as 1e-4" if "tolerance" in key else "such as 3600.0")
 
 
 def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:

@@ -3,24 +3,22 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.brief import brief
 from origins.contacts import Contacts
-from origins.errors import InputError, non_negative, positive, refuse, whole
+from origins.errors import InputError, non_negative, one_of, positive, refuse, whole
 from toolkit.scene import laws
-
-if TYPE_CHECKING:
-    from toolkit.scene.tables import RangeTable, SweepTable
+from toolkit.scene.tables import RangeTable, SweepTable
 
 Array = npt.NDArray[np.float64]
 
 QUANTITIES = ("velocity", "temperature", "rate", "delay")
+_SPRINGS = ("critical_spring", "critical_spring_error")
 _MOST_POINTS = 100_000
-_MOST_AXES = 2
 _GOOD_ENOUGH = 1e-3  # relative error: less than a picture shows
 _TINY = 1e-300
 
@@ -36,21 +34,19 @@ class Sweep:
     along: tuple[str, ...]
     critical_spring: bool
     velocity: Array
-    temperature: Array | None
-    kelvin: Array | None
-    rate: Array | None
-    delay: Array | None
+    temperature: Array | None = None
+    kelvin: Array | None = None
+    rate: Array | None = None
+    delay: Array | None = None
 
 
 @dataclass(frozen=True)
 class SweepRecord:
-    """Smooth sliding at all points of a sweep: arrays of one shape, (n,) or (n, m).
+    """Smooth sliding at all points of a sweep: arrays of one shape, (n,) or (n, m), the first axis `along` its first.
 
     `force` = F_k/(N_c<k>) (a length), `force_error` (in <x_s>), `holding`, the fraction that holds, and its error;
     where it was asked for, `critical_spring` = K*/(N_c<k>) and its error, else None. `velocity`, `temperature`, `rate`,
-    `delay` at each point, None for a law that the contacts have not; `kelvin` where temperatures were given so. `along`
-    names the quantities of several values, that of the first axis first. `success`, of all points, and `message` are
-    those of master.kinetic_curve and master.phase_line.
+    `delay` at each point, None for a law that the contacts have not; `kelvin` where temperatures were given so.
     """
 
     along: tuple[str, ...]
@@ -72,42 +68,40 @@ class SweepRecord:
     __repr__ = brief
 
 
-def make_sweep(table: "SweepTable", contacts: Contacts, velocity: float) -> Sweep:
+def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
     """The checked sweep of a scene, at `velocity` where it names none. Raises InputError with the path of a bad key."""
     asked = {name: getattr(table, name) for name in (*QUANTITIES, "kelvin")}
     asked["velocity"] = velocity if table.velocity is None else table.velocity
-    asked = {name: value for name, value in asked.items() if value is not None}
-    if asked.keys() >= {"temperature", "kelvin"}:
+    given = {name: _values(f"sweep.{name}", one) for name, one in asked.items() if one is not None}
+    if given.keys() >= {"temperature", "kelvin"}:
         raise InputError("sweep: has temperature and kelvin; give one of them")
     for name, law in (("temperature", "thermal"), ("kelvin", "thermal"), ("rate", "ageing")):
-        if name in asked and getattr(contacts, law) is None:
+        if name in given and getattr(contacts, law) is None:
             rule = f"the contacts have no law for it; add [contacts.{law}]"
             raise InputError(f"sweep.{name}: {rule}")
-    if "kelvin" in asked and contacts.interface is None:
-        rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
-        raise InputError(f"sweep.kelvin: {rule}")
-    given = {name: _values(f"sweep.{name}", value) for name, value in asked.items()}
     along = [name for name in given if given[name].size > 1]
     along.sort(key=lambda name: -given[name].size)
     if not along:
         rule = "give velocity = { from = 1e-2, to = 1e2, points = 50 }, or a list"
         raise InputError(f"sweep: goes along nothing; {rule}")
-    if len(along) > _MOST_AXES:
+    if len(along) > 2:
         told = ", ".join(along)
         raise InputError(f"sweep: {told} have several values each; give two of them at most")
     points = int(np.prod([given[name].size for name in along]))
     if points > _MOST_POINTS:
         raise InputError(f"sweep: has {points:,} points; take {_MOST_POINTS:,} at most")
     axes = np.meshgrid(*(given[name] for name in along), indexing="ij")
-    made: dict[str, Any] = dict.fromkeys(("temperature", "kelvin", "rate", "delay"))
-    made |= {name: np.full(axes[0].shape, values[0]) for name, values in given.items()}
+    made = {name: np.full(axes[0].shape, values[0]) for name, values in given.items()}
     made |= dict(zip(along, axes, strict=True))
-    if contacts.interface is not None and "kelvin" in given:
+    if "kelvin" in given:
+        if contacts.interface is None:
+            rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
+            raise InputError(f"sweep.kelvin: {rule}")
         made["temperature"] = made["kelvin"] * contacts.interface.temperature(kelvin=1.0)
     return Sweep(tuple(along), table.critical_spring, **made)
 
 
-def _values(name: str, value: "float | list[float] | RangeTable") -> Array:
+def _values(name: str, value: float | list[float] | RangeTable) -> Array:
     """One value, those of a list, or those of a range, all of them checked."""
     check = positive if name == "sweep.velocity" else non_negative
     if isinstance(value, int | float):
@@ -123,9 +117,7 @@ def _values(name: str, value: "float | list[float] | RangeTable") -> Array:
     if begin == end:
         rule = f"is where {name} begins; put it elsewhere, or give one number"
         refuse(f"{name}.to", value.to, rule)
-    if value.spacing not in ("log", "even"):
-        refuse(f"{name}.spacing", value.spacing, 'must be "log" or "even"')
-    if value.spacing == "even":
+    if one_of(f"{name}.spacing", value.spacing, ("log", "even")) == "even":
         return np.linspace(begin, end, points)
     if begin == 0.0 or end == 0.0:
         key = "from" if begin == 0.0 else "to"
@@ -142,10 +134,10 @@ def solve_sweep(
 
     began = time.perf_counter()
     laws_at: dict[str, Any] = {name: getattr(asked, name) for name in QUANTITIES[1:]}
-    with laws.inside("sweep", dict(zip(QUANTITIES, QUANTITIES, strict=True))):
+    with laws.inside("sweep", {name: name for name in QUANTITIES}):
         curve = master.kinetic_curve(contacts, asked.velocity, **laws_at)
         success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
-        springs: dict[str, Any] = {"success": success, "message": curve.message}
+        message, springs = curve.message, dict[str, Array]()
         if asked.critical_spring:
             if expect is not None:
                 one = {name: own.flat[:1] for name, own in laws_at.items() if own is not None}
@@ -153,14 +145,19 @@ def solve_sweep(
                 master.phase_line(contacts, asked.velocity.flat[:1], **one)
                 expect((time.perf_counter() - alone) * asked.velocity.size)
             line = master.phase_line(contacts, asked.velocity, **laws_at)
-            spring, error = line.critical_spring, line.critical_spring_error
-            springs = {"critical_spring": spring, "critical_spring_error": error}
-            springs["success"] = success and _good(line.success, error, spring)
-            springs["message"] = f"{curve.message}; {line.message}"
+            springs = {name: getattr(line, name) for name in _SPRINGS}
+            success = success and _good(line.success, *reversed(springs.values()))
+            message += f"; {line.message}"
     same = "velocity force force_error holding holding_error temperature rate delay"
-    found = {name: getattr(curve, name) for name in same.split()}
-    run_time = time.perf_counter() - began
-    return SweepRecord(asked.along, **found, run_time=run_time, kelvin=asked.kelvin, **springs)
+    return SweepRecord(
+        along=asked.along,
+        run_time=time.perf_counter() - began,
+        kelvin=asked.kelvin,
+        success=success,
+        message=message,
+        **springs,
+        **{name: getattr(curve, name) for name in same.split()},
+    )
 
 
 def _good(success: npt.NDArray[np.bool_], error: Array, value: Array) -> bool:

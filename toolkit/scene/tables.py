@@ -1,11 +1,13 @@
-"""The tables of a scene file: their keys, types and defaults."""
+"""The tables of a scene file: their keys, types and defaults; and a scene given as a dict, written as TOML text."""
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
 import msgspec
+import numpy as np
 
-from origins.errors import InputError
+from origins.errors import InputError, refuse
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -81,12 +83,13 @@ class SceneTable(Table, frozen=True):
 
 _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}
 _TABLES |= {"master": MasterTable, "sweep": SweepTable}
+_COUNTS = ("points", "contacts", "replicas", "seed")
 
 
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
     """The tables with their types checked and defaults filled in. Raises InputError with the path of the bad key."""
     try:
-        return msgspec.convert(tables, SceneTable)
+        return msgspec.convert(_counted(tables), SceneTable)
     except msgspec.ValidationError as error:
         # such as: Expected `float | null`, got `str` - at `$.drive.to`
         rule, _, place = str(error).partition(" - at ")
@@ -99,3 +102,45 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
             raise InputError(f"{key}: unknown key; known here: {known}") from error
         said = rule.replace(" | null", "").replace("`", "").replace("object", "table")
         raise InputError(f"{where}: {said[0].lower()}{said[1:]}") from error
+
+
+def _counted(value: Any, key: str = "") -> Any:
+    """The same tables, with counts written as 1e5 as whole numbers."""
+    if isinstance(value, Mapping):
+        return {name: _counted(item, name) for name, item in value.items()}
+    whole = key in _COUNTS and isinstance(value, float) and value.is_integer()
+    return int(value) if whole else value
+
+
+def to_toml(tables: Mapping[str, Any]) -> str:
+    """TOML text, a line for each key, that reads back as `tables`; keys whose value is None are left out.
+
+    Raises InputError for a value TOML has no form for.
+    """
+    return "".join(f"{line}\n" for line in _pairs(tables, ""))
+
+
+def _pairs(table: Mapping[str, Any], where: str) -> list[str]:
+    there = {str(key): value for key, value in table.items() if value is not None}
+    bare = {key: key if key.isascii() and key.isidentifier() else _text(key) for key in there}
+    return [f"{bare[key]} = {_value(there[key], f'{where}{key}')}" for key in there]
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _value(value: object, where: str) -> str:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return (int if isinstance(value, int) else float).__repr__(value)  # not a subclass's own
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_value(item, f'{where}[{k}]') for k, item in enumerate(value))}]"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(_pairs(value, f'{where}.'))}}}"
+    refuse(where, value, "a scene holds numbers, strings, lists and tables only")

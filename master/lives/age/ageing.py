@@ -29,40 +29,34 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Of what a finer resolution changes, what it leaves at most: errors fall by more with each; and of
-# the error, what a finer resolution has to take away for a still finer one to be tried.
-FELL, HARDLY = 0.5, 0.7
-# The largest difference of all moments, in units of that of those looked at.
+# Error of the finer and of the coarser of two resolutions, in units of the change between them; a
+# still finer one is tried if that brought the error below HARDLY times the one before.
+FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
+# The largest difference at all moments, in units of the largest at the moments that are compared.
 MARGIN = 2.0
-# What rounding leaves, of the share that holds.
+# Error by rounding of the share that holds.
 ROUND_OFF = 1e-13
-# The finest resolution that is tried; births that are followed for it, points of each leg at which
-# they are looked at at least, and what holds of them once they are let go.
+# The finest resolution; to choose one, so many births are followed, compared at so many points of each
+# leg at least, until only the share FAINT holds.
 FINEST, TRIALS, LOOKS, FAINT = 6, 4, 12, 1e-9
-# Parts of the time to the first look after a birth at which it is looked at, too.
+# Further points right after a birth, in units of the time to the first point.
 EARLY = np.array([0.01, 0.1])
-# Of the accuracy asked for, what each panel of a first passage may miss.
+# Error of each panel of a first passage, in units of the accuracy.
 PER_PANEL = 1e-3
 # Survival at which a table of strands ends, and the degree of its splines.
 SPENT, DEGREE = 1e-12, 5
-# Length over which survivals are resolved, of the narrowest width of the laws.
-GRAIN = 0.25
-# Stretches at birth from which those in between are interpolated.
+# Number of stretches at birth between which survivals are interpolated.
 BETWEEN = 22
-# Parts of the reach between which survivals are tabulated on panels of their own.
+# Number of equal parts of the reach that are tabulated on panels of their own.
 MARKS = 16
-# Mean lives, as long as the reach over the speed, after which next to none holds.
+# Time, in units of reach over speed, after which hardly any contact holds.
 LONGEST = 3.0
-# Share of thresholds above the largest stretch at birth from which the reach is told.
+# Share of thresholds above the largest stretch at birth that counts for the reach.
 LEAST = 1e-6
-# Times at which survivals from more stretches are compared with those from fewer.
-TIMES = 100
 
 
 class AgeingLife(UnbentLife):
     """Life (see master.lives.life) of contacts that age, closure "exact", where X = v t.
-
-    `left` takes any times since the birth.
 
     Parameters
     ----------
@@ -96,7 +90,7 @@ class AgeingLife(UnbentLife):
         self._accuracy, self._until = accuracy, until
         self.furthest = max(float(law.isf(1e-17)) for law in laws)
         self.reach = self.furthest
-        self.grain = GRAIN * min(narrowest(law) for law in laws)
+        self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
         self.fastest = float(np.abs(motion.speeds).max())
         ends = np.array(ageing.final.support() if ageing.normal is None else [])
         # where thresholds are reflected contacts begin to break all at once
@@ -128,21 +122,25 @@ class AgeingLife(UnbentLife):
         """See above."""
         mesh = Mesh(self.contacts, 1, self.fastest)
         before = self._trial(mesh)
-        # of two resolutions, before what they tell is extrapolated
+        # the difference between two resolutions, before they are extrapolated
         self._missed = MARGIN * self._differed
         while self._missed > self._accuracy and mesh.resolution < FINEST:
             if not mesh.cells[1].can_be_finer or clock.monotonic() > self._until:
                 break
-            mesh = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
-            now = self._trial(mesh)
-            last, missed = self._missed, FELL * float(np.abs(now - before).max())
-            self._missed, before = min(missed, MARGIN * self._differed), now
+            finer = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
+            now = self._trial(finer)
+            last, change = self._missed, float(np.abs(now - before).max())
+            if COARSE * change <= self._accuracy and not self.motion.one_leg:
+                self._missed = COARSE * change
+                break
+            mesh, before = finer, now
+            self._missed = min(FELL * change, MARGIN * self._differed)
             if self._missed > HARDLY * last:
                 break
         return mesh
 
     def marks(self, width: float) -> Array:
-        """See Life; integrals over wider panels may miss more than their coefficients tell."""
+        """See Life; on wider panels integrals may be off by more than their last coefficients."""
         return np.union1d(self.bends, np.linspace(0.0, self.reach, MARKS + 1)[1:])
 
     def left(self, born: Start | Array, history: History) -> Array:
@@ -215,27 +213,30 @@ class AgeingLife(UnbentLife):
         """
         if self._closed and self.motion.one_leg and self.fastest:
             speed = float(self.motion.speeds[0])
-            lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, TIMES)
+            lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
             tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
             return rule.weight @ np.array([table.survival(lags) for table in tables])
         mesh = Mesh(self.contacts, 1, self.fastest)
-        return self._followed(Strands(mesh, rule.stretch, rule.weight[None]), 0)
+        # a way from any stretch: rules of more stretches are compared at the same moments
+        return self._followed(
+            Strands(mesh, rule.stretch, rule.weight[None]), 0, 2.0 * self.furthest
+        )
 
     def _trial(self, mesh: Mesh) -> Array:
         """What holds, all along the motion, of the contacts of the start and of some births."""
         legs = self.motion.speeds.size
         births = np.linspace(0, legs - 1, min(TRIALS, legs)).astype(int)
         self._differed = 0.0
-        parts = [self._followed(self._born(mesh, self.contacts.start), 0)]
-        relaxed = SingleStart(0.0)
-        parts += [self._followed(self._born(mesh, relaxed), int(first)) for first in births]
+        start, relaxed = self._born(mesh, self.contacts.start), SingleStart(0.0)
+        parts = [self._followed(start, 0, self.furthest - min(float(start.stretch.min()), 0.0))]
+        for first in births.tolist():
+            parts.append(self._followed(self._born(mesh, relaxed), first, self.furthest))
         return np.concatenate(parts)
 
-    def _followed(self, strand: Strands, first: int) -> Array:
+    def _followed(self, strand: Strands, first: int, furthest: float) -> Array:
         """What holds of a strand born as the leg `first` begins, at moments of all legs from it."""
         motion, shares, held = self.motion, [], 1.0
         length = TRAVEL_STEP * strand.mesh.width
-        furthest = self.furthest - min(float(strand.stretch.min()), 0.0)
         for leg in range(first, motion.speeds.size):
             duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
             if motion.one_leg and speed:

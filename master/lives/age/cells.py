@@ -156,7 +156,7 @@ class Cells:
         rise = (end - begin)[:, None] * (1.0 - self.edges[:-1] / (self.wall - self.floor))
         flow = self._drift(level[:, :, None] + faces) * times[:, :, None] + rise
         flow /= scale[:, :, None]
-        # an edge thinner than the cells tell is not resolved, and need not be
+        # an edge that is thinner than a cell is not resolved, and need not be
         spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(end - begin))
         leaving = entering = flow
         breaking = np.empty((2, begin.size, 0))

@@ -34,7 +34,7 @@ TABLE = 4096
 DERIVATIVE_STEP = 2e-3
 # Distance from the end of a law, in widths, nearer to which its slope is taken to be that power's.
 NEAREST = 1e-8
-# Deciles: the narrowest tenth of the weight tells how sharp a law is; a normal law of the standard
+# Deciles: the narrowest tenth of the weight measures how sharp a law is; a normal law of the standard
 # deviation 1 has 0.25 of its length there.
 DECILES, NORMAL_TENTH = np.linspace(0.1, 0.9, 9), 0.25
 

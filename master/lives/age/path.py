@@ -1,7 +1,7 @@
 """Contacts that age on a slider that turns round, rests or changes its speed: a Life with a memory.
 
-Contacts that have moved straight since their birth are told as in master.lives.age.ageing; those
-of the start, and births of earlier legs, by strands that follow the slider leg by leg.
+Contacts that have moved straight since their birth are treated as in master.lives.age.ageing; those
+of the start, and births of earlier legs, are strands that follow the slider leg by leg.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class AgeingPath(AgeingLife):
         return together(found).take(np.argsort(order))
 
     def follow(self, strands: Strands, leg: int) -> Followed:
-        """Move strands along a leg, and tell what is left of them on the way."""
+        """Move strands along a leg; what is left of them on the way."""
         speed = float(self.motion.speeds[leg])
         duration = float(np.diff(self.motion.times)[leg])
         times, told = strands.steps_of(speed, duration), [strands.left()]

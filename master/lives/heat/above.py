@@ -21,13 +21,13 @@ Mask = npt.NDArray[np.bool_]
 # What is summed, of contacts (n,) at thresholds (n, k) of these densities; (functions, n, k)
 Summed = Callable[[Rows, Array, Array], Array]
 
-# Last coefficients of pieces, of which sums miss the square: a table of sums that know less would
-# follow what they miss.
+# Last coefficients at which pieces are no longer halved; sums are off by about their square. With a
+# larger value, tables of these sums would resolve the sums' error.
 _RESOLVED = 2e-12
-# What rounding does to the distance of two lengths, in units of these.
+# Error by rounding of the distance between two lengths, in units of these lengths.
 _ROUNDING = 1e-14
-# ln A: beyond, a share e^-A is nothing, even where next to none is left of all, and further on 0; where
-# A is less, contacts hold. And the share of contacts of which panels are left out.
+# Above ln A = _GONE a share e^-A is negligible, even where few contacts are left, and above _DEAD it is
+# taken as 0; below _QUIET all contacts hold. Panels with a share of contacts below _NO_WEIGHT are left out.
 _GONE, _DEAD, _QUIET, _NO_WEIGHT = np.log(67.0), 7.0, np.log(1e-17), 1e-18
 
 
@@ -147,7 +147,7 @@ class Above:
             values = summed(row, xi, finite_density(self.law, xi))
             if not self._rooted:
                 return np.concatenate([values[:1], values])
-            # what holds right above `least` weighs nothing there; so halving asks not for its weight
+            # the weight is 0 right above `least`, so halving looks at the integrand without it
             whole = 2.0 * at.max(axis=1, keepdims=True)
             return np.concatenate([whole * values[:1], 2.0 * at * values])
 

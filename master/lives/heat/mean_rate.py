@@ -25,9 +25,9 @@ _ACCURACY, _SIZE = 1e-13, 14
 _NEVER = 1e-35
 # Roundings of a barrier: h is rounded by so many times it, and halving does not help.
 _ROUNDINGS = 16.0 * float(np.finfo(float).eps)
-# of the reach: no length is told to less
+# of the reach: the narrowest panel of the table
 _NARROW = 1e-13
-# of the reach, and of L: in proportion to its width, or to what it adds, a panel matters less
+# of the reach, and of L: a panel that is narrower, or adds less to L, matters less, in proportion
 _FELT = 1e-3
 # median thresholds: the reach of all laws but those with a heavy tail is about that
 _SPAN = 4.0
@@ -35,7 +35,7 @@ _SPAN = 4.0
 _BESIDE = 0.02
 _EPSILON = float(np.finfo(float).eps)
 _CHUNK = 400  # stretches at which H is summed at once
-# Share of an exact threshold within which rounding may tell wrong on which side of it a contact is.
+# Relative distance from an exact threshold within which rounding may put a contact on the wrong side.
 _TOLD = 1e-9
 _LARGEST_SLOPE = 1.0 / np.e  # of e^-A over ln A: what a relative error of A is to the survival
 
@@ -72,7 +72,7 @@ class MeanRateLife(ReplayedLife):
         ends = np.stack([self.table.begin + share * widths for share in (0.0, 0.5, 1.0 - 1e-12)])
         wrong /= np.maximum(self.table.rate(ends).max(axis=0), _NEVER * rates.scale)
         wrong += [min(self._above.mean_rate(np.array([x])).missed[0], 1.0) for x in at]
-        # on a panel that adds little to L, H is felt only by contacts that slow down there
+        # on a panel that adds little to L, H matters only to contacts that slow down there
         span = min(self.reach, _SPAN * float(contacts.thresholds.isf(0.5)))
         grown = self.table.grown(self.table.edges)
         share = np.diff(grown) / np.maximum(grown[1:], np.finfo(float).tiny)
@@ -126,7 +126,7 @@ class MeanRateLife(ReplayedLife):
         return share
 
     def _held(self, x: Array, side: Array) -> Array:
-        """S(x), x of shape (n,), with exact thresholds as `side` tells near them."""
+        """S(x), x of shape (n,); near exact thresholds those below `side` are broken."""
         held = np.asarray(self._law.sf(x), dtype=float)
         for position, weight in zip(self.atoms, self._weights, strict=True):
             near = np.abs(x - position) <= _TOLD * position

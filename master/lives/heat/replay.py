@@ -1,4 +1,4 @@
-"""A(x_s): the breaking rate of contacts, integrated over all the moves they have gone through."""
+"""A(x_s): the breaking rate of contacts, integrated over all their moves."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from origins.laws.rate_law import LARGEST_EXPONENT, RateLaw
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# ln A of contacts that have spent nothing yet
+# ln A of contacts whose rate has not begun to add up
 _NOTHING = -740.0
-# share of an integral from 0: where a move adds less, the difference of two such has lost 3 digits
+# Share of the integral from 0 below which what a move adds would lose 3 digits as a difference.
 _SHORT = 1e-3
 
 
@@ -50,7 +50,7 @@ class Replay:
         self._near = born[:, None] + legs.displacement[:, used]
         self._far = born[:, None] + legs.displacement[:, used + 1]
         self._duration, self._speed = legs.duration[:, used], legs.speed[used]
-        # from a birth on, the time tells the way better than the difference of two positions
+        # on the first leg speed times time is more accurate than the difference of two positions
         first = legs.displacement[:, used] == 0.0
         since = born[:, None] + self._speed * self._duration
         self._far = np.where(first & (self._speed != 0.0), since, self._far)
@@ -59,7 +59,7 @@ class Replay:
         self.least: Array = ends.max(axis=1)
         self._in_proportion: tuple[Array, Array] | None = None
         if rates.separable and stiffness is None:
-            # A at one threshold tells it at all others
+            # A at one threshold gives A at all others
             with np.errstate(divide="ignore"):
                 log_spent = np.log(self.spent(np.arange(born.size), self.least[:, None])[:, 0])
             log_rate = rates.log_rate(0.0, self.least, 1.0)

@@ -17,8 +17,8 @@ from origins.thresholds.law import Thresholds
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# What halving changes beside a root is two thirds of the error, and contacts that are not looked at
-# may fare worse.
+# Factor on the measured error: beside a root halving changes two thirds of it, and only some contacts
+# are measured.
 MARGIN = 4.0
 # Pieces of the stretches at birth to begin with; and last coefficients at which they are not halved.
 _PIECES, RESOLVED = 4, 1e-9

@@ -40,7 +40,7 @@ class ThermalLife(ReplayedLife):
         See ReplayedLife.
     """
 
-    FEW = 1e-10  # a share that sums over thresholds still tell
+    FEW = 1e-10  # a share that sums over thresholds still resolve
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         law, self._rates = contacts.thresholds, rates_of(contacts)

@@ -1,0 +1,241 @@
+"""Contacts of one block in lanes: drawn, followed until they break, and drawn again.
+
+forward : in steady forward motion, cold or warm, where a break is a sum. A contact that breaks at x1, x2, ...
+stands relaxed where these add up to; released stretch is summed in the bin where it is released. The stages are
+loops over the lanes, most of which the compiler turns into vector code.
+
+follow_lives : with laws of their own, or on any path in time. A contact holds until its law breaks it (`life`, found
+by the type of the law's settings), waits where there is a delay, and is drawn again. The loop is compiled anew for
+each type of law, so that other laws cost nothing, and kept on disk, which closures are not.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from eq_model.compiling import bare, compiled, inlined
+from eq_model.contact import (
+    Contact,
+    bin_of,
+    break_row,
+    count_event,
+    later,
+    life,
+    look_at,
+    place_of,
+    seen,
+)
+from eq_model.draws.births import LEVEL_UNIT, draw_round, form_all, form_row
+from eq_model.draws.quantiles import draw_values, make_room
+from eq_model.draws.streams import EXPOSURES, LANES, ROW, THRESHOLDS, draw
+
+_U, _I, _F = np.uint64, np.int64, np.float64
+_STARTS = np.int64(12)  # of a purpose: words of the contacts at X = 0
+_REST = 4  # rounds after which lanes without contacts leave
+
+
+@inlined
+def _advance(n, x, birth, at, since, drawn, work, found, change, sums, counts):  # type: ignore[no-untyped-def]
+    """Move n contacts from where they are relaxed, birth, by their stretches x to where they break, at; how many broke.
+
+    What they release is summed in the bins of the breaks, `found`; contacts of thresholds `drawn` that hold at watched
+    points from `since` on are counted.
+    """
+    way, measured, breaks = work.way, work.measured, _I(0)
+    top, end, last = way.points.size, way.end, way.points.size - 1
+    for i in range(_U(n)):
+        b = birth[i] + x[i]
+        breaks += _I(b <= end)
+        at[i] = b
+    for i in range(_U(n) if way.even else _U(0)):
+        found[i] = np.int32(top if at[i] > end else max((at[i] + way.offset) >> way.shift, _I(0)))
+    for i in range(_U(0) if way.even else _U(n)):
+        found[i] = np.int32(top if at[i] > end else bin_of(at[i], way))
+    for i in range(_U(n)):
+        sums[_U(found[i]), _U(1)] += x[i]
+    first = way.places[0]
+    for i in range(_U(n) if measured and way.even else _U(0)):
+        y = birth[i] - (first + (_I(found[i]) << way.shift))
+        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * way.square)
+    for i in range(_U(n) if measured and not way.even else _U(0)):
+        y = birth[i] - way.places[min(_I(found[i]), last)]
+        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * way.square)
+    for i in range(_U(n) if measured else _U(0)):
+        sums[_U(found[i]), _U(3)] += _I(change[i])
+    for i in range(n if counts.shape[0] else 0):
+        if since[i] <= end:
+            for k in range(way.before[bin_of(since[i], way)], way.before[found[i]]):
+                look_at(k, birth[i], _F(drawn[i]), way, counts)
+    return breaks
+
+
+@inlined
+def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
+    """Lanes whose contact holds to the end take the next one, where it broke first."""
+    last, many = firsts.size - 1, _U(0)
+    for i in range(_U(n)):  # no branch: which contacts end cannot be foreseen
+        ends[many] = np.int32(i)
+        many += _U(at[i] > end)
+    for lane in ends[:many]:
+        k = _U(lane)
+        number[k] = min(number[k] + LANES, last)
+        at[k] = firsts[_U(number[k])]
+
+
+@compiled
+def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
+    """Follow one block of contacts to the path's end: how many breaks, and no steps.
+
+    sums : increased, as of contact.count_event. counts : as of contact.look_at.
+    """
+    stream, again, way = work.stream, work.again, work.way
+    room, end, place = make_room(), way.end, way.places[0]
+    x, at, birth = np.empty(LANES, _I), np.empty(LANES, _I), np.empty(LANES, _I)
+    zeros, found, change = np.zeros(LANES, _I), np.empty(LANES, np.int32), room.place
+    # all contacts as they begin, up to their first break; those that break go on in the lanes
+    warm, table = work.bears, work.exposures
+    e, words = np.zeros(LANES, _I), np.empty(4 * ROW, np.uint32)
+    begun, breaks = form_all(count, stream, work.starts, room), _I(0)
+    firsts, many = np.full(count + 1, end + 1), 0
+    for part in range(-(-count // LANES)):
+        own = begun[:, part * LANES : (part + 1) * LANES]
+        n, total, square = own.shape[1], _I(0), _I(0)
+        x[:n] = own[0]
+        if warm:
+            draw(n, _I(part), stream, EXPOSURES + _STARTS, words)
+            draw_values(n, _I(0), _I(part), stream, EXPOSURES + _STARTS, words, table, room, e)
+        break_row(work.law, n, x, e, own[1])
+        for i in range(_U(n)):
+            birth[i] = -own[1, i]
+            y = birth[i] - place
+            total += y
+            square += _I(np.floor(0.5 + _F(y) * _F(y) * way.square))
+        sums[0, 0] += n
+        sums[0, 1] += total
+        sums[0, 3] += square
+        breaks += _advance(n, x, birth, at, zeros, own[0], work, found, change, sums, counts)
+        for i in range(n):
+            firsts[many] = at[i]
+            many += at[i] <= end
+    firsts[many:] = end + 1
+    number, n, turn = np.arange(LANES), min(LANES, many), _I(0)
+    own = np.empty((1, LANES), _I)
+    at[:n] = firsts[:n]
+    while n > 0:
+        draw_round(n, turn, stream, again, room)
+        if warm:
+            draw(n, turn, stream, EXPOSURES, words)
+        for row in range(_I(4)):
+            draw_values(n, row, turn, stream, THRESHOLDS, room.words, again.thresholds, room, x)
+            if warm:
+                own[0, :n] = x[:n]
+                draw_values(n, row, turn, stream, EXPOSURES, words, table, room, e)
+                break_row(work.law, n, x, e, zeros)
+            birth, at = at, birth
+            drawn = own[0] if warm else x
+            breaks += _advance(n, x, birth, at, birth, drawn, work, found, change, sums, counts)
+            _next(n, at, number, firsts, end, found)
+        turn += 1
+        if turn % _REST == 0:
+            m = 0
+            for i in range(n):  # lanes that have no more contacts leave
+                if number[i] < many:
+                    at[m], number[m] = at[i], number[i]
+                    m += 1
+            n = m
+    return breaks, _I(0)
+
+
+class Lanes(NamedTuple):
+    """The contact of each lane, all of shape (LANES,)."""
+
+    clock: npt.NDArray[np.int64]
+    leg: npt.NDArray[np.int64]
+    again: npt.NDArray[np.int64]  # 0 of a contact as it is at X = 0
+    number: npt.NDArray[np.int64]  # of those of the block; the lane's next one is LANES further
+    drawn: npt.NDArray[np.int64]
+
+
+@bare
+def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
+    """One life in each of n lanes, with a row of draws, and where the next one begins: breaks and steps."""
+    breaks, steps, count = _I(0), _I(0), first.shape[1]
+    way, law, wait = work.way, work.law, work.wait
+    for i in range(_U(n)):
+        number, before = lanes.number[i], lanes.drawn[i]
+        if number >= count:
+            continue
+        threshold, stretch = x[i], r[i]
+        if not lanes.again[i]:
+            threshold, stretch = first[0, number], first[1, number]
+        contact = Contact(
+            lanes.clock[i],
+            lanes.leg[i],
+            stretch,
+            threshold,
+            _F(e[i]) * LEVEL_UNIT,
+            _F(threshold) / work.mean if work.linked else 1.0,
+            lanes.again[i] != 0,
+            number % LANES,
+            before,
+            work.stream,
+        )
+        birth = place_of(contact.clock, contact.leg, way) - stretch
+        found = life(law, contact, way, counts)
+        clock, leg, over = found.clock, found.leg, found.clock > way.end
+        if found.held:
+            born, broken = bin_of(contact.clock, way), way.points.size
+            count_event(_I(1), contact.stiffness, birth, born, work, sums)
+            if not over:
+                broken = bin_of(clock, way)
+                count_event(_I(-1), contact.stiffness, birth, broken, work, sums)
+                breaks += 1
+            if counts.shape[0]:
+                for k in range(way.before[born], way.before[broken]):
+                    threshold_then = seen(law, contact, way, way.moments[k])
+                    if threshold_then >= 0.0:
+                        look_at(k, birth, threshold_then, way, counts)
+        if not over and wait > 0.0:
+            clock, leg = later(clock, leg, wait, way)
+        ends = clock > way.end
+        steps += found.drawn - before
+        lanes.drawn[i], lanes.again[i] = found.drawn, _I(not ends)
+        lanes.clock[i], lanes.leg[i] = (_I(0), _I(0)) if ends else (clock, leg)
+        lanes.number[i] += LANES if ends else 0
+    return breaks, steps
+
+
+@compiled
+def follow_lives(work, count, sums, counts):  # type: ignore[no-untyped-def]
+    """Follow one block of contacts to the drive's end: breaks, and steps of those that take any.
+
+    sums : increased, as of contact.count_event. counts : as of contact.look_at.
+    """
+    n, stream, room = min(LANES, count), work.stream, make_room()
+    x, r, e = np.empty(LANES, _I), np.empty(LANES, _I), np.zeros(LANES, _I)
+    more, none = np.zeros(4 * ROW, np.uint32), np.zeros((4, LANES), _I)
+    lanes = Lanes(none[0], none[1], none[2], np.arange(LANES), none[3])
+    first = form_all(count, stream, work.starts, room)
+    breaks, steps, turn = _I(0), _I(0), _I(0)
+    while n > 0:
+        draw_round(n, turn, stream, work.again, room)
+        if work.bears:
+            draw(n, turn, stream, EXPOSURES, more)
+        for row in range(_I(4)):
+            form_row(n, row, turn, stream, work.again, room, x, r)
+            if work.bears:
+                table = work.exposures
+                draw_values(n, row, turn, stream, EXPOSURES, more, table, room, e)
+            broke, stepped = _follow_row(n, x, r, e, first, work, lanes, sums, counts)
+            breaks += broke
+            steps += stepped
+        turn += 1
+        m = 0
+        for i in range(n):  # lanes that have no more contacts leave
+            if lanes.number[i] < count:
+                for one in lanes:
+                    one[m] = one[i]
+                m += 1
+        n = m
+    return breaks, steps

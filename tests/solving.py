@@ -1,0 +1,51 @@
+"""What tests of master share: paths, an answer held to its claim, quadrature by Gauss nodes."""
+
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import master
+import origins
+
+Array = npt.NDArray[np.float64]
+
+
+def through(corners: Iterable[float], points: int) -> Array:
+    """A path from corner to corner, `points` to each straight piece."""
+    at = list(corners)
+    return np.concatenate([at[:1], *[np.linspace(a, b, points)[1:] for a, b in pairwise(at)]])
+
+
+def held_to_claim(
+    contacts: origins.Contacts,
+    path: npt.ArrayLike,
+    tolerance: float,
+    exact: Any,
+    more: float = 0.0,
+    **drive: Any,
+) -> master.Solution:
+    """Solve, and compare the force with what it should be: success, within the error claimed.
+
+    exact : forces at the path, or a solution of its own, whose claim is granted
+    more : what the reference may be off by, lengths
+    """
+    found = master.solve(contacts, path, tolerance, **drive)
+    assert found.success, found.message
+    force, granted = exact, 0.0
+    if hasattr(exact, "force_error"):
+        force, granted = exact.force, exact.force_error
+    allowed = (found.force_error + granted) * contacts.mean_threshold + more
+    assert np.abs(found.force - force).max() <= allowed
+    assert found.force_error <= tolerance
+    return found
+
+
+def gauss(edges: npt.ArrayLike, count: int = 20) -> tuple[Array, Array]:
+    """Nodes and weights of Gauss and Legendre, so many on each piece between edges."""
+    ends = np.asarray(edges, float)
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    half = 0.5 * np.diff(ends)[:, None]
+    return (ends[:-1, None] + half * (nodes + 1.0)).ravel(), (half * weights).ravel()

@@ -1,0 +1,177 @@
+"""Thresholds that age one by one: closed forms, limits, Fig. A05, and far on the steady state."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import log_ndtr, ndtr
+from solving import held_to_claim
+
+import master
+import origins
+from origins import (
+    Ageing,
+    Contacts,
+    Delay,
+    gaussian,
+)
+
+FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
+
+
+def inverse_gaussian(t, distance, diffusion, speed):
+    """Share of thresholds, at `distance` at first, that no level which moves up has met."""
+    spread = np.sqrt(2.0 * diffusion * t)
+    first = ndtr((distance - speed * t) / spread)
+    rest = speed * distance / diffusion + log_ndtr(-(distance + speed * t) / spread)
+    return first - np.exp(rest)
+
+
+@pytest.mark.parametrize(("diffusion", "speed"), [(1e-3, 1.0), (0.1, 0.25)])
+def test_first_passage_without_drift_is_inverse_gaussian(diffusion, speed):
+    """A final law so wide that it does not pull; broken contacts stay out."""
+    ageing = Ageing(origins.gaussian(1.0, 1e9), diffusion)
+    contacts = Contacts(origins.identical(0.7), ageing=ageing, delay=Delay(1e3))
+    path = np.linspace(0.05, 2.0, 30)
+    found = master.solve(contacts, path, 1e-8, velocity=speed)
+    exact = inverse_gaussian(path / speed, 0.7, diffusion, speed)
+    assert found.success and np.abs(found.holding - exact).max() < found.force_error + 1e-10
+
+
+YOUNG = origins.gaussian(0.5, 0.15)
+
+
+@pytest.mark.parametrize("start", [0.45, -0.45])
+def test_hold_at_the_mean_of_the_final_law(start):
+    """There the drift does not push: by reflection E = 2 Φ(z) - 1, averaged over the fresh."""
+    std, diffusion, time = 0.08, 5e-3, np.array([0.01, 0.1, 0.3, 1.0, 2.5])
+    ageing = Ageing(origins.gaussian(0.45, std), diffusion)
+    contacts = Contacts(YOUNG, start, ageing=ageing, delay=Delay(1e3))
+    fresh = np.linspace(0.45, 1.8, 20_001)
+    weight = YOUNG.pdf(fresh) / np.trapezoid(YOUNG.pdf(fresh), fresh)
+    decay = np.exp(-diffusion / std**2 * time[:, None])
+    z = (fresh - 0.45) * decay / (std * np.sqrt(1.0 - decay**2))
+    exact = np.trapezoid(weight * (2.0 * ndtr(z) - 1.0), fresh)
+    found = master.solve(contacts, np.zeros(5), 1e-4, time=time)
+    assert found.success and np.abs(found.holding - exact).max() < found.force_error
+
+
+@pytest.mark.slow
+def test_contacts_that_hardly_age_are_those_that_do_not():
+    """Forward, with heat, and under a spring."""
+    path, final = 0.05 * np.arange(1, 31), origins.gaussian(0.8, 0.1)
+    start, thermal = origins.gaussian_start(0.02, 0.02), origins.Thermal("stiff", 0.05, 2.0)
+    plain = master.solve(Contacts(FRESH, start), path, 1e-9)
+    held_to_claim(Contacts(FRESH, start, ageing=Ageing(final, 1e-13)), path, 1e-7, plain)
+    plain = master.solve(Contacts(FRESH, thermal=thermal), path, 1e-6, velocity=2.0)
+    barely = Contacts(FRESH, thermal=thermal, ageing=Ageing(final, 1e-9))
+    held_to_claim(barely, path, 1e-6, plain, velocity=2.0)
+    plain = master.solve(Contacts(FRESH), path, 1e-6, spring=0.6)
+    slow = Contacts(FRESH, ageing=Ageing(final, 1e-6))
+    soft = held_to_claim(slow, path, 3e-3, plain, spring=0.6)
+    assert plain.slips.drive.size == soft.slips.drive.size == 1
+    assert 0.6 * abs(plain.slips.drive - soft.slips.drive)[0] < soft.force_error
+
+
+NARROW = origins.gaussian(0.5, 0.05)
+FIGURE_A05 = {1000.0: 0.4995, 100.0: 0.4965, 10.0: 0.4908, 3.0: 0.4880}  # of ensembles, by v/D
+REFINED = {1000.0: 0.499542736223, 100.0: 0.496482068623, 10.0: 0.490625246688, 3.0: 0.487907968334}
+
+
+def test_kinetic_force_of_figure_a05() -> None:
+    for velocity, force in REFINED.items():
+        steady = master.steady_state(Contacts(FRESH, ageing=Ageing(FINAL, 1.0)), velocity=velocity)
+        assert abs(steady.force - FIGURE_A05[velocity]) < 2e-4
+        assert abs(steady.force - force) < 1e-12 and steady.force_error < 1e-11
+        x = np.linspace(-0.1, 1.3, 14_001)
+        held = steady.distribution(x)
+        assert np.trapezoid(held[1000:], x[1000:]) == pytest.approx(1.0, abs=1e-5)
+        assert (held[x < 0.0] == 0.0).all()
+
+
+@pytest.mark.slow
+def test_error_is_a_promise_here_too() -> None:
+    path = np.linspace(0.05, 6.0, 240)
+    for fresh, start, final, rate, fine_to in [
+        (FRESH, -0.1, FINAL, 0.1, 1e-7),
+        (origins.rectangular(0.3, 0.7), 0.1, FINAL, 1e-3, 1e-7),
+        (origins.identical(0.5), None, FINAL, 1e-4, 1e-7),
+        (NARROW, origins.gaussian_start(0.02, 0.01), origins.gaussian(1.0, 0.02), 2.5e-4, 1e-7),
+        # what its first breaks are known to
+        (FRESH, origins.gaussian_start(0.1, 0.04), origins.gaussian(1.0, 0.05), 0.01, 1.5e-7),
+        (FRESH, None, origins.gw_plastic(0.6), 0.01, 1e-7),
+    ]:
+        contacts = Contacts(fresh, start, ageing=Ageing(final, rate))
+        held_to_claim(contacts, path, 1e-5, master.solve(contacts, path, fine_to))
+
+
+@pytest.mark.parametrize(("birth", "wait"), [(0.15, 0.2), (-0.1, 0.1)])
+def test_far_on_with_delay_and_births_at_other_stretches(birth: float, wait: float) -> None:
+    """Wide final thresholds: all is soon forgotten."""
+    ageing, delay = Ageing(origins.gaussian(0.8, 0.25), 0.1), origins.Delay(wait / 2.0)
+    contacts = Contacts(FRESH, -0.1, ageing=ageing, reforming=birth, delay=delay)
+    steady = master.steady_state(contacts, velocity=2.0)
+    far = master.solve(contacts, np.linspace(40.0, 42.0, 21), 1e-6, velocity=2.0)
+    assert steady.force_error < 1e-8 and np.abs(far.force - steady.force).max() < 1e-6
+    assert far.holding[-1] == pytest.approx(
+        steady.cycle_length / (steady.cycle_length + wait), abs=1e-6
+    )
+
+
+@pytest.mark.parametrize("final", [origins.lubricated(1.0)])
+def test_far_on_with_other_final_laws(final: origins.Thresholds) -> None:
+    contacts = Contacts(FRESH, ageing=Ageing(final, 0.1))
+    steady = master.steady_state(contacts, velocity=2.0)
+    far = master.solve(contacts, np.linspace(28.0, 30.0, 41), 1e-6, velocity=2.0)
+    assert 0.0 < steady.force_error < 1e-6 and np.abs(far.force - steady.force).max() < 1e-6
+
+
+LATER = origins.gaussian(0.8, 0.08)
+
+
+def test_steady_motion_step_by_step_is_the_exact_one() -> None:
+    path = np.linspace(0.1, 1.2, 12)
+    contacts = Contacts(FRESH, 0.1, ageing=Ageing(LATER, 1e-3))
+    held_to_claim(contacts, path, 1e-5, master.solve(contacts, path, 1e-8), time=path.copy())
+
+
+def test_force_does_not_know_how_far_the_path_goes_on() -> None:
+    """Thresholds that spread faster than the slider goes, right after it turned: read in the first of few steps."""
+    contacts = Contacts(
+        origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078)
+    )
+    back = -1.4 + 0.01 * np.linspace(0.1, 1.0, 5)
+    there = np.concatenate([[0.0, -1.14, -1.4], back])
+    short, long = (
+        master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6])
+    )
+    assert short.success and long.success
+    assert np.abs(short.force[2:8] - long.force[2:8]).max() < short.force_error + long.force_error
+
+
+def test_exact_ageing_is_the_steady_state_at_each_rate() -> None:
+    contacts = Contacts(gaussian(0.5, 0.1), ageing=Ageing(gaussian(1.0, 0.01), 1e-3))
+    curve = master.kinetic_curve(contacts, [1.0, 10.0], rate=[1e-3, 1e-2])
+    steady = master.steady_state(contacts)
+    np.testing.assert_allclose(curve.force, steady.force, rtol=1e-12)
+    # physics at v = 1000 D, four digits
+    assert curve.force[0] == pytest.approx(0.4995, abs=5e-5)
+
+
+WALLS = Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(origins.rectangular(0.5, 1.5), 0.1))
+
+
+def test_fast_diffusion_between_walls() -> None:
+    """Uniform by then, thresholds all come down to the stretch within L²/(3 D) of the wall, hardly moving."""
+    diffusion = 1e3
+    ageing = Ageing(origins.rectangular(0.5, 1.5), diffusion)
+    steady = master.steady_state(Contacts(WALLS.thresholds, ageing=ageing))
+    assert steady.cycle_length - 0.5 == pytest.approx(1.0 / (3.0 * diffusion), rel=2.0 / diffusion)
+    assert steady.cycle_length_error < 1e-5
+
+
+def test_nothing_breaks_before_the_wall() -> None:
+    path = np.linspace(0.0, 0.5, 11)
+    exact = master.solve(WALLS, path, tolerance=1e-3)
+    # at the wall itself they break as the root of the way beyond
+    np.testing.assert_allclose(exact.force[:-1], path[:-1], atol=1e-9)

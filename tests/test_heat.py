@@ -1,0 +1,252 @@
+"""Contacts that break by heat: what is left of them by definition, holds, and the kinetic force."""
+
+from __future__ import annotations
+
+import csv
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from heat_references import HEAT, LAWS, PATHS, left_by_definition
+from scipy.integrate import quad
+from solving import gauss
+
+import master
+from origins import (
+    Contacts,
+    Delay,
+    Thermal,
+    gaussian,
+    identical,
+)
+
+TABLE = Path(__file__).with_name("thermal_table.csv")
+WIDE = gaussian(1.0, 0.2)
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("law", LAWS)
+def test_what_holds_and_its_force_are_those_of_the_definition(law, path):
+    """Of the first contacts alone: broken ones stay out."""
+    times, positions = (np.array(part) for part in PATHS[path])
+    for heat in ("cooler", "stiff", "tilted") if law == "gaussian" else ("soft", "cooler stiff"):
+        thermal, rate = HEAT[heat]
+        linked = heat == "soft"
+        more = {"stiffness": "linked"} if linked else {}
+        contacts = Contacts(LAWS[law], positions[0], thermal, delay=Delay(1e3), **more)
+        found = master.solve(contacts, positions[1:] - positions[0], 1e-8, time=times[1:])
+        holding, force = left_by_definition(LAWS[law], rate, positions, times, linked)
+        assert found.success
+        assert abs(found.holding[-1] - holding) <= found.force_error + 1e-11
+        assert abs(found.force[-1] - force) <= found.force_error * contacts.mean_threshold + 1e-11
+
+
+SOFT, STIFF = Thermal("soft", 0.1), Thermal("stiff", 0.1)
+
+
+@pytest.mark.parametrize(("thermal", "tolerance"), [(SOFT, 1e-6), (STIFF, 1e-4)])
+def test_a_hold_lets_each_threshold_decay_at_its_own_rate(
+    thermal: Thermal, tolerance: float
+) -> None:
+    """What breaks forms again relaxed, so that the force is that of the first contacts."""
+    start, time = 0.4, np.array([0.0, 1.0, 30.0, 1e6, 1e12])
+    solved = master.solve(
+        Contacts(WIDE, start, thermal=thermal), np.zeros(time.size), tolerance, time=time
+    )
+
+    def held(t: float) -> float:
+        def share(threshold: float) -> float:
+            return float(WIDE.pdf(threshold) * np.exp(-t * thermal.rate(start, threshold)))
+
+        edges = np.append(start, np.linspace(0.45, 3.0, 60))
+        return sum(quad(share, a, b, epsabs=1e-13, epsrel=1e-12)[0] for a, b in pairwise(edges))
+
+    exact = start * np.array([held(t) for t in time]) / WIDE.sf(start)
+    assert solved.success, solved.message
+    assert np.abs(solved.force - exact).max() <= solved.force_error
+
+
+def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
+    """Those that hold are as P_c over the rate; a step that takes no time then finds them, and what it makes."""
+    law, thermal, hold, speed = gaussian(1.0, 0.05), Thermal("soft", 0.1), 1e5, 1e4
+    x = np.linspace(0.8, 1.25, 19)
+    found = master.solve(
+        Contacts(law, thermal=thermal),
+        np.append(0.0, x),
+        1e-6,
+        time=hold + np.append(0.0, x / speed),
+    )
+    # P_c/h is a Gaussian as well
+    sharp = 1.0 / 0.05**2
+    balance = gaussian(sharp / (sharp - 10.0), (sharp - 10.0) ** -0.5)
+    later = [
+        quad(lambda y, at=at: balance.pdf(y) * (at - y) * law.sf(at - y), 0.5, at, epsabs=1e-12)[0]
+        for at in x
+    ]
+    assert found.success, found.message
+    # on the way some ω T/v break
+    assert np.abs(found.force[1:] - x * balance.sf(x) - later).max() < 3e-5
+
+
+@pytest.mark.parametrize("kind", ["soft", "stiff"])
+def test_a_hold_of_years_breaks_in_the_logarithm_of_time(kind: str) -> None:
+    """Broken ones stay out: what holds is a sum over thresholds, of which each has spent what rates tell."""
+    thermal = Thermal(kind, 1e-4, 1e12)  # type: ignore[arg-type]
+    time = np.append(0.8, 0.8 + np.logspace(-6.0, 9.0, 6))
+    solved = master.solve(
+        Contacts(WIDE, thermal=thermal, delay=Delay(1e12)), np.full(7, 0.8), 1e-4, time=time
+    )
+    assert solved.success, solved.message
+    # right above the stretch in the root of the way, where rates of stiff contacts have a root
+    cuts = np.append(np.linspace(0.0, 0.25, 1500), np.linspace(0.25, 1.2, 60)[1:])[:, None]
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    roots, weights = (
+        cuts[:-1] + np.diff(cuts, axis=0) * 0.5 * (nodes + 1.0),
+        0.5 * np.diff(cuts, axis=0) * weights,
+    )
+    limit = 0.8 + roots * roots
+    moved, rate = thermal.cumulative(0.8, limit, 0.0), thermal.rate(0.8, limit)
+    for lasts, held in zip(time - 0.8, solved.holding, strict=True):
+        known = float(
+            (weights * 2.0 * roots * WIDE.pdf(limit) * np.exp(-moved - lasts * rate)).sum()
+        )
+        assert abs(held - known) < solved.force_error + 1e-9
+    # even in ln t: so thick a layer for each factor
+    fallen = -np.diff(solved.holding[3:])
+    assert fallen.max() < 1.25 * fallen.min() and fallen.min() > 1e-4
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_the_papers_closure_in_a_hold_breaks_at_the_mean_rate(law):
+    """E = exp(-H t), H the mean rate of thresholds above the stretch."""
+    thermal = Thermal(law, 0.1, 2.0, closure="paper")
+    y, weights = gauss(
+        np.linspace(0.0, 1.3, 40)
+    )  # in the root of what is above, as stiff rates are
+    above = 0.4 + y * y
+    rate = float(weights @ (2.0 * y * WIDE.pdf(above) * thermal.rate(0.4, above)))
+    time = np.array([1.0, 3.0])
+    contacts = Contacts(WIDE, 0.4, thermal, delay=Delay(1e3))
+    found = master.solve(contacts, [0.0, 0.0], 1e-8, time=time)
+    assert found.success
+    assert np.abs(found.holding - np.exp(-rate * time)).max() <= found.force_error + 1e-9
+
+
+PATH = np.linspace(0.05, 4.0, 21) + 0.013
+
+
+def test_one_threshold_breaks_alike_under_both_closures_but_for_starts() -> None:
+    exact, paper = (
+        master.solve(
+            Contacts(identical(1.0), -0.2, thermal=Thermal("soft", 0.1, 2.0, closure=closure)),
+            PATH,
+            1e-9,
+        )
+        for closure in ("exact", "paper")
+    )
+    np.testing.assert_allclose(
+        exact.force, paper.force, atol=exact.force_error + paper.force_error + 1e-11
+    )
+
+
+def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> None:
+    here = master.solve(
+        Contacts(gaussian(1.0, 0.1), -0.2, thermal=Thermal("soft", 0.1, 1.0)), PATH, 1e-9
+    )
+    fast = Contacts(gaussian(1.0, 0.1), -0.2, thermal=Thermal("soft", 0.1, 1e9))
+    np.testing.assert_allclose(
+        master.solve(fast, PATH, 1e-9, velocity=1e9).force, here.force, atol=1e-9
+    )
+    small = Contacts(gaussian(1e-9, 1e-10), -0.2e-9, thermal=Thermal("soft", 0.1e-18, 1.0))
+    np.testing.assert_allclose(
+        master.solve(small, PATH * 1e-9, 1e-9, velocity=1e-9).force * 1e9, here.force, atol=1e-9
+    )
+
+
+NARROW = gaussian(1.0, 0.05)
+
+
+@pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.slow)])
+def test_kinetic_forces_are_those_by_mpmath(every: int) -> None:
+    """Double integrals to eleven digits for thresholds of mean 1 and width 0.05, closure by closure,
+    by Gauss sums in 20 digits over panels placed where the integrands change."""
+    with TABLE.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 100
+    for row in rows[::every]:
+        law, closure = row["law"], row["closure"]
+        temperature, rate, known = (
+            float(row[k]) for k in ("temperature", "rate_over_speed", "force")
+        )
+        steady = master.steady_state(
+            Contacts(NARROW, thermal=Thermal(law, temperature, rate, closure=closure))
+        )
+        assert steady.force == pytest.approx(known, rel=1e-9), (law, closure, temperature, rate)
+        assert abs(steady.force - known) <= steady.force_error + 1e-11 * known
+        assert steady.force_error <= 1e-9 * steady.force
+
+
+def fitted(x: np.ndarray, y: np.ndarray) -> float:
+    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_slow_sliding_is_linear_in_speed_and_logarithmic_before(law: str) -> None:
+    contacts = Contacts(NARROW, thermal=Thermal(law, 0.1))
+    slow = np.geomspace(1e-12, 1e-9, 7)
+    creep = master.kinetic_curve(contacts, slow).force
+    assert fitted(slow, creep) == pytest.approx(1.0, abs=1e-5)
+    # in between, over three orders of magnitude, F_k is straight in ln v and its slope near T/(2 x_s)
+    cold = Contacts(NARROW, thermal=Thermal("soft", 1e-3))
+    speed = np.geomspace(1e-12, 1e-9, 7)
+    force_at = master.kinetic_curve(cold, speed).force
+    slope, _ = np.polyfit(np.log(speed), force_at, 1)
+    straight = np.polyval(np.polyfit(np.log(speed), force_at, 1), np.log(speed))
+    assert np.abs(force_at - straight).max() < 0.01 * np.ptp(force_at)
+    assert slope == pytest.approx(0.5e-3, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("law", "closure", "power"),
+    [("soft", "exact", 2.0), ("stiff", "exact", 5.0 / 3.0), ("soft", "paper", 1.0)],
+)
+def test_fast_sliding_loses_force_as_a_power_of_temperature(
+    law: str, closure: str, power: float
+) -> None:
+    cold = master.steady_state(Contacts(NARROW)).force
+    temperature = np.array([1e-6, 1e-5]) if closure == "paper" else np.array([1e-5, 1e-4])
+    lost = [
+        cold
+        - master.steady_state(
+            Contacts(NARROW, thermal=Thermal(law, float(t), closure=closure))
+        ).force
+        for t in temperature
+    ]
+    assert fitted(temperature, np.array(lost)) == pytest.approx(power, abs=0.01)
+    if (law, closure) == ("soft", "exact"):
+        assert lost[0] == pytest.approx(0.5 * temperature[0] ** 2, rel=0.01)
+        speed = np.geomspace(1e3, 1e5, 3)
+        warm = master.kinetic_curve(Contacts(NARROW, thermal=Thermal(law, 0.1)), speed).force
+        assert fitted(speed, cold - warm) == pytest.approx(-1.0, abs=0.01)
+
+
+def held(contacts: Contacts, x: float) -> float:
+    """E(x) at v = 1, by quadrature over thresholds in the logarithm."""
+    assert contacts.thermal is not None
+    thermal = contacts.thermal
+    edges = np.log(x) + np.concatenate(
+        [[0.0], np.geomspace(1e-4, 1.0, 9), np.arange(4.0, 32.0, 4.0)]
+    )
+
+    def part(log: float) -> float:
+        threshold = np.exp(log)
+        return float(
+            np.exp(-thermal.cumulative(x, threshold))
+            * contacts.thresholds.pdf(threshold)
+            * threshold
+        )
+
+    return sum(
+        quad(part, left, right, epsabs=1e-14, epsrel=1e-11)[0] for left, right in pairwise(edges)
+    )

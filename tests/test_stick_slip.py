@@ -1,0 +1,137 @@
+"""K*, F_s/F_k and X* against closed forms and a second road; the phase line; v_c."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.stats
+
+import master
+import origins
+from origins import Ageing, Contacts, Thermal
+
+CLOSED = {
+    # law, start, K*, F_s/F_k
+    "uniform": (origins.rectangular(0.0, 1.0), None, np.e - 2.0, None),
+    "rectangular": (origins.rectangular(0.5, 1.5), None, 7.0 / 8.0, 15.0 / 13.0),
+    "rectangular, from within": (origins.rectangular(0.5, 1.5), 0.5, 7.0 / 8.0, 15.0 / 13.0),
+    "exponential": (scipy.stats.expon(), None, 0.0, 1.0),
+    "pareto": (scipy.stats.pareto(8.0), None, 7.0, None),
+    "identical": (origins.identical(1.3), None, np.inf, 2.0),
+    "one value, spread start": (
+        origins.identical(1.0),
+        origins.gaussian_start(0.0, 0.025),
+        1.0 / (0.025 * np.sqrt(2.0 * np.pi)) - 1.0,
+        None,
+    ),
+    "two values": (
+        origins.mixture([origins.identical(1.0), origins.identical(1.5)], [0.5, 0.5]),
+        None,
+        np.inf,
+        None,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_closed_values(name: str) -> None:
+    law, start, spring, static = CLOSED[name]
+    found = master.propensity(origins.Contacts(law, start))
+    if np.isinf(spring):
+        assert found.critical_spring == np.inf and found.critical_spring_error == 0.0
+    else:
+        assert (
+            abs(found.critical_spring - spring)
+            <= found.critical_spring_error
+            <= 2e-8 * (1.0 + spring)
+        )
+    if static is not None:
+        assert abs(found.static_to_kinetic - static) <= found.static_to_kinetic_error <= 3e-8
+
+
+def test_what_is_not_known_well_enough_says_so() -> None:
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.3))
+    found = master.propensity(contacts, 1e-6)
+    assert (
+        found.success and found.message.startswith("K* known to ") and "only" not in found.message
+    )
+    assert (
+        master.phase_line(contacts).success.all() and master.kinetic_curve(contacts).success.all()
+    )
+    assert master.steady_state(contacts).success
+    found = master.propensity(contacts, 1e-14)
+    assert not found.success and "only, above 1.0e-14" in found.message
+    line = master.phase_line(contacts, [1.0, 2.0], tolerance=1e-14)
+    assert (
+        line.success.tolist() == [False, False]
+        and " only at 2 of 2 points, above 1.0e-14" in line.message
+    )
+
+
+NARROW = origins.gaussian(1.0, 0.05)
+
+
+def test_a_table_is_the_propensity_at_each_point_and_the_steepest_fall() -> None:
+    contacts = Contacts(NARROW, thermal=Thermal("soft", 0.3))
+    speeds, temperatures = np.array([0.3, 10.0]), np.array([0.0, 0.1, 0.3])
+    line = master.phase_line(contacts, speeds[:, None], temperature=temperatures)
+    assert line.critical_spring.shape == line.critical_spring_error.shape == (2, 3)
+    # hotter or slower, smoother (Fig. A08e); cold, x P_c(x) - 1 at its largest
+    assert (np.diff(line.critical_spring, axis=1) < 0.0).all()
+    assert (np.diff(line.critical_spring, axis=0)[:, 1:] > 0.0).all()
+    x = np.linspace(0.9, 1.1, 200_001)
+    cold = (x * NARROW.pdf(x)).max() - 1.0
+    assert (
+        np.abs(line.critical_spring[:, 0] - cold) <= line.critical_spring_error[:, 0] + 1e-8
+    ).all()
+    for i, j in ((0, 2), (1, 1)):
+        warm = Contacts(NARROW, thermal=Thermal("soft", float(temperatures[j])))
+        single = master.propensity(warm, velocity=float(speeds[i]))
+        off = abs(line.critical_spring[i, j] - single.critical_spring)
+        assert off <= line.critical_spring_error[i, j] + single.critical_spring_error < 1e-5
+        path = np.linspace(0.9, 1.1, 2001)
+        force = master.solve(warm, path, 1e-10, velocity=float(speeds[i])).force
+        assert single.critical_spring == pytest.approx(
+            -np.diff(force).min() / (path[1] - path[0]), rel=1e-5
+        )
+
+
+def test_slow_contacts_age_and_let_go_more_steeply() -> None:
+    # the laws of Fig. A06; where ageing ends stick-slip is found by another road
+    contacts = Contacts(FRESH, 0.02, ageing=Ageing(origins.gaussian(1.0, 0.02), 5e-4))
+    line = master.phase_line(contacts, [2.0, 4.0], tolerance=1e-5)
+    assert line.critical_spring[0] > line.critical_spring[1] + 0.1
+    critical = master.critical_velocity(contacts, float(line.critical_spring[1]), 3.9, 4.1)
+    slope = abs(line.critical_spring[1] - line.critical_spring[0]) / 2.0
+    assert (
+        abs(critical.velocity - 4.0)
+        <= critical.velocity_error + 2.0 * line.critical_spring_error[1] / slope
+    )
+    assert critical.velocity_error < 0.01
+
+
+FRESH = origins.gaussian(0.5, 0.05)
+
+
+def figure_a06(closure: str) -> Contacts:
+    ageing = Ageing(origins.gaussian(1.0, 0.02), 5e-4, closure=closure)
+    return Contacts(FRESH, origins.gaussian_start(0.02, 0.01), ageing=ageing)
+
+
+def test_propensity_tells_the_same_spring() -> None:
+    """At v_c the critical spring is the one that v_c was found for; it reads F(X), whose slowest decay is X*."""
+    contacts = figure_a06("exact")
+    told = master.propensity(contacts, velocity=4.253078)
+    assert (
+        told.critical_spring == pytest.approx(3.5, abs=1e-6) and told.critical_spring_error < 3e-7
+    )
+    path = np.linspace(0.0, 40.0, 4001)
+    force = master.solve(contacts, path, 1e-8, velocity=4.253078).force
+    kinetic = master.steady_state(contacts, velocity=4.253078).force
+    assert force.max() == pytest.approx(told.static_to_kinetic * kinetic, rel=1e-4)
+    # the envelope's decay, from peak to peak far out
+    off = np.abs(force - kinetic)
+    peaks = np.flatnonzero((off[1:-1] > off[:-2]) & (off[1:-1] > off[2:])) + 1
+    far = peaks[path[peaks] > 20.0]
+    rate = -np.polyfit(path[far], np.log(off[far]), 1)[0]
+    assert 1.0 / rate == pytest.approx(told.decoherence_length, rel=2e-3)

@@ -1,0 +1,210 @@
+"""The subcommands of `mesofriction`: each is given its words and the communicator, and returns its exit status."""
+
+import argparse
+import textwrap
+import tomllib
+from contextlib import closing
+from dataclasses import asdict
+from functools import partial
+from typing import Any
+
+from origins.errors import refuse
+from toolkit.judge import compare as judge
+from toolkit.judge import precision as ladders
+from toolkit.judge.describe import Description, describe
+from toolkit.pictures import compare as pictures
+from toolkit.pictures.thresholds import save_thresholds_picture
+from toolkit.results.beside import deviation, slip_lines, why_not_compared
+from toolkit.results.files import another, write_json
+from toolkit.results.folders import check_folder, write_folder
+from toolkit.results.records import AgeingRecord, SoftRecord, is_coupled, sample_curve
+from toolkit.running import forecast, runner
+from toolkit.running.checkpoint import say
+from toolkit.running.progress import Progress
+from toolkit.running.ranks import on_root
+from toolkit.scene.interfaces import foreseen, in_a_line, with_error
+from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
+
+ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
+_APART = 6.0  # standard errors
+
+
+def scenes(arguments: argparse.Namespace) -> int:
+    """Print the names in one column and the titles in another, 100 columns in all; long titles go on below."""
+    width = max(map(len, shipped_scenes())) + 2
+    for name in shipped_scenes():
+        title = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))["title"]
+        print(textwrap.fill(f"{name:{width}}{title}", 100, subsequent_indent=" " * width))
+    return 0
+
+
+def run(arguments: argparse.Namespace, comm: Any) -> int:
+    """Every solver the scene names: run, report, write; 1 where a solver did not reach its tolerance (the results are
+    written all the same)."""
+    scene = load_scene(arguments.scene, comm=comm)
+    first = comm is None or comm.Get_rank() == 0
+    before = foreseen(scene)
+    for note in before if first else []:
+        say(note)
+    folder = arguments.out or f"{scene.name}-output"
+    if arguments.dry_run:
+        print("\n".join(forecast.forecast_lines(scene, folder, comm)))
+        return 0
+    # refused before the work, not after it
+    with runner.open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
+        result, finished = runner.solve(scene, comm, kept=kept, told=first)
+        said_before = {f"note    {note}" for note in before}
+        print("\n".join(line for line in report(result) if line not in said_before))
+        runner.write(result, comm, kept, finished)
+    print(f"written to {folder}")
+    for name in ("master", "eq", "sweep"):
+        answer = getattr(result, name)
+        if answer is not None and not answer.success and first:
+            say(f"{name}: {answer.message}")
+    return 0 if result.success else 1
+
+
+def report(result: Any) -> list[str]:
+    """A line for a rough surface, one per solver with its error and its run time, then the notes."""
+    lines, solved, eq, sweep = [result.title or result.name], result.master, result.eq, result.sweep
+    if result.interface is not None:
+        lines.append(f"surface {in_a_line(result.interface)}")
+    if solved is not None:
+        error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
+        lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
+    if isinstance(solved, SoftRecord):
+        slips = f"{solved.slips.drive.size} slips"
+        if solved.slips.drive.size > 1:
+            period = with_error(solved.period, 2.0 * solved.slips.drive_error, 9)
+            slips += f", last pause {period}"
+        lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
+    if isinstance(solved, AgeingRecord):
+        outrun = f"contacts outrun it from X = {solved.outrun:.4g} on, where it has many answers"
+        lines.append(
+            f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
+            f"{solved.positivity_defect.max():.1e}; "
+            f"{outrun if solved.outrun < float('inf') else 'contacts never outrun it'}"
+        )
+    if sweep is not None:
+        error = f"error {sweep.force_error.max():.1e} of <x_s>"
+        if sweep.critical_spring_error is not None:
+            error += f", K* error {sweep.critical_spring_error.max():.1e}"
+        points = f"{sweep.force.size} points along {' and '.join(sweep.along)}"
+        lines.append(f"sweep   {error}  run time {sweep.run_time:.4f} s  {points}")
+    if eq is not None:
+        error = eq.force_standard_error.max() / result.mean_threshold
+        steps = eq.step_error.max() / result.mean_threshold
+        besides = f", steps of ageing {steps:.1e}" if steps else ""
+        lines.append(
+            f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
+            f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
+        )
+    if is_coupled(eq):
+        lines += slip_lines(result)
+    elif solved is not None and eq is not None:
+        lines.append(f"eq less master: {_agreement(result)}")
+    return [*lines, *(f"note    {note}" for note in result.notes)]
+
+
+def _agreement(result: Any) -> str:
+    """The difference of both solvers in words."""
+    apart = deviation(result).worst
+    if apart is None:
+        return f"not compared: {why_not_compared(result)}"
+    chance = "chance makes about 3"
+    if result.papers_closure:
+        chance += ", the rest is the paper's closure, which single contacts do not follow"
+    elif apart >= _APART:
+        chance += ": they do not agree, please report it"
+    return f"at most {apart:.1f} standard errors over the path; {chance}"
+
+
+def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
+    """P_c, its survival and hazard as a picture, moments and propensity as a table, which is printed."""
+    scene = load_scene(arguments.scene, solved=False, comm=comm)
+    folder = arguments.out or f"{scene.name}-output"
+
+    def describe_it() -> Description:
+        # what a run may have taken hours for is not taken away for a table
+        if (whose := another(folder, scene.name, scene.text)) is not None:
+            rule = f"holds the result of {whose}; choose another, or run this scene there"
+            refuse("out", str(folder), rule)
+        with closing(Progress("thresholds")), runner.until(scene.deadline(), scene, "[contacts]"):
+            return describe(scene.contacts, *scene.sliding)
+
+    found = on_root(comm, describe_it)
+    law, title = scene.contacts.thresholds, scene.title or scene.name
+    record = {"name": scene.name, "title": scene.title, "scene": scene.text, **asdict(found)}
+    writers: dict[str, Any] = {
+        "thresholds.png": partial(save_thresholds_picture, law, sample_curve(law), title),
+        "thresholds.json": lambda path: write_json(record, path),
+    }
+    on_root(comm, lambda: write_folder(folder, writers))
+    print("\n".join([title, *_lines(found), f"written to {folder}"]))
+    return 0
+
+
+def _lines(found: Description) -> list[str]:
+    """The table as lines of text."""
+    named = {name.replace("_", " "): number for name, number in found.numbers.items()}
+    width, out = max(map(len, named)) + 2, list[str]()
+    for name, number in named.items():
+        value = with_error(number.value, number.error or 0.0, 8)
+        out.append(f"  {name:{width}}{value} {number.unit}".rstrip())
+    out += [f"  {note}" for note in found.notes]
+    return [*out, f"  {'run time':{width}}{found.run_time:.2g} s"]
+
+
+def compare(arguments: argparse.Namespace, comm: Any) -> int:
+    """How prone to stick-slip each scene is, as one table, which is printed, and one picture; 1 where a solver missed
+    its tolerance."""
+    scenes: dict[str, Any] = {}
+    for given in arguments.scene:
+        with judge.naming(given):
+            scene = load_scene(given, comm=comm)
+        if scene.name in scenes:
+            rule = "two scenes of this name could not be told apart; rename one of the files"
+            refuse("scenes", scene.name, rule)
+        scenes[scene.name] = scene
+    folder = arguments.out or "compare-output"
+    on_root(comm, lambda: check_folder(folder))  # before the work, not after it
+    verdicts = judge.compare(list(scenes.values()), comm, told=comm is None or comm.Get_rank() == 0)
+    lines, numbers = judge.table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
+    draw = partial(pictures.save_comparison, verdicts)
+    on_root(comm, lambda: _write(folder, "compare", draw, lines, numbers))
+    print("\n".join([*lines, f"written to {folder}"]))
+    return 0 if all(verdict.result.success for verdict in verdicts) else 1
+
+
+def precision(arguments: argparse.Namespace) -> int:
+    """True error against run time of each solver the scene names, as picture and table, of which each point is printed
+    once it is measured."""
+    scene = load_scene(arguments.scene)
+    folder = arguments.out or f"{scene.name}-output"
+    check_folder(folder)  # before the work, not after it
+    lines = [scene.title or scene.name, *ladders.table_head()]
+
+    def show(point: ladders.Point) -> None:
+        lines.append(ladders.table_line(point))
+        print(
+            "\n".join(lines if len(lines) == 4 else lines[-1:]), flush=True
+        )  # head and all at first
+
+    with runner.until(scene.deadline(), scene, "[precision]"):
+        measured = ladders.precision(scene, report=show)
+    numbers = {"reference": "the closed form for Gaussian thresholds", **asdict(measured)}
+    lines += measured.notes
+    _write(folder, "precision", partial(pictures.save_precision, measured), lines, numbers)
+    print("\n".join([*measured.notes, f"written to {folder}"]))
+    return 0
+
+
+def _write(folder: str, name: str, draw: Any, lines: list[str], numbers: dict[str, Any]) -> None:
+    """Picture, table and numbers of a judgement."""
+    text = "\n".join([*lines, ""])
+    writers: dict[str, Any] = {
+        f"{name}.png": draw,
+        f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
+        f"{name}.json": lambda path: write_json(numbers, path),
+    }
+    write_folder(folder, writers)

@@ -1,1 +1,0 @@
-"""The subcommands: each module says whether all ranks work on it, and what it does."""

@@ -1,0 +1,127 @@
+"""The two solvers' answers beside each other: their difference in standard errors, and soft sliders slip by slip."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from toolkit.results.records import Result, SoftRecord, is_coupled
+
+_FEWEST = 30  # broken contacts: before, standard errors mean little
+_LATE = 10.0  # times N^(-2/3) of <x_s>: more is not the scatter of finite numbers
+_SHOWN = 10  # slips that are told one by one
+
+
+class Deviation(NamedTuple):
+    """Ensemble less master equation, `off`, in standard errors, at the points of the path that tell (indices)."""
+
+    points: npt.NDArray[np.intp]
+    off: npt.NDArray[np.float64]
+
+    @property
+    def worst(self) -> float | None:
+        """The largest in size; None where no point tells."""
+        return float(np.abs(self.off).max()) if self.off.size else None
+
+
+def deviation(result: Result) -> Deviation:
+    """How far the solvers are apart where enough contacts have broken to tell; no point where one of them is missing.
+
+    Standard errors count the master equation's own error and that of the ensemble's steps too.
+    """
+    solved, eq = result.master, result.eq
+    if solved is None or eq is None or is_coupled(eq):
+        # a slip comes at another X_T in each replica: in between their mean force is that of none of them
+        return Deviation(np.empty(0, np.intp), np.empty(0))
+    of_one_contact = np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
+    enough = eq.force_standard_error > np.sqrt(_FEWEST) * of_one_contact
+    enough[solved.path.size :] = False  # the paper's closure of ageing may end before the path does
+    tell = np.flatnonzero(np.isfinite(eq.force_standard_error) & enough)
+    own = solved.force_error * result.mean_threshold
+    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + own
+    return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
+
+
+def why_not_compared(result: Result) -> str | None:
+    """Why no point of the path tells, in words; None where one does, or a solver is missing."""
+    if result.master is None or result.eq is None or deviation(result).points.size:
+        return None
+    if result.eq.breaks == 0:
+        return "no contact breaks on this path"
+    if is_coupled(result.eq):
+        return "slips are compared one by one, not the force between them"
+    return f"too few contacts or breaks, or all break at once: below some {_FEWEST} standard errors mean little"
+
+
+class SlipBeside(NamedTuple):
+    """One slip of the master equation beside those of the replicas, which have means and standard errors (lengths).
+
+    drive, drop : X_T, and how far the force falls, of the master equation; have : how many replicas slip as often.
+    """
+
+    number: int
+    drive: float
+    drop: float
+    mean_drive: float
+    drive_error: float
+    mean_drop: float
+    drop_error: float
+    have: int
+
+
+def slips_beside(result: Result) -> list[SlipBeside]:
+    """Slips in turn, of a result that has both solvers' on a soft slider; none of others."""
+    solved, eq = result.master, result.eq
+    if not isinstance(solved, SoftRecord) or not is_coupled(eq):
+        return []
+    slips, found = eq.slips, []
+    for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
+        if have := int((slips.number == number).sum()):
+            (late, late_error), (fall, fall_error) = (
+                slips.mean(own, number) for own in ("drive", "drop")
+            )
+            beside = late, late_error, fall, fall_error, have
+            found.append(SlipBeside(number, float(drive), float(drop), *beside))
+    return found
+
+
+def slip_lines(result: Result) -> list[str]:
+    """The comparison slip by slip, as lines of text; none where it is not of soft sliders."""
+    solved, eq = result.master, result.eq
+    if not is_coupled(eq):
+        return []
+    replicas, beside = len(eq.forces), slips_beside(result)
+    sizes = f"in {replicas} replicas: avalanches of at least {eq.slip_fraction:g} of the contacts"
+    if not isinstance(solved, SoftRecord):
+        return [f"slips   {eq.slips.number.size} {sizes}"]
+    late = [(slip.mean_drive - slip.drive) / result.mean_threshold for slip in beside]
+    told = (
+        f", one after the other late by {', '.join(f'{x:.1e}' for x in late[:_SHOWN])} of <x_s>"
+        if late
+        else ""
+    )
+    number = (
+        f"{solved.slips.drive.size} of the master equation, {eq.slips.number.size} of eq {sizes}"
+    )
+    return [
+        f"slips   {number}{told}; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"
+    ]
+
+
+def resets_apart(result: Result) -> list[str]:
+    """A note where [eq] does not reset at the master equation's first slip: too few contacts break there."""
+    eq, drive, beside = result.eq, result.asked.drive, slips_beside(result)
+    if not is_coupled(eq) or not isinstance(result.master, SoftRecord) or drive is None:
+        return []
+    first = [slip for slip in beside if slip.number == 0]
+    late = [(slip.mean_drive - slip.drive) / result.mean_threshold for slip in first]
+    chance = _LATE * (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0)
+    told = result.master.slips.drive.size > 0 and (not late or late[0] > chance)
+    if not told or (drive.slip or "reset") != "reset":
+        return []
+    return [
+        'slip = "reset": the master equation resets at the first onset, however few contacts break there, [eq] at '
+        f"avalanches of at least eq.slip_fraction = {eq.slip_fraction:g} of them, which come later, or not at all"
+    ]

@@ -1,0 +1,268 @@
+"""Kinds of thresholds that scenes word otherwise than the functions of origins: samples, islands, surfaces."""
+
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+import origins
+from origins.errors import InputError, finite, finite_array, one_of, refuse, whole
+from origins.roughness.topography import METRES, Topography, as_topography
+from toolkit.scene.laws import read_file, read_text
+
+
+def from_samples(
+    folder: Path,
+    x_s: Sequence[float] | None = None,
+    f_s: Sequence[float] | None = None,
+    file: str | None = None,
+    quantity: str = "x_s",
+    column: int | None = None,
+    weight_column: int | None = None,
+    coefficient: float | None = None,
+    stiffness: float | None = None,
+    weights: Sequence[float] | None = None,
+    comm: Any = None,
+) -> origins.Thresholds:
+    """Thresholds through samples; see origins.from_samples.
+
+    `file` counts from the scene's folder; its columns, parted by semicolons, or by blanks or commas, count from 1:
+    `column` holds the values, x_s or f_s as `quantity` says, and may be left out where there is one, `weight_column`
+    how much each counts. Beside semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a comment,
+    and the first line may be a header of text. Raises InputError.
+    """
+    given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
+    if file is not None:
+        if any(values is not None for values in given.values()):
+            refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
+        one_of("quantity", quantity, ("x_s", "f_s"))
+        lines = read_file("file", file, folder, comm, read_text).splitlines()
+        places = {quantity: column, "weights": weight_column}
+        if weight_column is None:
+            del places["weights"]
+        given |= _read(file, lines, places)
+    elif (column, weight_column, quantity) != (None, None, "x_s"):
+        told = {"quantity": quantity if quantity != "x_s" else None, "column": column}
+        name = next((name for name, value in told.items() if value), "weight_column")
+        refuse(
+            name, told.get(name, weight_column), "says what a file holds; leave it out without one"
+        )
+    return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
+
+
+def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[str, list[float]]:
+    """The values of these columns by name, counted from 1 (None: of the only one)."""
+    rows = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
+    rows = {number: row for number, row in rows.items() if row}
+    first = next(iter(rows), 0)
+    if rows and np.isnan(rows[first]).all():
+        del rows[first]  # a header
+    width = len(next(iter(rows.values()), []))
+    if not width:
+        refuse("file", file, "holds no numbers; write one value a line")
+    found: dict[str, list[float]] = {}
+    for name, place in places.items():
+        if place is None and width > 1:
+            rule = f"say which of the {width} columns holds {name}, such as column = {width}"
+            refuse("file", file, f"holds several columns; {rule}")
+        if (column := whole("column", 1 if place is None else place, 1)) > width:
+            refuse("file", file, f"there is no column {place}")
+        found[name] = [row[column - 1] if len(row) == width else np.nan for row in rows.values()]
+        for number, value in zip(rows, found[name], strict=True):
+            if not 0.0 < value < np.inf:
+                # not the line itself: what is no table may not be meant to be shown
+                many = f"{width} columns, as many as the first" if width > 1 else "one number"
+                rule = f"line {number} must hold {many}, {name} finite and above zero"
+                refuse("file", file, rule)
+    return found
+
+
+def _words(line: str) -> list[float]:
+    """The columns of a line: parted by semicolons, or by blanks or commas; nan for what is no number.
+
+    A comma between two digits is a decimal one where something else parts the columns.
+    """
+    decimal = re.search(r"\d,\d", line) is not None
+    if ";" in line:
+        line = line.replace(",", "." if decimal else ",").replace(";", " ")
+    elif decimal and len(line.split()) > 1 and ", " not in line:
+        line = line.replace(",", ".")
+    else:
+        line = line.replace(",", " ")
+    found = []
+    for word in line.split():
+        with suppress(ValueError):
+            found.append(float(word))
+            continue
+        found.append(np.nan)
+    return found
+
+
+def identical_start(value: float) -> float:
+    """All contacts start at one stretch (a length)."""
+    return finite("value", value)
+
+
+def domains(
+    lattice_constant: float | None = None,
+    sizes: Sequence[Sequence[int]] | None = None,
+    mean_atoms: float | None = None,
+    island: Any = None,
+    weights: Sequence[float] | None = None,
+    bonds: float | None = None,
+    angles: Sequence[float] | None = None,
+    temperature: float | None = None,
+    substrate: origins.Substrate | None = None,
+    law: str = "area",
+    stiffness: float | None = None,
+    coefficient: float | None = None,
+    samples: int = 20_000,
+    seed: int = 0,
+    comm: Any = None,
+) -> origins.Thresholds:
+    """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains, whose keywords these are but
+    for `island`, the one of its `islands`. Raises InputError."""
+    options = dict(locals())
+    del options["island"]
+    if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
+        rule = "such as [[10, 9]], mean_atoms, such as 100, and the table island"
+        raise InputError(f"domains: give exactly one of sizes, {rule}")
+    if island is not None and lattice_constant is not None:
+        refuse("lattice_constant", lattice_constant, "the table island has its own; leave it out")
+    return origins.domains(**options, islands=None if island is None else [island])
+
+
+def island_of_file(folder: Path, file: str, comm: Any = None) -> Any:
+    """The atoms of a structure file, of any format that ASE reads; InputError where it reads none."""
+
+    def read(path: Path) -> Any:
+        from ase.io import read as read_atoms
+
+        try:
+            return read_atoms(path)  # the last of several
+        except Exception as error:  # each format has errors of its own
+            refuse("file", file, f"is no structure that ASE reads: {type(error).__name__}")
+
+    return read_file("file", file, folder, comm, read)
+
+
+def fourier_substrate(
+    wavevectors: npt.ArrayLike,
+    cosines: npt.ArrayLike | None = None,
+    sines: npt.ArrayLike | None = None,
+) -> origins.Substrate:
+    """sum of cosines cos(G·r) + sines sin(G·r), one of each for every wavevector, zero when left out."""
+    count = len(wavevectors) if isinstance(wavevectors, list) else 0
+    parts = []
+    for name, value in (("cosines", cosines), ("sines", sines)):
+        parts.append(np.zeros(count) if value is None else finite_array(name, value))
+        if parts[-1].size != count:
+            refuse(name, value, f"must be {count} numbers, one for each wavevector")
+    return origins.fourier_substrate(wavevectors, parts[0] - 1j * parts[1])
+
+
+class Heights(NamedTuple):
+    """A surface of which the heights are known, and whether it goes on periodically."""
+
+    topography: Topography
+    periodic: bool
+
+
+def from_topography(
+    surface: Heights | origins.SpectralMoments,
+    material: origins.Material,
+    model: str,
+    law: str,
+    pressure: float,
+    regime: str = "elastic",
+    patch_area: float | None = None,
+    height_law: str = "gaussian",
+    detrend: str | None = None,
+    step: int | None = None,
+) -> origins.Thresholds:
+    """Thresholds in metres of a surface; see origins.from_topography.
+
+    `detrend` is "curvature" for a scan and "centre" for a generated surface, which is periodic; what is not heights has
+    neither `detrend` nor `step`. Raises InputError.
+    """
+    options: dict[str, Any] = dict(locals())
+    del options["surface"], options["detrend"], options["step"]
+    if isinstance(surface, origins.SpectralMoments):
+        if detrend is not None or step is not None:
+            name, value = ("step", step) if detrend is None else ("detrend", detrend)
+            refuse(name, value, "belongs to heights, which this surface has not; leave it out")
+        return origins.from_moments(surface, **options)
+    own = "centre" if surface.periodic else "curvature"
+    options |= {"detrend": detrend or own, "step": 1 if step is None else step}
+    return origins.from_topography(surface.topography, periodic=surface.periodic, **options)
+
+
+def open_scan(
+    folder: Path,
+    file: str,
+    channel: int = 0,
+    physical_sizes: object = None,
+    unit: str | None = None,
+    height_scale_factor: float | None = None,
+    comm: Any = None,
+) -> Heights:
+    """A scan in any format that SurfaceTopography reads; `file` is relative to the scene's folder.
+
+    Rank 0 of `comm` reads it for all. `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none.
+    Raises InputError where the file is missing, is no scan, or contradicts them.
+    """
+    channel, given = whole("channel", channel, least=0), dict[str, Any](unit=unit)
+    given |= {"height_scale_factor": height_scale_factor, "physical_sizes": None}
+    if physical_sizes is not None:
+        given["physical_sizes"] = tuple(finite_array("physical_sizes", physical_sizes).tolist())
+        if len(given["physical_sizes"]) != 2 or min(given["physical_sizes"]) <= 0.0:
+            rule = "must be a pair of lengths above zero, such as [1.0, 1.0]"
+            refuse("physical_sizes", physical_sizes, rule)
+
+    def read(path: Path) -> Topography:
+        try:
+            from SurfaceTopography import open_topography
+
+            with open_topography(str(path)) as reader:
+                if channel >= len(reader.channels):
+                    rule = f"the file has {len(reader.channels)} channels, counted from 0"
+                    refuse("channel", channel, rule)
+                said = {name: value for name, value in given.items() if value is not None}
+                scan = reader.topography(channel_index=channel, **said)
+            if getattr(scan, "unit", None) not in METRES:
+                rule = (
+                    'lengths need one unit, and the file holds none; write one, such as unit = "nm"'
+                )
+                refuse("unit", unit, rule)
+            return as_topography(scan)
+        except ImportError:
+            refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")
+        except InputError:
+            raise
+        except Exception as error:  # readers raise whatever their parsing does
+            why = " ".join(str(error).split())[:200] or type(error).__name__
+            if (
+                type(error).__name__ == "CannotDetectFileFormat"
+            ):  # which repeats what all readers say
+                why = "it is in no format that SurfaceTopography knows, or cut short"
+            refuse("file", file, f"cannot be read as a scan: {why}")
+
+    return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
+
+
+def generate(
+    shape: Any,
+    pixel_size: Any,
+    hurst: float,
+    rms_slope: float,
+    seed: int,
+    long_cutoff: float | None = None,
+    short_cutoff: float | None = None,
+) -> Heights:
+    """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
+    law = dict(locals())
+    return Heights(as_topography(origins.self_affine_surface(**law), pixel_size), periodic=True)
