@@ -1,19 +1,18 @@
-"""Grains of Lifshitz and Slyozov: sizes, thresholds by both Jacobians, and what the solvers make of them."""
+"""Grains of Lifshitz and Slyozov: sizes, thresholds by both Jacobians, growth in time, sliding; against mpmath."""
 
 from decimal import Decimal
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from grain_references import BARELY, LOW, RULE, TAIL, integral, relative, sizes
+from grain_references import BARELY, LOW, TAIL, integral, psi, relative, sizes
 from references import mp
 from scipy import stats
+from scipy.optimize import brentq
 
 import master
 import origins
-from origins import grains
+from origins import InputError, grains
 from origins.grains.lifshitz_slyozov import LifshitzSlyozov
-from origins.thresholds.quadrature import gauss, panel_edges
 
 
 def test_sizes_are_the_printed_density() -> None:
@@ -36,99 +35,30 @@ def test_sizes_are_the_printed_density() -> None:
                 < 1e-13
             )
         second = mp.quad(lambda u: u * u * sizes(u), [0, 1.1, 1.3, 1.5])
-    assert (
-        law.support() == (0.0, 1.5)
-        and law.pdf(1.5) == 0.0 == law.pdf(0.0)
-        and law.logsf(1.4999) < -1e3
-    )
-    assert law.mean() == 1.0 and super(LifshitzSlyozov, law)._moment(1) == pytest.approx(
-        1.0, abs=1e-14
-    )
+    assert law.support() == (0.0, 1.5)
+    assert law.pdf(1.5) == 0.0 == law.pdf(0.0)
+    assert law.logsf(1.4999) < -1e3
+    assert law.mean() == 1.0
+    assert super(LifshitzSlyozov, law)._moment(1) == pytest.approx(1.0, abs=1e-14)
     assert law.moment(2) == pytest.approx(float(second), rel=1e-13)
     # coalescence keeps the shape: <u^n> (1 - n/3) = (9n/4) (<u^(n-3)> - <u^(n-2)>)
     assert law.moment(4) == pytest.approx(27.0 * (law.moment(2) - 1.0), rel=1e-12)
     assert law.moment(5) == pytest.approx(135.0 / 8.0 * (law.moment(3) - law.moment(2)), rel=1e-12)
 
 
-class Printed:
-    """The printed law in mpmath: its density, and sums over Gauss nodes between marks that follow its fall."""
-
-    def __init__(self, law: origins.Thresholds, rho: float, B: float) -> None:
-        self.rho, self.B = mp.mpf(rho), mp.mpf(B)
-        deep = law.isf(10.0 ** -np.arange(0.5, 296.0, 2.0))
-        near = law.ppf(10.0 ** -np.array([0.5, 1.0, 4.0, 10.0]))
-        bends = np.array([0.5, 1.0, 2.0, 4.0, 8.0]) / np.sqrt(B)
-        self.marks = [
-            mp.mpf(float(x)) for x in np.unique([0.0, *near, *bends[bends < deep[0]], *deep])
-        ]
-        self.nodes = [
-            [(a + t * (b - a), w * (b - a)) for t, w in RULE] for a, b in pairwise(self.marks)
-        ]
-        self.parts = [[w * self.height(x) for x, w in cell] for cell in self.nodes]
-        self.whole = mp.fsum(part for cell in self.parts for part in cell)
-
-    def height(self, x: mp.mpf) -> mp.mpf:
-        return sizes(mp.sqrt(1 + self.B * x * x) / self.rho) / sizes(1 / self.rho)
-
-    def above(self, x: float) -> mp.mpf:
-        place = next(i for i, mark in enumerate(self.marks) if mark > x)
-        rest = integral(self.height, [mp.mpf(float(x)), self.marks[place]])
-        return (rest + mp.fsum(part for cell in self.parts[place:] for part in cell)) / self.whole
-
-    def below(self, x: float) -> mp.mpf:
-        place = max(i for i, mark in enumerate(self.marks) if mark <= x)
-        rest = integral(self.height, [self.marks[place], mp.mpf(float(x))])
-        return (rest + mp.fsum(part for cell in self.parts[:place] for part in cell)) / self.whole
-
-    def moment(self, n: int) -> mp.mpf:
-        pairs = zip(self.nodes, self.parts, strict=True)
-        return (
-            mp.fsum(x**n * part for a, b in pairs for (x, _), part in zip(a, b, strict=True))
-            / self.whole
-        )
-
-
-@pytest.mark.parametrize("rho, B", [(BARELY, 1.0), (2.0, 1.7), (1e3, 1.0)])
-def test_printed_form(rho: float, B: float) -> None:
-    law = grains(rho, B=B, jacobian="paper")
-    with mp.workdps(25):
-        exact = Printed(law, rho, B)
-        upper, lower = law.isf(TAIL), law.ppf(LOW)
-        assert relative(law.sf(upper), [exact.above(x) for x in upper]) < 1e-11
-        assert relative(law.cdf(lower), [exact.below(x) for x in lower]) < 1e-11
-        assert relative(law.logsf(lower), [mp.log1p(-exact.below(x)) for x in lower]) < 1e-11
-        assert (
-            relative(law.pdf(upper), [exact.height(mp.mpf(float(x))) / exact.whole for x in upper])
-            < 1e-11
-        )
-        for n in (1, 2, 3, 4):
-            assert law.moment(n) == pytest.approx(float(exact.moment(n)), rel=1e-12)
-        # isf cannot tell more than the stretch beside the end of the support
-        grain = 4.0 * np.finfo(float).eps * upper * law.pdf(upper) / TAIL
-    assert (np.abs(law.sf(upper) / TAIL - 1.0) <= 1e-11 + grain).all()
-    np.testing.assert_allclose(law.cdf(lower), LOW, rtol=1e-11)
-    edges = panel_edges(law)
-    nodes, weights = gauss(edges[:-1], edges[1:])
-    assert (weights * law.pdf(nodes)).sum() == pytest.approx(1.0, abs=1e-12)
-    assert law.onset_power == 0.0 and law.pdf(0.0) == pytest.approx(
-        float(1 / exact.whole), rel=1e-12
-    )
-    assert law.pdf(law.support()[1]) == 0.0 and law.logsf(law.isf(1e-280) * (1 + 1e-3)) < -640.0
-
-
-@pytest.mark.parametrize("rho", [1.0, 2.0])
-def test_jacobians_differ_by_what_physics_says(rho: float) -> None:
+@pytest.mark.parametrize("rho", [BARELY, 1.0, 1e3])
+def test_the_printed_form_is_the_exact_one_by_another_jacobian(rho: float) -> None:
     """Printed over exact is proportional to (1 + B x²)^(1/2)/x: dr/df ~ 1/r, not f^(-1/2)."""
-    x = np.linspace(0.05, 0.5, 10)
-    ratio = grains(rho, B=2.0, jacobian="paper").pdf(x) / grains(rho, B=2.0).pdf(x)
-    shape = ratio * x / np.sqrt(1.0 + 2.0 * x * x)
-    np.testing.assert_allclose(shape, shape[0], rtol=1e-12)
+    exact, printed = grains(rho, B=2.0), grains(rho, B=2.0, jacobian="paper")
+    x = exact.isf(np.array([0.999, 0.9, 0.5, 0.1, 1e-6, 1e-30]))
+    shape = printed.pdf(x) / exact.pdf(x) * x / np.sqrt(1.0 + 2.0 * x * x)
+    np.testing.assert_allclose(shape, shape[0], rtol=1e-11)
+    assert printed.onset_power == 0.0 and printed.pdf(0.0) > 0.0 and exact.onset_power == 1.0
 
 
-@pytest.mark.parametrize("excess", [1e-15, 1e-12, 1e-6])
-def test_first_grains_to_pin(excess: float) -> None:
+def test_first_grains_to_pin() -> None:
     """rho -> 2/3: the law of a stretch far below x_max, exp(-B x²/(2 e²)) with e the excess, and its half Gaussian."""
-    rho = float(np.float64(2.0 / 3.0) * (1.0 + excess))
+    rho = float(np.float64(2.0 / 3.0) * (1.0 + 1e-12))
     true = float(Decimal(rho) * 3 / 2 - 1)  # the excess that this float has
     exact, printed = grains(rho, B=4.0), grains(rho, B=4.0, jacobian="paper")
     width = true / 2.0
@@ -152,5 +82,83 @@ def test_propensity_of_the_printed_form() -> None:
 
     for rho, known in ((1.0, 0.29), (2.0, 1.04)):
         assert spring(grains(rho, B=1.0, jacobian="paper")) == pytest.approx(known, abs=0.005)
-    rayleigh = spring(origins.gw_plastic(1.0))
-    assert spring(grains(BARELY, B=1.0)) == pytest.approx(rayleigh, abs=1e-5)
+    assert spring(grains(BARELY, B=1.0)) == pytest.approx(spring(origins.gw_plastic(1.0)), abs=1e-5)
+
+
+# -- grains in time --------------------------------------------------------------------------------
+
+
+def test_growth_in_time() -> None:
+    growth = origins.GrainGrowth(alpha=0.8, B=1.7)
+    first = growth.first_pinning_time
+    assert growth.rho(first) == pytest.approx(2.0 / 3.0, rel=1e-15)
+    times = first * np.array([1.5, 27.0 / 8.0, 20.0, 1e6])
+    np.testing.assert_allclose(growth.rho(times), 0.8 * times ** (1.0 / 3.0), rtol=1e-15)
+    fraction = growth.pinned_fraction(times)
+    np.testing.assert_allclose(fraction, LifshitzSlyozov().sf(1.0 / growth.rho(times)), rtol=1e-12)
+    np.testing.assert_allclose(growth.pinning_number(times), fraction * first / times, rtol=1e-15)
+    # grains of the mean radius neither grow nor shrink: most pin when those are as thick as the film, at rho = 1
+    around = growth.pinning_number(27.0 / 8.0 * first * (1.0 + np.array([-1e-3, 0.0, 1e-3])))
+    assert around.argmax() == 1
+    same = grains(0.8 * (20.0 * first) ** (1 / 3), B=1.7)
+    assert growth.thresholds(20.0 * first).sf(0.9) == pytest.approx(same.sf(0.9), rel=1e-13)
+    with pytest.raises(InputError, match=r"^time = .*: no grain pins yet"):
+        growth.thresholds(0.9 * first)
+
+
+def test_growth_of_a_film() -> None:
+    """A grain of radius r breaks at tau pi (r² - d²/4) = c x², and the first as thick as the film pins."""
+    thin = origins.film_growth(
+        2e-9, coarsening_rate=1e-27, shear_strength=1e8, force_coefficient=3e12
+    )
+    assert thin.first_pinning_time == pytest.approx((2e-9) ** 3 / 27e-27, rel=1e-14)
+    time = 5.0 * thin.first_pinning_time
+    force = 1e8 * np.pi * ((1.5 * (1e-27 * time) ** (1 / 3)) ** 2 - 1e-18)
+    assert thin.thresholds(time).support()[1] == pytest.approx(np.sqrt(force / 3e12), rel=1e-13)
+    # k = G A^(1/2) and f_s = tau A: x = tau A^(1/2)/G
+    by_modulus = origins.film_growth(2e-9, 1e-27, 1e8, shear_modulus=4e10).thresholds(time)
+    assert by_modulus.support()[1] == pytest.approx(1e8 * np.sqrt(force / 1e8) / 4e10, rel=1e-13)
+
+
+SLIDING = [(3.0, 0.0), (0.3, 0.7)]  # velocity, rest
+
+
+def meeting_hazard(x: mp.mpf, growth: origins.GrainGrowth, velocity: float, rest: float) -> mp.mpf:
+    """Straight from the definition, -log of the survival of P_c at the age of stretch x."""
+    since = (mp.mpf(rest) + x / mp.mpf(velocity)) / mp.mpf(growth.first_pinning_time)
+    largest = (1 + since) ** (mp.mpf(1) / 3)
+    return psi(mp.sqrt(1 + mp.mpf(growth.B) * x * x) / largest) - psi(1 / largest)
+
+
+@pytest.mark.parametrize("velocity, rest", SLIDING)
+def test_hazard_of_sliding_contacts(velocity: float, rest: float) -> None:
+    growth = origins.GrainGrowth(alpha=1.0, B=1.0)
+    contact, first = origins.GrainContact(growth), growth.first_pinning_time
+
+    def hazard(x: np.ndarray) -> np.ndarray:
+        return contact.hazard(x, first + rest + x / velocity)
+
+    end = brentq(lambda x: hazard(x) - 300.0, 0.0, 1e6, xtol=1e-300)
+    x = end * np.array([1e-5, 1e-3, 0.03, 0.2, 0.5, 0.8, 0.95, 1.0])
+    with mp.workdps(320):
+        known = np.array(
+            [float(meeting_hazard(mp.mpf(float(v)), growth, velocity, rest)) for v in x]
+        )
+    # the age is rounded, by which the grains have grown since they pinned; and so is the distance to
+    # the largest grain, whose inverse the hazard is
+    rounding = 1e-11 * known / (x / velocity + rest) + 1e-15 * known**2
+    assert (np.abs(hazard(x) - known) <= 1e-12 + rounding).all()
+    # it never falls, so that each quantile meets its threshold once
+    assert (np.diff(hazard(np.linspace(1e-3 * end, end, 20_001))) >= -1e-11).all()
+
+
+def test_quantiles_of_growing_contacts() -> None:
+    growth = origins.GrainGrowth(alpha=1.0, B=1.7)
+    contact, first = origins.GrainContact(growth), growth.first_pinning_time
+    u = np.array([0.0, 1e-9, 0.3, 0.7, 1.0 - 1e-9, 1.0])
+    for age in first * np.array([1.01, 50.0, 1e9]):
+        np.testing.assert_allclose(
+            contact.quantile(u, age), growth.thresholds(age).ppf(u), rtol=1e-12
+        )
+    grown = contact.quantile(u[:, None], np.linspace(first, 100.0 * first, 400))
+    assert (grown[:, 0] == 0.0).all() and (np.diff(grown[1:], axis=1) > 0.0).all()

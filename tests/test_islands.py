@@ -1,18 +1,23 @@
-"""Islands: the paper's lattice and not its look-alikes, outlines counted, substrates repeat as their cells say."""
+"""Islands: outlines, structure factors, barriers of rigid ones against closed forms, a flood and ASE's own road."""
 
 import ase
 import numpy as np
 import pytest
 
-from origins.domains.islands import (
+import origins
+from origins import (
     circular_island,
+    fourier_substrate,
     hexagonal_island,
+    hexagonal_substrate,
     irregular_island,
     rectangular_island,
     square_island,
+    square_substrate,
+    structure_factors,
     triangular_island,
+    triangular_structure_factors,
 )
-from origins.domains.substrates import fourier_substrate, hexagonal_substrate, square_substrate
 
 A = 2.5
 
@@ -56,18 +61,15 @@ def test_outlines_are_counted() -> None:
 
 
 def test_irregular_islands_come_from_their_seed() -> None:
-    islands = [irregular_island(A, 10 * A, seed=seed).positions for seed in (1, 1, 2)]
-    assert np.array_equal(islands[0], islands[1]) and not np.array_equal(islands[0], islands[2])
+    one, same, other = (irregular_island(A, 10 * A, seed=seed).positions for seed in (1, 1, 2))
+    assert np.array_equal(one, same) and not np.array_equal(one, other)
     # of all outlines the smooth one is the nearest to a circle's number of atoms
     sizes = [
         [len(irregular_island(A, 10 * A, roughness=r, seed=s)) for s in range(20)]
         for r in (0.0, 0.2)
     ]
-    circle = np.pi * 100 / (np.sqrt(3) / 2)
-    assert np.abs(np.array(sizes[0]) / circle - 1).max() < 0.03 and np.std(sizes[1]) > 3 * np.std(
-        sizes[0]
-    )
-    assert len(irregular_island(A, 1e-3 * A)) == 1
+    assert np.abs(np.array(sizes[0]) * np.sqrt(0.75) / (np.pi * 100) - 1).max() < 0.03
+    assert np.std(sizes[1]) > 3 * np.std(sizes[0])
 
 
 @pytest.mark.parametrize(
@@ -100,18 +102,57 @@ def test_substrates_repeat_and_push(substrate) -> None:
         np.testing.assert_allclose(substrate.forces(r)[..., axis], -slope, atol=1e-7 * size)
 
 
-def test_substrates_of_one_and_of_no_period() -> None:
-    r = np.array([[0.3, -1.2], [2.0, 0.7]])
-    assert square_substrate().energy(r) == pytest.approx(np.sin(r).sum(-1), abs=1e-15)
-    hexagonal = hexagonal_substrate(2.0, 3.0)
-    assert hexagonal.energy([0.0, 0.0]) == pytest.approx(6.0) and hexagonal.energy(
-        [3.0, 0.0]
-    ) == pytest.approx(6.0)
-    assert hexagonal.energy([1.5, np.sqrt(0.75)]) == pytest.approx(-3.0)
-    together = fourier_substrate([[1.0, 0.0], [-1.0, 0.0], [0.0, 0.0]], [1.0, 1.0j, 3.0])
-    assert len(together.coefficients) == 1
-    assert together.energy([0.4, 0.0]) == pytest.approx(3.0 + np.cos(0.4) + np.sin(0.4))
-    assert (
-        square_substrate().rank == 2
-        and fourier_substrate([[1.0, 2.0], [-3.0, -6.0]], [1, 1]).rank == 1
-    )
+# -- structure factors -----------------------------------------------------------------------------
+
+
+LONG = np.longdouble
+COMMENSURATE = [2 * np.pi, 4 * np.pi, np.pi, 4 * np.pi / np.sqrt(3.0), 2 * np.pi / np.sqrt(3.0)]
+
+
+def atom_by_atom(a: float, n_i: int, n_j: int, angle: float, wavevectors: np.ndarray) -> np.ndarray:
+    """The sum over the atoms of the paper's island about their centre, in long precision."""
+    j = np.repeat(np.arange(n_j), n_i)
+    i = np.tile(np.arange(n_i), n_j) - j // 2
+    x, y = (i + LONG(0.5) * j) * LONG(a), j * (LONG(a) * np.sqrt(LONG(3)) / 2)
+    x, y = x - x.mean(), y - y.mean()
+    cos, sin = np.cos(LONG(angle)), np.sin(LONG(angle))
+    phases = [g[0] * (cos * x - sin * y) + g[1] * (sin * x + cos * y) for g in wavevectors]
+    return np.array([complex(np.cos(phase).sum(), np.sin(phase).sum()) for phase in phases])
+
+
+def test_random_islands_against_sums_over_atoms() -> None:
+    rng = np.random.default_rng(0)
+    square = np.eye(2)
+    for case in range(300):
+        a = rng.choice(COMMENSURATE) if case % 5 == 0 else rng.uniform(0.1, 20.0)
+        n_i, n_j = (int(n) for n in rng.integers(1, 60, 2))
+        angle = (
+            rng.choice([0.0, np.pi / 6, np.pi / 2, np.pi])
+            if case % 3 == 0
+            else rng.uniform(-10.0, 10.0)
+        )
+        waves = rng.normal(size=(3, 2)) if case % 2 else square
+        expected = atom_by_atom(a, n_i, n_j, angle, waves)
+        closed = triangular_structure_factors(a, n_i, n_j, angle, waves)
+        assert np.abs(closed - expected).max() < 1e-12 * n_i * n_j
+        if case % 10 == 0:
+            summed = structure_factors(origins.triangular_island(a, n_i, n_j), angle, waves)
+            assert np.abs(summed - expected).max() < 1e-12 * n_i * n_j
+
+
+def test_ten_million_atoms() -> None:
+    """The same as a sum over one row times a sum over rows, in long precision."""
+    a, n_i, n_j, angle = 2.5, 3162, 3163, 0.3
+    i, j = np.arange(n_i) - LONG(n_i - 1) / 2, np.arange(n_j) - LONG(n_j - 1) / 2
+    shift = LONG(0.5) * (np.arange(n_j) % 2 - LONG(n_j // 2) / n_j)
+    height, expected = LONG(a) * np.sqrt(LONG(3)) / 2, []
+    for along, up in (
+        (np.cos(LONG(angle)), -np.sin(LONG(angle))),
+        (np.sin(LONG(angle)), np.cos(LONG(angle))),
+    ):
+        row = np.exp(1j * (along * LONG(a) * i)).sum()
+        expected.append(
+            complex(row * np.exp(1j * (along * LONG(a) * shift + up * height * j)).sum())
+        )
+    closed = triangular_structure_factors(a, n_i, n_j, angle)
+    assert np.abs(closed - expected).max() < 1e-12 * n_i * n_j

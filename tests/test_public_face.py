@@ -1,8 +1,13 @@
-"""Nothing that users of version 0.1.0 have is lost: public names, commands, the keys and kinds of scenes."""
+"""What users have: names, commands, keys and kinds of scenes; what is imported for it, and what is not."""
 
+import json
+import subprocess
+import sys
 from importlib import import_module
+from typing import Any
 
 import pytest
+from conftest import HANGS, clean_environment
 
 from toolkit.command import COMMANDS
 from toolkit.scene import laws, tables
@@ -83,3 +88,79 @@ def test_kinds_commands_and_shipped_scenes_are_there() -> None:
         assert set(kinds.split()) <= set(known[name])
     assert set(REST["commands"].split()) <= set(COMMANDS)
     assert set(REST["scenes"].split()) <= set(shipped_scenes())
+
+
+# -- imports ---------------------------------------------------------------------------------------
+
+
+HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.stats", "h5py"]
+
+
+@pytest.fixture(scope="module")
+def told() -> dict[str, list[str]]:
+    """By what was done, one after another in one process: the modules that are there then."""
+    code = """
+import json, sys, tomllib
+told = {}
+def done(name):
+    told[name] = sorted(sys.modules)
+from toolkit.command import main
+for words in ("--help", "--version", "run --help"):
+    try:
+        main(words.split())
+    except SystemExit:
+        done(words)
+import origins
+done("origins")
+laws = [origins.gaussian(1.0, 0.1, form='paper', upper=3.0), origins.from_samples([0.5, 1.0, 1.5])]
+law = origins.mixture(laws, [0.5, 0.5])
+law.isf(law.sf([0.5, 1.0])); law.std(); law.rvs(3)
+done("laws")
+import eq_model, master, toolkit
+done("rooms")
+from toolkit.scene.scene import SHIPPED
+for name in ("gaussian", "thermal-soft", "growing-grains", "stick-slip", "samples", "kinetic-force"):
+    tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
+    tables.pop("eq", None)
+    assert toolkit.run(tables).success
+    done(name)
+print(json.dumps(told))
+"""
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(
+        words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_help_imports_no_package_and_what_is_not_named_is_not_imported(
+    told: dict[str, list[str]],
+) -> None:
+    for name, modules in told.items():
+        assert not set(HEAVY) & set(modules), name
+        if name.startswith(("--", "run")):
+            assert not {"numpy", "scipy", "msgspec", "origins"} & set(modules)
+        if name in ("origins", "laws"):
+            assert not {
+                f"scipy.{part}" for part in ("interpolate", "integrate", "sparse", "signal")
+            } & set(modules)
+
+
+def test_rooms_keep_their_arrows(python: Any) -> None:
+    """Origins imports no other room; the two solvers import it alone, and never each other."""
+    done = python("""
+import importlib, pkgutil, sys
+for room in ("origins", "eq_model", "master"):
+    package = importlib.import_module(room)
+    for module in pkgutil.walk_packages(package.__path__, f"{room}."):
+        importlib.import_module(module.name)
+    print(*({"origins", "master", "eq_model", "toolkit"} & set(sys.modules)))
+    for name in [name for name in sys.modules if name.split(".")[0] == room != "origins"]:
+        del sys.modules[name]
+""")
+    assert [set(line.split()) for line in done.stdout.splitlines()] == [
+        {"origins"},
+        {"origins", "eq_model"},
+        {"origins", "master"},
+    ], done.stderr

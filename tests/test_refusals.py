@@ -1,11 +1,22 @@
-"""What surfaces, islands, samples and grains refuse: a call a line, and how its one line begins."""
+"""What is refused: calls and scenes, a line each, and what their one line says."""
+
+import copy
+import re
+from typing import Any
 
 import numpy as np
 import pytest
 from ase import Atoms
-from ase.constraints import FixAtoms, FixedLine
+from ase.constraints import FixAtoms
+from rate_laws import Tilted
+from scipy import stats
 
+import eq_model
 import origins
+import toolkit
+from eq_model.closest import closest
+from master.paper.explicit import explicit
+from origins import Ageing, Contacts, Delay, Drive, Thermal
 
 MATERIAL = origins.Material(
     contact_modulus=3e9,
@@ -19,7 +30,6 @@ BARE = origins.Material(contact_modulus=1e9, local_friction=0.3)
 SUMMITS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 ISLAND = origins.triangular_island(2.5, 2, 2)
 HEIGHTS = np.random.default_rng(1).standard_normal((20, 20))
-SAMPLES = origins.from_samples(np.linspace(0.3, 2.0, 50))
 PERSSON = {"model": "persson", "patch_area": 1e-12}
 
 
@@ -67,183 +77,169 @@ def moments(heights: object, *pixel: object, **options: object) -> origins.Spect
     return origins.spectral_moments(heights, *pixel, **options)
 
 
-EMPTY, LOST, TWINS = Atoms(), Atoms("H", [[np.nan, 0.0, 0.0]]), Atoms("H2")
-LINE, FIXED = ISLAND.copy(), ISLAND.copy()
-LINE.set_constraint(FixedLine(0, [1, 0, 0]))
+EMPTY, FIXED = Atoms(), ISLAND.copy()
 FIXED.set_constraint(FixAtoms(range(4)))
 ON = origins.substrate_calculator(origins.square_substrate())
 LEVEL = origins.substrate_calculator(origins.fourier_substrate([[1.0, 0.0]], [1.0]))
-CONTACT = origins.GrainContact(origins.GrainGrowth(1.0, 1.0))
+
+CALLED = {
+    "stats": stats,
+    "Delay": Delay,
+    "Drive": Drive,
+    "Tilted": Tilted,
+    "closest": closest,
+    "explicit": explicit,
+}
+GAUSSIAN, BOX = origins.gaussian(1.0, 0.2), origins.rectangular(0.5, 1.0)
+GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1.0, 2.0)], [0.5, 0.5])
+PAPER, AGEING = Thermal("soft", 0.1, closure="paper"), Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
+
+
+class Careless(origins.Thresholds):
+    """Exponential thresholds whose inverse is wrong by a part in 10^4."""
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, np.inf
+
+    def _pdf(self, x: np.ndarray) -> np.ndarray:
+        return np.exp(-x)
+
+    _sf = _pdf
+
+    def _cdf(self, x: np.ndarray) -> np.ndarray:
+        return -np.expm1(-x)
+
+    def _ppf(self, q: np.ndarray) -> np.ndarray:
+        return -np.log1p(-q) * (1.0 + 1e-4)
+
+    def _isf(self, q: np.ndarray) -> np.ndarray:
+        return -np.log(q)
+
+
+def simulate(path: Any = (0.0, 1.0), law: Any = GAUSSIAN, laws: Any = None, **asked: Any) -> Any:
+    return eq_model.simulate(Contacts(law, **(laws or {})), path, **{"n_contacts": 10, **asked})
+
 
 REFUSED = """
-pressed(model="hertz")                                      model = 'hertz'
-pressed(law="coulomb")                                      law = 'coulomb'
-pressed(material={"E": 1.0})                                material = {'E': 1.0}
-pressed(pressure=0.0)                                       pressure = 0.0
-pressed(pressure=1e30)                                      summits would cover
-pressed(pressure=1e9, height_law="exponential")             bear at most
-pressed(height_law="flat")                                  height_law = 'flat'
-pressed(patch_area=1e-12)                                   patch_area = 1e-12
-pressed(regime="brittle")                                   regime = 'brittle'
-pressed(regime="mixed", material=BARE)                      material.hardness = None
-pressed(material=BARE)                                      material.shear_modulus = None
-pressed(material=BARE, law="paper")                         material.force_coefficient = None
-pressed(material=BARE, law="strength")                      material.shear_strength = None
-pressed(material=origins.Material(contact_modulus=1e9))     material.local_friction = None
-pressed(material=stiffer(1.0, 2.0))                         material.contact_stiffness: k ~ A
-pressed(material=stiffer(1.0, 1.0, force_coefficient=1.0), law="paper")  material.contact_stiffness
-pressed(model="persson")                                    patch_area = None: model = "persson" needs
-pressed(**PERSSON, pressure=1e30)                           pressure = 1e+30
-pressed(**PERSSON, regime="mixed")                          model = "gw"
-pressed(**PERSSON, height_law="exponential")                height_law
-pressed(**PERSSON, law="strength")                          model = 'gw'
-pressed().interface.temperature()                           kelvin = None
-pressed().interface.temperature(kelvin=1.0, energy=1.0)     kelvin = 1.0
-origins.Material(contact_modulus=-1.0)                      contact_modulus = -1.0
-origins.Material(contact_modulus=1.0, density=1.0)          sound_velocity = None
-origins.Material(contact_modulus=1.0, contact_stiffness=3.0)  contact_stiffness = 3.0
-stiffer(1.0, 0.5, shear_modulus=1e9)                        contact_stiffness: given twice
-stiffer(1.0, -1.0)                                          contact_stiffness.exponent = -1.0
-origins.PowerLaw(1.0, np.inf)                               exponent = inf
-origins.sound_stiffness(-1.0, 1.0)                          density = -1.0
-origins.mindlin_stiffness(1e9, 0.6)                         poisson_ratio = 0.6
-origins.mindlin_stiffness((1e9, 1e9, 1e9), 0.3)             shear_modulus = (1000000000.0,
-origins.column_stiffness(1e9)                               column_stiffness: give one of
+pressed(pressure=1e30)  summits would cover
+pressed(pressure=1e9, height_law="exponential")  bear at most
+pressed(regime="mixed", material=BARE)  material.hardness = None
+pressed(material=BARE)  material.shear_modulus = None
+pressed(material=stiffer(1.0, 2.0))  material.contact_stiffness: k ~ A
+pressed(model="persson")  patch_area = None: model = "persson" needs
+pressed(**PERSSON, regime="mixed")  model = "gw"
+pressed().interface.temperature()  kelvin = None
+stiffer(1.0, 0.5, shear_modulus=1e9)  contact_stiffness: given twice
 origins.moments_of_summits(radius=0.0, std=1.0, density=1.0)  radius
-origins.resolution_study(surface(), 1e-7, factors=(0,))     factors
-separated(-1.0)                                             pressure = -1.0
-separated(1.0, regime="both")                               regime = 'both'
-separated(1.0, BARE, regime="mixed")                        material.hardness = None
-pressure_at(np.nan)                                         separation = nan
-pressure_at(-1e-4)                                          raise it
-pressure_at(1e-4)                                           where no summit reaches
-pressure_at(-1e-9, height_law="exponential")                every summit touches
-origins.gw_gaussian(np.nan, 1.0)                            separation = nan
-origins.gw_gaussian(2e6, 1.0)                               separation = 2000000.0: is h0/sigma_h
-origins.gw_gaussian(1.0, 0.0)                               scale = 0.0
-origins.gw_gaussian(2.0, 1e300)                             scale = 1e+300: must lie between
-origins.gw_gaussian(1.0, 1.0, "coulomb")                    law = 'coulomb'
-origins.gw_gaussian(1.0, 1.0, "paper", "hard")              regime = 'hard'
-origins.gw_gaussian(1.0, 1.0, "paper", "mixed")             plasticity_index = None
-origins.gw_gaussian(1.0, 1.0, "paper", "elastic", 2.0)      plasticity_index = 2.0: belongs to regime
-moments(HEIGHTS)                                            pixel_size = None
-moments(HEIGHTS, (1.0, -2.0))                               pixel_size[1] = -2.0
-moments(HEIGHTS[0], 1.0)                                    two-dimensional
-moments(HEIGHTS[:2], 1.0)                                   at least 3 points
-moments(np.where(HEIGHTS > 2.0, np.inf, HEIGHTS), 1.0)      must be finite
-moments(np.full((9, 9), np.nan), 1.0)                       every point is missing
-moments(np.where(HEIGHTS > 0.5, np.nan, HEIGHTS), 1.0)      less than half
-moments(np.ones((9, 9)), 1.0)                               flat surface
-moments(HEIGHTS, 1.0, detrend="plane")                      detrend = 'plane'
-moments(HEIGHTS, 1.0, periodic=True)                        detrend = "centre"
-moments(HEIGHTS, 1.0, step=10)                              step = 10
-moments(Scan(None))                                         heights.unit = None
-moments(Scan(("µm", None)))                                 one unit
-moments(Scan("nm"), 1.0)                                    leave it out
-moments(Scan("nm", (1.0,)))                                 heights.pixel_size
-origins.moments_of_spectrum([1.0], [1.0])                   wavevectors =
-origins.moments_of_spectrum([1.0, 2.0], [1.0])              power =
-origins.moments_of_spectrum([1.0, 2.0], [1.0, 0.0])         power[1] = 0.0
-origins.moments_of_spectrum([2.0, 1.0], [1.0, 1.0])         wavevectors[1] = 1.0
-origins.moments_of_spectrum([1.0, 2.0], [1.0, 1.0], "2d")   convention = '2d'
-surface(hurst=1.2)                                          hurst = 1.2
-surface(rms_slope=-0.1)                                     rms_slope = -0.1
-surface(seed=2**64)                                         seed =
-surface(shape=32)                                           shape = 32
-surface(pixel_size=(1.0, 0.0))                              pixel_size[1] = 0.0
-surface(long_cutoff=3.0, short_cutoff=4.0)                  long_cutoff = 3.0
-surface(short_cutoff=100.0, long_cutoff=200.0)              no mode
-surface(shape=(10**6, 10**6))                               needs 4e+04 GB, 40 bytes a point, and this
-surface(shape=(10**200, 10**200))                           needs over 1e300 GB
-origins.from_samples()                                      from_samples: give either x_s
-origins.from_samples([])                                    x_s = array of shape (0,):
-origins.from_samples("many")                                x_s = 'many':
-origins.from_samples([1.0, np.nan])                         x_s[1] = nan:
-origins.from_samples([1.0, -1.0])                           x_s[1] = -1.0:
-origins.from_samples([1.0, 1e-101])                         x_s[1] = 1e-101: must lie between 1e-100 and
-origins.from_samples([1.0], stiffness=2.0)                  stiffness = 2.0:
-origins.from_samples([1.0], f_s=[1.0])                      from_samples: give either x_s
-origins.from_samples(f_s=[1.0])                             from_samples: with f_s give either
-origins.from_samples(f_s=[1.0], stiffness=0.0)              stiffness = 0.0:
-origins.from_samples(f_s=[1.0], stiffness=[1.0, 1.0])       stiffness = array of shape (2,): must hold
-origins.from_samples(f_s=[1.0, 1e-300], stiffness=1e50)     f_s[1] = 1e-300: makes a length of 0
-origins.from_samples([1.0, 2.0], weights=[1.0])             weights = array of shape (1,): must hold one
-origins.from_samples([1.0, 2.0], weights=[1.0, 0.0])        weights[1] = 0.0: must be above zero
-origins.bootstrap(origins.gaussian(1.0, 0.1), len)          thresholds =
-origins.bootstrap_laws(origins.identical(1.0), 3)           thresholds =
-origins.bootstrap_laws(SAMPLES, 0)                          resamples = 0:
-origins.bootstrap(SAMPLES, len, seed=-1)                    seed = -1:
-origins.bootstrap(SAMPLES, lambda law: np.inf)              statistic = inf: must be finite
-origins.bootstrap(SAMPLES, lambda law: np.ones(int(1e3 * law.mean())))  statistic =
-rotated()                                                   domains: give exactly one of sizes
-rotated(sizes=[(3, 3)], mean_atoms=10.0)                    domains: give exactly one of sizes
-rotated(sizes=[(3, 3)], lattice_constant=None)              lattice_constant = None:
-rotated(sizes=[[5, 5], [6]])                                sizes = [[5, 5], [6]]:
-rotated(sizes=[(3, 3)], weights=[1.0, 1.0])                 weights = [1.0, 1.0]:
-rotated(mean_atoms=1e13)                                    mean_atoms = 10000000000000.0:
-rotated(mean_atoms=5.0, weights=[1.0])                      weights = [1.0]:
-rotated(islands=[])                                         lattice_constant = 2.5:
-rotated(islands=["a"], lattice_constant=None)               atoms = 'a':
-rotated(mean_atoms=5.0, angles=[0.0, 20.0])                 angles[1] = 20.0: angles are in radians, 2 pi
-rotated(mean_atoms=5.0, law="amontons")                     law = 'amontons':
-rotated(mean_atoms=5.0, coefficient=1.0)                    coefficient = 1.0:
-rotated(mean_atoms=5.0, law="paper")                        stiffness = 1.0:
-rotated(mean_atoms=5.0, seed=-1)                            seed = -1:
+separated(1.0, BARE, regime="mixed")  material.hardness = None
+pressure_at(1e-4)  where no summit reaches
+origins.gw_gaussian(2e6, 1.0)  separation = 2000000.0: is h0/sigma_h
+origins.gw_gaussian(1.0, 1.0, "paper", "mixed")  plasticity_index = None
+moments(HEIGHTS)  pixel_size = None
+moments(np.where(HEIGHTS > 0.5, np.nan, HEIGHTS), 1.0)  less than half
+moments(HEIGHTS, 1.0, periodic=True)  detrend = "centre"
+moments(Scan(None))  heights.unit = None
+moments(Scan(("µm", None)))  one unit
+origins.moments_of_spectrum([1.0, 2.0], [1.0, 0.0])  power[1] = 0.0
+origins.moments_of_spectrum([1.0, 2.0], [1.0, 1.0], "2d")  convention = '2d'
+surface(hurst=1.2)  hurst = 1.2
+surface(short_cutoff=100.0, long_cutoff=200.0)  no mode
+surface(shape=(10**6, 10**6))  needs 4e+04 GB, 40 bytes a point, and this
+origins.from_samples()  from_samples: give either x_s
+origins.from_samples([1.0, np.nan])  x_s[1] = nan:
+origins.from_samples(f_s=[1.0])  from_samples: with f_s give either
+origins.from_samples(f_s=[1.0], stiffness=[1.0, 1.0])  stiffness = array of shape (2,): must hold
+origins.from_samples([1.0, 2.0], weights=[1.0, 0.0])  weights[1] = 0.0: must be above zero
+origins.bootstrap(origins.gaussian(1.0, 0.1), len)  thresholds =
+rotated()  domains: give exactly one of sizes
+rotated(sizes=[(3, 3)], weights=[1.0, 1.0])  weights = [1.0, 1.0]:
+rotated(islands=["a"], lattice_constant=None)  atoms = 'a':
+rotated(mean_atoms=5.0, angles=[0.0, 20.0])  angles[1] = 20.0: angles are in radians, 2 pi
 rotated(mean_atoms=5.0, substrate=origins.fourier_substrate([[1.0, 1.0]], [1.0]))  substrate: varies in
-rotated(sizes=[(2, 2)], lattice_constant=np.pi, angles=[0.0])  domains: none of 20000 islands has a bar
-origins.barrier("atoms", 0.0)                               atoms = 'atoms':
-origins.barrier(ISLAND, np.inf)                             angle[0] = inf:
-origins.barrier(ISLAND, "20")                               angle = '20': must be in radians
-origins.barrier(ISLAND, [0.0, 20.0])                        angle[1] = 20.0: angles are in radians, 2 pi
-origins.barrier(ISLAND, 0.0, "square")                      substrate = 'square':
-origins.triangular_barrier(1.0, 2, 2, -45.0)                angle = -45.0: angles are in radians, 2 pi
-origins.triangular_island(0.0, 3, 3)                        lattice_constant = 0.0:
-origins.triangular_island(2.5, 3, 2.5)                      n_j = 2.5:
-origins.triangular_island(2.5, 100_000, 100_000)            n_i = 100000:
-origins.circular_island(2.5, 1.0, lattice="cubic")          lattice = 'cubic':
-origins.irregular_island(2.5, 5.0, roughness=4.0)           roughness = 4.0:
-origins.barrier(EMPTY, 0.0)                                   atoms = Atoms(
-origins.square_substrate(1.0, -1.0)                         period = -1.0:
-origins.hexagonal_substrate(0.0)                            amplitude = 0.0:
-origins.fourier_substrate([], [])                           wavevectors = array of shape (0,):
-origins.fourier_substrate([[1.0, 0.0]], [1.0, 2.0])         coefficients = array of shape (2,):
-origins.fourier_substrate([[1, 0], [-1, 0]], [1, -1])       wavevectors: nothing but a constant is left
+origins.barrier(ISLAND, [0.0, 20.0])  angle[1] = 20.0: angles are in radians, 2 pi
+origins.triangular_island(0.0, 3, 3)  lattice_constant = 0.0:
+origins.triangular_island(2.5, 100_000, 100_000)  n_i = 100000:
+origins.barrier(EMPTY, 0.0)  atoms = Atoms(
 origins.fourier_substrate([[1, 2], [-3, -6]], [1, 1]).cell  all parallel
-origins.fourier_substrate([[1, 0], [2**0.5, 0], [0, 1]], [1, 1, 1]).cell  never repeats
-origins.triangular_structure_factors(1.0, 0, 3, 0.0)        n_i = 0:
-origins.triangular_structure_factors(1.0, [3, 4], 3, [0.0, 1.0, 2.0])  angle = array of shape (3,):
-origins.triangular_structure_factors(1.0, 3, 3, 0.0, [1.0, 0.0])  wavevectors = array of shape (2,):
-origins.relaxed_barrier(np.zeros((3, 3)), ON)               atoms = array of shape
-origins.relaxed_barrier(LOST, ON)  finite positions
-origins.relaxed_barrier(LINE, ON)  atoms.constraints =
 origins.relaxed_barrier(FIXED, ON)  FixAtoms does not fix
 origins.relaxed_barrier(ISLAND, origins.square_substrate())  ASE calculator
-origins.relaxed_barrier(ISLAND, LEVEL)                      all parallel
-origins.relaxed_barrier(ISLAND, ON, periods=[[1.0, 0.0], [2.0, 0.0]])  not parallel
-origins.relaxed_barrier(ISLAND, ON, rigid=1)                rigid = 1: must be True or False
+origins.relaxed_barrier(ISLAND, LEVEL)  all parallel
 origins.relaxed_barrier(origins.triangular_island(2.5, 40, 40), ON, rigid=False)  at most 1500
-origins.harmonic_bonds(ISLAND, 0.0)                         stiffness = 0.0: must be above zero
-origins.harmonic_bonds(np.zeros(3), 1.0)                    atoms =
-origins.harmonic_bonds(TWINS, 1.0)                in one place
-origins.harmonic_bonds(ISLAND, 1.0, reach=1.0)              reach = 1.0: bonds no atoms
-origins.grains(2.0 / 3.0, B=1.0)                            rho = 0.6666666666666666: no grain pins yet
-origins.grains(1e60, B=1.0)                                 rho = 1e+60: must be at most 1e+50
-origins.grains(1.0, B=1.0, time=1.0)                        rho = 1.0: is alpha time^(1/3): give rho, or
-origins.grains(B=1.0)                                       rho = None: is missing; give rho, such as
-origins.grains(alpha=1.0, B=1.0)                            time = None: is missing;
-origins.grains(alpha=1.0, time=0.2, B=1.0)                  time = 0.2: no grain pins yet: the first does
-origins.grains(1.0, B=0.0)                                  B = 0.0: must be above zero
-origins.grains(1.0, B=1.0, jacobian="printed")              jacobian = 'printed': must be "exact" or
-origins.GrainGrowth(alpha=-1.0, B=1.0)                      alpha = -1.0: must be above zero
-origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0])       time = 0.0: must be finite and above zero
-origins.film_growth(2e-9, 1e-27, 1e8)                       give either force_coefficient or shear_modulus
-origins.film_growth(-1.0, 1e-27, 1e8, 1.0)                  film_thickness = -1.0: must be above zero
-CONTACT.survival(1.0, velocity=0.0)                         velocity = 0.0: must be above zero
-CONTACT.breaking(velocity=100.0)                            velocity = 100.0: none holds but a fraction
-CONTACT.survival(1.0, velocity=1.0, rest=-1.0)              rest = -1.0: must be zero or above
-CONTACT.quantile([0.5, np.nan], 1.0)                        u = nan: must be a quantile
-CONTACT.quantile(0.5, [1.0, 0.1])                           age = 0.1: no grain pins before the age
-origins.GrainContact(1.0)                                   growth = 1.0: must be growth
+origins.harmonic_bonds(ISLAND, 1.0, reach=1.0)  reach = 1.0: bonds no atoms
+origins.grains(2.0 / 3.0, B=1.0)  rho = 0.6666666666666666: no grain pins yet
+origins.grains(alpha=1.0, time=0.2, B=1.0)  time = 0.2: no grain pins yet: the first does
+origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0])  time = 0.0: must be finite and above zero
+origins.identical(0.0)  value = 0.0:
+origins.gaussian(1.0, -0.1)  std = -0.1:
+origins.gaussian(1.0, 0.1, form="paper", upper=0.9)  mean = 1.0:
+origins.rectangular(1.0, 1.0)  upper = 1.0:
+origins.gw_plastic(True)  B = True:
+origins.lubricated(1.0, power=-1.0)  power = -1.0: must be above -1, or P_c has no norm
+origins.persson(1.1e6, 1.0)  centre = 1100000.0: is more than 1e+06 widths
+origins.mixture([origins.identical(1.0)] * 2, [0.5, 0.4])  weights = [0.5, 0.4]:
+origins.mixture([origins.identical(1.0), 3.0], [0.5, 0.5])  thresholds = 3.0:
+origins.continuous_mixture(origins.gw_plastic, 1.0, 0.0)  upper = 0.0: must be above lower = 1
+origins.continuous_mixture(lambda phi: origins.identical(phi), 1.0, 2.0)  jump of the density moves with phi
+origins.continuous_mixture(lambda phi: stats.beta(2.0, 2.0, loc=phi), 0.0, 1.0)  accuracy = 1e-10: 512 laws
+Contacts(stats.halfcauchy())  thresholds: the mean is inf
+Contacts(stats.norm(0.0, 1.0))  weight 0.5 at or below x = 0
+Contacts(stats.norm([1.0, 2.0], 0.1))  arrays as parameters
+Contacts(stats.gamma)  lacks its parameters
+Contacts(stats.Normal(mu=0.0, sigma=1.0))  weight 0.5 at or below x = 0
+Contacts(1.0)  must come from origins
+Contacts(origins.identical(1e-200))  thresholds: the mean is 1e-200: powers of
+Contacts(BOX, start=-1.0)  start: a weight of 1 lies beyond every threshold, at |x| >= 1;
+Contacts(BOX, start=origins.gaussian_start(0.0, 0.21))  start: a weight of 1.92e-06 lies
+Contacts(GAUSSIAN, start=np.nan)  start = nan:
+Contacts(GAUSSIAN, start=stats.cauchy())  start: the mean of the distribution is
+Contacts(GAUSSIAN, thermal=0.1)  thermal = 0.1: must be an origins.Thermal
+Contacts(GAUSSIAN, thermal=origins.RateLaw)  or a RateLaw
+Contacts(GAUSSIAN, stiffness="equal")  stiffness = 'equal':
+Contacts(GAUSSIAN, reforming="relaxed")  reforming = 'relaxed': must be None, a
+Contacts(GAUSSIAN, stiffness="linked", thermal=PAPER)  stiffness = 'linked': not defined with thermal closure
+Contacts(GAUSSIAN, stiffness="linked", ageing=AGEING)  stiffness = 'linked': not defined with ageing:
+Contacts(GAUSSIAN, ageing=Ageing(BOX, rate=1.0))  ageing: a weight of 0.506 of the fresh thresholds lies outside
+Contacts(GAUSSIAN).replace(heat=0.1)  heat = 0.1: is not what contacts have;
+origins.gaussian_start(0.0, -0.1)  std = -0.1:
+origins.boltzmann_reforming(0.0)  temperature = 0.0: must be above zero
+Delay(-0.1)  time = -0.1: must be zero or above
+Thermal("weak", 0.1)  law = 'weak':
+Thermal("soft", 0.0)  temperature = 0.0: must be above zero
+Thermal("soft", 0.1).rate([0.5, 1.1], 1.0)  x = 1.1: a contact holds only where |x| is at most
+Thermal("stiff", 0.1).inverse([1.0, -2.0], 1.0)  amount = -2.0: must be zero or above
+Ageing(GAUSSIAN, -1.0)  rate = -1.0: must be zero or above
+Ageing(origins.identical(1.5), 1.0)  final: holds the single value 1.5:
+Ageing(GAP, 1.0)  final: has no weight between 0.5 and 1:
+Drive([0.0, np.nan, 1.0])  path[1] = nan:
+Drive([0.0, 1.0], slip="instant")  slip = 'instant': is what a slip of a soft
+Drive([0.0, 1.0], time=[0.0, 0.0])  time[1] = 0.0: leaves no time to get there
+Drive([0.0, 1.0], 2.0, time=[0.0, 1.0])  velocity = 2.0: the times of the points
+explicit(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], step=0.01)  contacts.thermal: master.paper.explicit
+closest(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], n_contacts=10)  contacts.thermal: eq_model.closest does
+simulate(n_contacts=0)  n_contacts
+simulate(n_contacts=2**40)  n_contacts
+simulate(seed=-1)  seed
+simulate([0.0, np.nan])  path
+simulate([0.0, 1e12])  path
+simulate(np.linspace(0.0, 1.0, 2001), histograms=np.arange(2001))  must be at most 2000
+simulate(time=[0.0, -1.0])  time
+simulate(comm=3)  comm = 3: must be a communicator of mpi4py
+simulate(laws={"thermal": PAPER})  thermal
+simulate(laws={"ageing": Ageing(GAUSSIAN, 0.1, closure="paper")})  ageing
+simulate(laws={"thermal": Thermal("soft", 1.0, 1e12)})  each contact breaks about 6e+11 times
+simulate(laws={"thermal": Thermal("soft", 1e-21)})  leave thermal out
+simulate(laws={"reforming": 8.5})  the survival of the thresholds is below 1e-290; use stretches
+simulate(law=stats.gamma(0.01))  lies below 1e-300 of a typical value
+simulate(law=stats.pareto(2.5), laws={"stiffness": "linked"})  thresholds: stretches may reach
+simulate(law=Careless())  thresholds:
+simulate(slip="instant")  rigid
+simulate(slip_fraction=0.2)  slip_fraction
+simulate(spring=-1.0)  spring
+simulate(spring=0.7, slip="never")  slip
+simulate(spring=0.7, tolerance=1e-3)  tolerance
+simulate([0.0, 2.0, 1.0], spring=0.7)  does not turn
+simulate(spring=0.7, laws={"thermal": Thermal("soft", 0.1)})  thermal
+simulate(spring=0.7, slip="reset", laws={"reforming": 0.1})  reforming
 """
 ROWS = [line.split("  ", 1) for line in REFUSED.strip().splitlines()]
 
@@ -251,5 +247,122 @@ ROWS = [line.split("  ", 1) for line in REFUSED.strip().splitlines()]
 @pytest.mark.parametrize(("call", "says"), ROWS, ids=[call for call, _ in ROWS])
 def test_it_is_refused_in_one_line(call: str, says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
-        eval(call)
+        eval(call, {**globals(), **CALLED})
     assert says.strip() in str(caught.value) and "\n" not in str(caught.value)
+
+
+# -- scenes -----------------------------------------------------------------------------------------
+
+SCENE: dict[str, Any] = {
+    "contacts": {
+        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.05},
+        "start": {"kind": "gaussian", "mean": 0.0, "std": 0.025},
+        "thermal": {"law": "soft", "temperature": 0.3},
+    },
+    "drive": {"to": 5.0, "points": 501},
+    "master": {"tolerance": 1e-8},
+    "eq": {"contacts": 100, "replicas": 2, "seed": 1},
+}
+CONSTANTS = {"contact_modulus": 1e11, "local_friction": 0.1, "shear_modulus": 4e10}
+SUMMIT = {"kind": "summits", "radius": 1e-6, "std": 1e-9, "density": 1e12}
+ROUGH = {"kind": "from-topography", "model": "gw", "law": "amontons", "pressure": 1e6}
+ROUGH |= {"surface": SUMMIT, "material": CONSTANTS}
+GROWN = {
+    "kind": "self-affine",
+    "shape": [16, 16],
+    "pixel_size": 1e-8,
+    "hurst": 0.8,
+    "rms_slope": 0.1,
+}
+ISLANDS = {"kind": "domains", "lattice_constant": 3.88, "mean_atoms": 100.0}
+SMALL = {"kind": "triangular", "lattice_constant": 2.5, "n_i": 2, "n_j": 2}
+OWN = {"kind": "domains", "stiffness": 1.0, "island": SMALL}
+FALLING = CONSTANTS | {
+    "contact_stiffness": {"kind": "power-law", "coefficient": 1.0, "exponent": -1.0}
+}
+FALLING = {name: value for name, value in FALLING.items() if name != "shear_modulus"}
+OLD = {"kind": "gaussian", "mean": 2.0, "std": 0.5}
+SPEEDS = {"from": 1e-2, "to": 1e2, "points": 5}
+LEFT_OUT = None
+
+# a key of SCENE, the value it gets, and what is said; LEFT_OUT takes it out
+WRONG = """
+contacts.thresholds.std = -1.0  contacts.thresholds.std = -1.0: must be above zero
+contacts.thresholds.mean = "one"  contacts.thresholds.mean = 'one': must be a number
+contacts.thresholds.width = 1.0  contacts.thresholds.width = 1.0: unknown key; gaussian takes mean, std
+contacts.thresholds.mean = LEFT_OUT  contacts.thresholds.mean: is missing; gaussian takes mean, std
+contacts.thresholds.kind = "gausian"  contacts.thresholds.kind = 'gausian': must be one of identical, gau
+contacts.delays = {"time": 1.0}  contacts.delays: unknown key; known here: thresholds, start,
+contacts.delay = {}  contacts.delay.time: is missing; it takes time
+contacts.thermal = {"law": "weak", "temperature": 0.1}  contacts.thermal.law = 'weak': must be "soft"
+contacts.thermal.temperature = {"kelvin": 300.0}  contacts.thermal.temperature.kelvin = 300.0: needs
+contacts.ageing = {"rate": 1.0, "final": OLD | {"std": 0.0}}  contacts.ageing.final.std = 0.0: must be above
+contacts.reforming = {"kind": "identical", "value": 9.0}  contacts.reforming: a weight of 1 lies beyond
+contacts.stiffness = "linkd"  contacts.stiffness = 'linkd': must be "independent" or "linked"
+drive.to = -5.0  drive.to = -5.0: must be above zero; for the other way write turns = [-5]
+drive.to = True  drive.to: expected float, got bool
+drive.turns = [2.0, "a"]  drive.turns[1]: expected float, got str
+drive.points = 1  drive.points = 1: must be a whole number of at least 2
+drive = {"points": 11}  drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; neither
+drive = {"points": 3, "turns": [1.0, -1.0, 1.0]}  drive.points = 3
+drive = {"points": 11, "turns": [1.0, 1.0]}  drive.turns[1] = 1.0
+drive = {"points": 11, "to": 5e6}  1e6 mean thresholds at most, or leave [eq] out
+drive = {"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}  for drive.from and each of drive.turns, 2
+drive = {"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}  drive.velocity = 2.0: the times of
+drive = {"points": 11, "to": 1.0, "hold_scale": 1.0}  drive.hold_scale = 1.0
+drive.spring = 0.0  drive.spring = 0.0: must be above zero
+drive.slip = "reset"  drive.slip = 'reset'
+master.tolerance = 0.0  master.tolerance = 0.0: must be above zero
+eq.seed = -1  eq.seed = -1: must be a whole number of at least 0
+eq.threads = 2  eq.threads: unknown key; known here: contacts, replicas, seed, tolerance, wall
+eq.histograms = [1.0, 2.005]  eq.histograms[1] = 2.005: is none of the path's points; near it are 2
+eq.histogram_times = [1.0]  eq.histogram_times = [1.0]: are of a path with drive.times; without them say
+wall_time = 0.0  wall_time = 0.0: must be above zero
+title = "a\\0b"  title
+colour = "red"  colour: unknown key; known here: contacts, drive, title, master, eq,
+sweep = {}  sweep: goes along nothing
+sweep = {"velocity": "fast"}  sweep.velocity: expected float | table | array
+sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1] = 0.0: must be above zero
+sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing = 'wide': must be "log" or "even"
+sweep = {"temperature": SPEEDS | {"from": 0.0}}  temperature.from = 0.0: has no logarithm; write spacing = "e
+sweep = {"rate": [0.0, 1.0]}  sweep.rate: the contacts have no law for it; add [contacts.ageing]
+sweep = {"kelvin": [1.0, 2.0]}  sweep.kelvin: needs <k> in N/m
+sweep = {"velocity": [1.0, 2.0], "delay": [1.0, 2.0], "temperature": [1.0, 2.0]}  have several values each
+sweep = {"velocity": SPEEDS | {"points": 1000}, "delay": SPEEDS | {"points": 1000}}  sweep: has 1,000,000 points
+contacts.thresholds = ROUGH | {"law": "strength"}  material.shear_strength: is missing; law = "strength" needs it
+contacts.thresholds = ROUGH | {"material": FALLING}  material.contact_stiffness.exponent = -1.0: must lie between
+contacts.thresholds = ROUGH | {"pressure": 1e12}  or take the thresholds of model = "persson"
+contacts.thresholds = ROUGH | {"surface": GROWN | {"seed": 1}, "detrend": "tilt"}  write detrend = "centre"
+contacts.thresholds = ROUGH | {"step": 2}  contacts.thresholds.step = 2: belongs to heights
+contacts.thresholds = ROUGH | {"surface": SUMMIT | {"radius": 1e-300}}  some of its numbers are too large or too
+contacts.thresholds = ROUGH  contacts.thermal.attempt_frequency: is missing
+contacts.thresholds = ISLANDS  stiffness: is missing; law = "area" needs it; for lengths in units of your own write
+contacts.thresholds = ISLANDS | {"sizes": [[7.0, 9.0]]}  domains: give exactly one of sizes, such as [[10, 9]]
+contacts.thresholds = OWN | {"lattice_constant": 2.5}  contacts.thresholds.lattice_constant = 2.5: the table
+contacts.thresholds = OWN | {"island": {"kind": "file", "file": "no.xyz"}}  island.file = 'no.xyz': no such file
+contacts.thresholds = OWN | {"bonds": 1.0}  bonds = 1.0: makes islands of your own flexible, at listed
+contacts.thresholds = {"kind": "mixture", "components": [1.0], "weights": [1.0]}  must be a list of tables, such as
+contacts.thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.1, "form": "paper"}  upper: is missing; form =
+contacts.thresholds = {"kind": "rectangular", "lower": 1.0, "upper": 1.0}  for one value take identical, value = 1
+contacts.thresholds = {"kind": "from-samples", "file": "none.txt"}  file = 'none.txt': no such file in
+"""
+CHANGES = [re.split(" = |  ", line, maxsplit=1) for line in WRONG.strip().splitlines()]
+
+
+@pytest.mark.parametrize(("place", "rest"), CHANGES, ids=[" = ".join(row) for row in CHANGES])
+def test_a_scene_is_refused_by_the_path_of_its_key(place: str, rest: str) -> None:
+    value, says = (part.strip() for part in rest.split("  ", 1))
+    *tables, key = place.split(".")
+    table = scene = copy.deepcopy(SCENE)
+    for name in tables:
+        table = table.setdefault(name, {})
+    table[key] = eval(value)
+    if table[key] is LEFT_OUT:
+        del table[key]
+    with pytest.raises(origins.InputError) as caught:
+        toolkit.load_scene(scene)
+    told = str(caught.value)
+    assert says in told and "\n" not in told
+    # no calls, no arguments as Python writes them, no values that TOML has not
+    if "thresholds" in place:
+        assert not re.search(r"origins\.|\b\w+=|\b[a-z_]+\([^)]|\(\d|\bNone\b|PowerLaw", told), told

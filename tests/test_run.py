@@ -1,7 +1,9 @@
-"""Running a scene: the solvers' own numbers, kept whole in a folder and read back."""
+"""Scenes run: the solvers' own numbers, kept whole in a folder and read back; what is lost, damaged or in the way."""
 
+import dataclasses
 import json
 import os
+import shutil
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -9,124 +11,89 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from scenes import GAUSSIAN, said, scene, write
 
 import eq_model
 import master
 import toolkit
 from origins.errors import InputError
-from toolkit.command import main
-from toolkit.results.beside import slips_beside
-from toolkit.results.files import summary
-from toolkit.results.folders import write_folder
-from toolkit.results.records import OWN_UNIT
-from toolkit.running.runner import solve_master
 from toolkit.scene.scene import SHIPPED, shipped_scenes
-from toolkit.scene.tables import to_toml
+
+EQ = {"contacts": 400, "replicas": 2, "seed": 1}
+NARROW = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
 
 
-def small(name: str, contacts: int = 400, replicas: int = 4) -> dict[str, Any]:
-    """A shipped scene with an ensemble small enough for a test."""
-    tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
-    tables["eq"] |= {"contacts": contacts, "replicas": replicas}
-    return tables
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
 
 
-@pytest.fixture(scope="module")
-def result() -> toolkit.results.records.Result:  # type: ignore[name-defined]
-    return toolkit.run(small("gaussian"))
+@pytest.fixture
+def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawing takes longer than all the rest: only where it is looked at."""
+    monkeypatch.setattr(
+        "toolkit.pictures.run.save_picture", lambda _, path: path.write_bytes(b"drawn")
+    )
 
 
-def test_numbers_are_the_solvers_own(result: Any) -> None:
-    scene = toolkit.load_scene("gaussian")
-    solved = master.solve(scene.contacts, scene.path, tolerance=1e-8)
-    simulated = eq_model.simulate(scene.contacts, scene.path, n_contacts=400, n_replicas=4, seed=1)
-    assert np.array_equal(result.master.force, solved.force)
-    assert np.array_equal(result.eq.force, simulated.force)
-    assert np.array_equal(result.eq.force_standard_error, simulated.force_standard_error)
-    assert result.eq.breaks == simulated.breaks
-    assert result.mean_threshold == pytest.approx(1.0)
+def alike(one: Any, other: Any) -> None:
+    """Two records of a solver have the same bits."""
+    for field in dataclasses.fields(one):
+        mine, yours = getattr(one, field.name), getattr(other, field.name)
+        if dataclasses.is_dataclass(mine):
+            alike(mine, yours)
+        elif field.name != "histograms":
+            assert np.array_equal(mine, yours, equal_nan=isinstance(mine, np.ndarray)), field.name
 
 
-TEXTS = {name: (SHIPPED / f"{name}.toml").read_text() for name in shipped_scenes()}
-SIMULATED = [name for name, text in TEXTS.items() if "eq" in tomllib.loads(text)]
+# -- what runs, and what comes back ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [name for name in shipped_scenes() if name not in SIMULATED])
-def test_shipped_scene_of_the_master_equation_alone_runs(name: str) -> None:
-    done = toolkit.run(name)
-    found = done.master or done.sweep
-    assert found is not None and done.eq is None
-    assert done.success and np.ptp(found.force) > 0.1 * done.mean_threshold
-
-
-@pytest.mark.parametrize("name", SIMULATED)
+@pytest.mark.parametrize("name", shipped_scenes())
 def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
-    scene = small(name)
-    done = toolkit.run(scene)
-    assert done.success, done.master
-    assert done.master is not None and done.eq is not None
-    assert done.master.force_error <= scene["master"].get("tolerance", 1e-8)
-    if "spring" in scene["drive"]:
-        for slip in slips_beside(done):
+    tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
+    if "eq" not in tables:
+        done = toolkit.run(name)
+        found = done.master or done.sweep
+        assert done.eq is None and done.success and np.ptp(found.force) > 0.1 * done.mean_threshold
+        return
+    tables["eq"] |= {"contacts": 400, "replicas": 4}
+    done = toolkit.run(tables)
+    assert done.success and done.master.force_error <= tables["master"].get("tolerance", 1e-8)
+    if "spring" in tables["drive"]:
+        for k, exact in enumerate(done.master.slips.drive):
             # each is late by what the one before it was, and some N^(-2/3) more
-            late = 2.0 * (slip.number + 1) * scene["eq"]["contacts"] ** (-2.0 / 3.0)
-            most = 5.0 * slip.drive_error + late
-            assert -5.0 * slip.drive_error < slip.mean_drive - slip.drive < most
-        assert len(slips_beside(done)) == done.master.slips.drive.size > 0
+            drive, _ = done.eq.slips.mean("drive", k)
+            error = 5.0 * done.master.slips.drive_error
+            assert -error < drive - exact < error + 2.0 * (k + 1) * 400 ** (-2.0 / 3.0)
         return
     deviation = np.abs(done.eq.force - done.master.force)
     allowed = 5.0 * done.eq.force_standard_error + done.master.force_error * done.mean_threshold
-    assert (deviation <= allowed).all()
-    assert done.eq.breaks > 1600 and np.ptp(done.master.force) > 0.1 * done.mean_threshold
+    assert (deviation <= allowed).all() and done.eq.breaks > 1600
 
 
-def test_the_master_equation_tells_its_error() -> None:
-    errors: list[float] = []
-    scene = toolkit.load_scene("friction-loop")
-    solved = solve_master(scene, 1e-8, errors.append)
-    assert errors and errors[-1] == solved.force_error
-
-
-def test_only_named_solvers_run() -> None:
-    tables = small("gaussian")
-    lone = toolkit.run({key: value for key, value in tables.items() if key != "eq"})
-    assert lone.eq is None and lone.master is not None and "eq" not in summary(lone)
-    lone = toolkit.run({key: value for key, value in tables.items() if key != "master"})
-    assert lone.master is None and lone.eq is not None and lone.success
-    assert "master" not in summary(lone)
-
-
-def test_what_is_saved_is_what_is_loaded(result: Any, tmp_path: Path) -> None:
-    toolkit.save(result, tmp_path / "out")
-    assert sorted(os.listdir(tmp_path / "out")) == ["picture.png", "result.h5", "summary.json"]
-    back = toolkit.load(tmp_path / "out")
-    for name in ("name", "title", "text"):
-        assert getattr(back, name) == getattr(result, name)
-    assert back.version == toolkit.__version__
-    for name in ("path", "force", "holding"):
-        assert np.array_equal(getattr(back.master, name), getattr(result.master, name))
-        assert np.array_equal(getattr(back.eq, name), getattr(result.eq, name))
-    assert np.array_equal(back.eq.force_standard_error, result.eq.force_standard_error)
+def test_what_is_saved_is_the_solvers_own_and_is_what_is_loaded() -> None:
+    asked = scene(eq=EQ, title="both")
+    result, made = toolkit.run(asked), toolkit.load_scene(asked)
+    assert np.array_equal(result.master.force, master.solve(made.contacts, made.path, 1e-8).force)
+    own = eq_model.simulate(made.contacts, made.path, n_contacts=400, n_replicas=2, seed=1)
+    assert np.array_equal(result.eq.force, own.force) and result.eq.breaks == own.breaks
+    toolkit.save(result, "out")
+    assert sorted(os.listdir("out")) == ["picture.png", "result.h5", "summary.json"]
+    assert Path("out/picture.png").stat().st_size > 10_000
+    back = toolkit.load("out")
+    alike(back.master, result.master)
+    alike(back.eq, result.eq)
+    assert (back.title, back.text, back.version) == ("both", result.text, toolkit.__version__)
     assert np.array_equal(back.thresholds.density, result.thresholds.density)
-    assert back.master.force_error == result.master.force_error and back.master.success is True
-    assert back.eq.breaks == result.eq.breaks and sum(back.eq.breaks_per_rank) == result.eq.breaks
-    written = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary(back) == summary(result) == written
-    again = toolkit.run(toolkit.load_scene(tomllib.loads(back.text)))
-    assert np.array_equal(again.eq.force, result.eq.force)
-
-
-def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: Path) -> None:
-    toolkit.save(result, tmp_path)
-    with h5py.File(tmp_path / "result.h5") as store:
+    written = json.loads(Path("out/summary.json").read_text())
+    assert written["master"]["force_error"] == result.master.force_error
+    assert written["eq"]["breaks"] == result.eq.breaks
+    assert np.array_equal(toolkit.run(tomllib.loads(back.text)).eq.force, result.eq.force)
+    with h5py.File("out/result.h5") as store:  # any program of HDF5 reads it
+        assert store.attrs["seed"] == 1
         assert tomllib.loads(store.attrs["scene"])["eq"]["contacts"] == 400
-        assert store.attrs["seed"] == 1 and store.attrs["version"] == toolkit.__version__
-        assert store["master/force"].attrs["units"] == OWN_UNIT
-        assert store["thresholds/density"].attrs["units"] == f"1 / {OWN_UNIT}"
-        assert store["eq/holding"].attrs["units"] == "1"
-        assert np.array_equal(store["time"], result.time) and np.array_equal(
-            result.time, result.eq.path
-        )
+        assert store["thresholds/density"].attrs["units"].startswith("1 / ")
         arrays: list[Any] = []
         store.visititems(
             lambda _, item: arrays.append(item) if isinstance(item, h5py.Dataset) else None
@@ -134,57 +101,217 @@ def test_arrays_have_units_and_the_scene_goes_with_them(result: Any, tmp_path: P
         assert len(arrays) == 16 and all("units" in array.attrs for array in arrays)
 
 
-def test_nothing_of_another_scene_stays_beside_a_new_result(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Of what is not known to be of an earlier command nothing is removed."""
-    monkeypatch.setattr(
-        "toolkit.pictures.run.save_picture", lambda _, path: path.write_bytes(b"drawn")
+def test_a_soft_slider_tells_its_slips_beside_those_of_contacts(capsys: Any) -> None:
+    drive = {"to": 7.0, "points": 71, "spring": 0.7, "slip": "reform-after"}
+    eq = {"contacts": 400, "replicas": 12, "seed": 5, "slip_fraction": 0.3}
+    status, out, _ = said(
+        capsys, "run", write(thresholds=NARROW, drive=drive, eq=eq), "--out", "out"
     )
-    thermal = {"law": "soft", "temperature": 0.1}
-    swept, plain = tmp_path / "swept.toml", tmp_path / "plain.toml"
-    thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
-    contacts = {"thresholds": thresholds, "thermal": thermal}
-    swept.write_text(to_toml({"contacts": contacts, "sweep": {"velocity": [0.5, 1.0]}}))
-    drive, contacts = {"to": 1.0, "points": 3}, {"thresholds": thresholds}
-    plain.write_text(to_toml({"contacts": contacts, "drive": drive, "master": {}}))
-    out = tmp_path / "out"
-    ours = ["picture.png", "result.h5", "summary.json"]
-    told = ["thresholds.json", "thresholds.png"]
-    toolkit.run(swept, folder=out)
-    assert main(["thresholds", str(swept), "--out", str(out)]) == 0
-    (out / "checkpoint").mkdir()
-    (out / "checkpoint" / "kept").touch()
-    (out / "notes.txt").write_text("mine")
-    toolkit.run(swept, folder=out)
-    assert sorted(os.listdir(out)) == sorted([*ours, *told, "checkpoint", "notes.txt", "sweep.csv"])
-    toolkit.run(plain, folder=out)
-    assert sorted(os.listdir(out)) == sorted([*ours, "checkpoint", "notes.txt"])
-    assert main(["thresholds", str(swept), "--out", str(out)]) == 2
-    for name in (*told, "sweep.csv"):
-        (out / name).write_text("mine")
-    toolkit.run(plain, folder=out)
-    assert sorted(os.listdir(out)) == sorted([*ours, *told, "checkpoint", "notes.txt", "sweep.csv"])
+    found = toolkit.load("out")
+    soft, many = found.master, found.eq.slips
+    assert status == 0 and soft.slips.drive.size == 3 and (np.bincount(many.number) == 12).all()
+    assert not any(line.startswith("eq less master") for line in out)
+    made = toolkit.load_scene("mine.toml")
+    solved = master.solve(made.contacts, made.path, 1e-8, spring=0.7, slip="reform-after")
+    assert np.array_equal(soft.slips.drive, solved.slips.drive) and soft.regime == solved.regime
+    finer = master.solve(made.contacts, made.path, 1e-10, spring=0.7, slip="reform-after")
+    assert (
+        np.abs(finer.slips.drive - solved.slips.drive).max()
+        <= solved.slips.drive_error + finer.slips.drive_error
+    )
+    np.testing.assert_allclose(soft.force, 0.7 * (soft.path - soft.position), atol=1e-12)
+    for k, exact in enumerate(soft.slips.drive):
+        assert abs(many.mean("drive", k)[0] - exact) < 0.1
+    told = json.loads(Path("out/summary.json").read_text())
+    assert told["eq"]["slips"] == 36 and len(told["eq"]["slips_beside"]) == 3
+    assert told["master"]["period_error"] == 2.0 * soft.slips.drive_error
+    assert told["master"]["verdict"] == soft.regime.verdict
 
 
-def test_no_result_to_load_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"^folder = .*holds no result\.h5"):
-        toolkit.load(tmp_path)
-    (tmp_path / "result.h5").write_text("not HDF5")
-    with pytest.raises(InputError, match=f": is a file; give the folder, '{tmp_path}'$"):
-        toolkit.load(tmp_path / "result.h5")
-    with pytest.raises(InputError, match=r"^folder = .*its result\.h5 is not one of mesofriction"):
-        toolkit.load(tmp_path)
+def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:
+    warm = {"thresholds": GAUSSIAN, "thermal": {"law": "soft", "temperature": 0.3}}
+    sweep = {
+        "velocity": [0.1, 1.0, 10.0],
+        "temperature": [0.1, 0.3],
+        "delay": 0.05,
+        "critical_spring": True,
+    }
+    asked = {"contacts": warm, "sweep": sweep}
+    result = toolkit.run(asked, folder="out")
+    contacts, found = toolkit.load_scene(asked).contacts, result.sweep
+    curve = master.kinetic_curve(
+        contacts, [[0.1], [1.0], [10.0]], temperature=[0.1, 0.3], delay=0.05
+    )
+    np.testing.assert_array_equal(found.force, curve.force)
+    line = master.phase_line(contacts, temperature=0.1, delay=0.05)
+    assert found.critical_spring[1, 0] == line.critical_spring
+    alike(toolkit.load("out").sweep, found)
+    head, *lines = Path("out/sweep.csv").read_text().splitlines()
+    assert head.startswith("velocity [length / time],force [length],force_error [<x_s>],holding,")
+    table = np.array([line.split(",") for line in lines], dtype=float)
+    np.testing.assert_array_equal(table[:, 1], found.force.ravel())
+    np.testing.assert_array_equal(table[:, -2], found.critical_spring.ravel())
 
 
-def test_failing_half_way_leaves_the_folder_as_it_was(tmp_path: Path) -> None:
-    def broken(path: Path) -> None:
+def test_defects_of_the_papers_ageing_are_kept_and_told(capsys: Any) -> None:
+    """What (Q15) does not keep, on a path that goes on where contacts outrun P_c; the shipped one ends before."""
+    tables = tomllib.loads((SHIPPED / "ageing-paper.toml").read_text())
+    tables["drive"] |= {"to": 1.0, "points": 51}
+    tables["contacts"]["thresholds"]["std"] = 0.1
+    status, out, _ = said(capsys, "run", write(**tables), "--out", "out")
+    aged = toolkit.load("out").master
+    assert status == 1 and not aged.success and 0.5 < aged.outrun < 1.0
+    before = aged.path < aged.outrun
+    assert np.abs(aged.mass_defect[before]).max() < 1e-5 < 1e-3 < aged.mass_defect[-1]
+    line = next(line for line in out if line.startswith("(Q15)"))
+    assert f"mass off by up to {aged.mass_defect.max():.1e}" in line
+    assert f"X = {aged.outrun:.4g}" in line
+    assert np.isinf(toolkit.run("ageing-paper").master.outrun)
+
+
+def test_no_spring_is_stiff_enough_where_an_island_turns() -> None:
+    """P_c over all angles of one island diverges: K* is infinite, and the result says what springs do instead."""
+    island = {"kind": "triangular", "lattice_constant": 2.5, "n_i": 2, "n_j": 2}
+    law = {"kind": "domains", "stiffness": 1.0, "samples": 200, "island": island}
+    result = toolkit.run(
+        scene(law, drive={"to": 0.5, "points": 6}, master=None, eq=EQ), folder="out"
+    )
+    (note,) = [note for note in result.notes if "K* is infinite" in note]
+    assert "K = 100 N<k>" in note and Path("out/barriers.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("table", "error", "status"), [({}, 3e-5, 0), ({}, 3e-2, 1), ({"tolerance": 1e-8}, 3e-5, 1)]
+)
+@pytest.mark.usefixtures("no_picture")
+def test_a_tolerance_nobody_asked_for_is_not_missed(
+    table: Any, error: float, status: int, monkeypatch: Any, capsys: Any
+) -> None:
+    solved = master.solve(
+        *(getattr(toolkit.load_scene(scene()), name) for name in ("contacts", "path"))
+    )
+    missed = dataclasses.replace(solved, success=False, force_error=error)
+    monkeypatch.setattr(master, "solve", lambda *_, **__: missed)
+    assert said(capsys, "run", write(master=table), "--out", "out")[0] == status
+    found = toolkit.load("out").master
+    assert found.success == (status == 0) and found.force_error == error
+
+
+# -- what is lost, damaged or in the way ---------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("no_picture")
+def test_no_damage_of_a_result_goes_unseen(capsys: Any) -> None:
+    """Bits that flip, an end that is cut off, and data that a link or a file outside would give."""
+    toolkit.run(scene(eq=EQ), folder="out")
+    file, draws = Path("out/result.h5"), np.random.default_rng(3)
+    whole = file.read_bytes()
+    for place in [0, 20, 500, *draws.integers(0, len(whole), 30)]:
+        file.write_bytes(
+            whole[:place] + bytes([whole[place] ^ 1 << draws.integers(8)]) + whole[place + 1 :]
+        )
+        with pytest.raises(InputError, match=r"its result\.h5 is not one of mesofriction"):
+            toolkit.load("out")
+    for end in (0, -40):
+        file.write_bytes(whole[:end])
+        with pytest.raises(InputError):
+            toolkit.load("out")
+    for kind in ("link", "storage"):
+        file.write_bytes(whole)
+        with h5py.File(file) as store, h5py.File("old.h5", "w") as old:
+            old.attrs.update(store.attrs)
+            for name in store:
+                store.copy(name, old)
+            del old["master/force"]
+            Path("secret").write_bytes(np.arange(21.0).tobytes())
+            if kind == "link":
+                old["master/force"] = h5py.ExternalLink("secret.h5", "/a")
+            else:
+                outside = [("secret", 0, h5py.h5f.UNLIMITED)]
+                old["master"].create_dataset("force", (21,), "f8", external=outside)
+        shutil.move("old.h5", file)
+        with pytest.raises(InputError, match=r"is a link|are in another file"):
+            toolkit.load("out")
+    # and in the way of a new run it is replaced
+    assert said(capsys, "run", write(), "--out", "out")[0] == 0
+    assert toolkit.load("out").name == "mine"
+    for folder, told in (
+        (".", "holds no result"),
+        ("out/result.h5", ": is a file; give the folder"),
+    ):
+        with pytest.raises(InputError, match=told):
+            toolkit.load(folder)
+
+
+@pytest.mark.usefixtures("no_picture")
+def test_nothing_of_another_scene_stays_beside_a_new_result(capsys: Any) -> None:
+    """Nor is it replaced without a word; of what is not known to be of an earlier command nothing is removed."""
+    swept = {
+        "contacts": {"thresholds": GAUSSIAN},
+        "drive": None,
+        "master": None,
+        "sweep": {"velocity": [0.5, 1.0]},
+    }
+    assert said(capsys, "run", write("swept", **swept), "--out", "out")[2] == []
+    assert said(capsys, "thresholds", "swept.toml", "--out", "out")[0] == 0
+    Path("out/notes.txt").write_text("mine")
+    assert said(capsys, "run", "swept.toml", "--out", "out")[2] == []
+    ours = ["notes.txt", "picture.png", "result.h5", "summary.json"]
+    assert sorted(os.listdir("out")) == sorted(
+        [*ours, "sweep.csv", "thresholds.json", "thresholds.png"]
+    )
+    (line,) = said(capsys, "run", write("plain"), "--out", "out")[2]
+    assert (
+        line
+        == "mesofriction: out: holds the result of another scene, swept, which this run will replace"
+    )
+    assert sorted(os.listdir("out")) == ours
+    Path("out/sweep.csv").write_text("mine")
+    toolkit.run("plain.toml", folder="out")
+    assert sorted(os.listdir("out")) == sorted([*ours, "sweep.csv"])
+
+
+def test_a_disk_that_refuses_is_found_out_before_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As is what the ensemble refuses."""
+
+    def full(*arguments: Any) -> int:
+        raise OSError(28, "No space left on device")
+
+    def never(*arguments: Any, **named: Any) -> None:
+        raise AssertionError("it has begun")
+
+    monkeypatch.setattr(master, "solve", never)
+    with pytest.raises(InputError, match=r"^eq\.replicas"):
+        toolkit.run(scene(eq=EQ | {"replicas": 1 << 30}))
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match="cannot be written: No space left"):
+        toolkit.run(scene(), folder="out")
+    assert os.listdir() == []
+
+
+def test_two_runs_do_not_write_to_one_folder() -> None:
+    """The second is refused while the first is at work."""
+
+    def again(done: int, expected: int) -> None:
+        with pytest.raises(InputError, match="another run is writing there"):
+            toolkit.run(scene(), folder="out")
+        refused.append(done)
+
+    refused: list[int] = []
+    toolkit.run(scene(master=None, eq=EQ), folder="out", progress=again)
+    assert refused
+    assert toolkit.load("out").master is None
+
+
+def test_failing_half_way_leaves_the_folder_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    toolkit.run(scene(), folder="out")
+    before = {name: Path("out", name).read_bytes() for name in os.listdir("out")}
+
+    def broken(_: object, path: Path) -> None:
         path.write_text("half")
         raise ZeroDivisionError
 
-    (tmp_path / "a").write_text("old")
-    writers = {"a": lambda path: path.write_text("new") and None, "b": broken}
-    for folder in (tmp_path, tmp_path / "deep/er/out"):
-        with pytest.raises(ZeroDivisionError):
-            write_folder(folder, writers)
-    assert os.listdir(tmp_path) == ["a"] and (tmp_path / "a").read_text() == "old"
+    monkeypatch.setattr("toolkit.pictures.run.save_picture", broken)
+    with pytest.raises(ZeroDivisionError):
+        toolkit.run(scene(NARROW), folder="out")
+    assert {name: Path("out", name).read_bytes() for name in os.listdir("out")} == before

@@ -1,0 +1,370 @@
+"""The commands: what they print, write and return; what they say before they work, or in one line instead."""
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
+
+import master
+import origins
+import toolkit
+from origins.errors import InputError
+from toolkit.judge.precision import Ladders
+from toolkit.scene.scene import shipped_scenes
+
+EQ = {"contacts": 200, "replicas": 4, "seed": 7}
+WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def for_ever(*arguments: Any, **named: Any) -> None:
+    while True:
+        time.sleep(1e-3)
+
+
+def read(path: str) -> Any:
+    return json.loads(Path(path).read_text())
+
+
+# -- run ---------------------------------------------------------------------------------------------
+
+
+def test_run_prints_a_line_per_solver_and_writes(capsys: Any) -> None:
+    status, (title, solved, simulated, apart, where), err = said(
+        capsys, "run", write(eq=EQ, title="two")
+    )
+    written = read("mine-output/summary.json")
+    assert (status, title, where, err) == (0, "two", "written to mine-output", [])
+    assert solved.startswith(
+        f"master  error {written['master']['force_error']:.1e} of <x_s>  run time"
+    )
+    assert simulated.startswith(
+        f"eq      error {written['eq']['largest_standard_error']:.1e} of <x_s>"
+    )
+    assert f"{written['eq']['breaks']:,} breaks on 1 rank" in simulated
+    assert apart.startswith("eq less master: at most")
+    assert toolkit.load("mine-output").text == Path("mine.toml").read_text()
+
+
+def test_run_of_a_surface_says_and_keeps_what_to_mind(capsys: Any) -> None:
+    surface = {
+        "kind": "self-affine",
+        "shape": [32, 32],
+        "pixel_size": 1e-8,
+        "hurst": 0.8,
+        "rms_slope": 0.1,
+        "seed": 1,
+    }
+    law = ROUGH | {"surface": surface}
+    status, out, _ = said(capsys, "run", write(thresholds=law, drive={"to": 5e-8, "points": 21}))
+    i = toolkit.load_scene("mine.toml").contacts.interface
+    assert status == 0 and out[1].startswith(f"surface {i.contact_density:.3g} contacts/m², <k> = ")
+    told = [line.removeprefix("note    ") for line in out if line.startswith("note ")]
+    assert any("the scan does not resolve it" in note for note in i.cautions)
+    assert told[:-1] == list(i.cautions) and "errors are numerical only" in told[-1]
+    written = read("mine-output/summary.json")
+    assert written["notes"] == told and written["interface"]["mean_load"]["unit"] == "N"
+    assert written["interface"]["contact_density"]["value"] == i.contact_density
+    assert toolkit.load("mine-output").notes == tuple(told)
+
+
+def test_what_is_to_be_minded_is_told_before(capsys: Any) -> None:
+    """Kelvins in place of a length squared; a path far beyond all memory; points of a scan that are missing."""
+    contacts = {"thresholds": GAUSSIAN, "thermal": {"law": "soft", "temperature": 500.0}}
+    _, _, (line, *_) = said(capsys, "run", write(contacts=contacts), "--dry-run")
+    assert line.startswith("mesofriction: the temperature is 499 <x_s^2>")
+    with pytest.warns(
+        UserWarning, match=r"temperature is 299 <x_s\^2>: .* it is k_BT/<k>, a length squared"
+    ):
+        origins.Contacts(
+            origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", temperature=300.0)
+        )
+    far = toolkit.run(scene(drive={"to": 5e6, "points": 3}))
+    assert far.success and "5e+06 mean thresholds" in far.notes[0]
+
+
+def test_a_scan_with_gaps_says_by_which_rule_slopes_count(tmp_path: Path) -> None:
+    pytest.importorskip("SurfaceTopography")
+    heights = 200.0 * origins.self_affine_surface((24, 24), 1.0, hurst=0.8, rms_slope=0.1, seed=1)
+    heights[::9, ::9] = np.nan
+    np.savetxt("gaps.txt", heights, header="Width: 10 µm\nHeight: 10 µm\nValue units: nm")
+    law = ROUGH | {"surface": {"kind": "scan", "file": str(tmp_path / "gaps.txt")}}
+    notes = toolkit.run(scene(law, drive={"to": 1e-8, "points": 3})).notes
+    assert any("of the scan's points are missing: a slope counts where" in note for note in notes)
+
+
+def test_a_dry_run_foretells_the_run_and_writes_nothing(capsys: Any) -> None:
+    """By the work of its pilot, whatever the machine; contacts done before are counted, another run's are not."""
+    eq = {"contacts": 600_000, "replicas": 2, "seed": 2}
+    big = {"thresholds": WIDE, "drive": {"to": 10.0, "points": 21}, "master": None}
+    write("cut", **big, eq=eq | {"wall_time": 1e-9})
+    write("other", **big, eq=eq | {"seed": 3, "wall_time": 1e-9})
+    write("rest", **big, eq=eq)
+    told = "\n".join(said(capsys, "run", "rest.toml", "--dry-run")[1])
+    assert "contacts        1,200,000" in told and "standard error" in told
+    assert not Path("rest-output").exists()
+    assert said(capsys, "run", "cut.toml", "--out", "out")[0] == 1
+    done = toolkit.load("out").eq.contacts
+    before = sorted(Path().rglob("*"))
+    told = "\n".join(said(capsys, "run", "cut.toml", "--out", "out", "--dry-run")[1])
+    assert f"1,200,000, {done:,} of them done before" in told and "for what is left" in told
+    line = refused(capsys, "run", "other.toml", "--out", "out", "--dry-run")
+    assert "holds the checkpoint of another run, eq.seed = 2 there and 3 here" in line
+    assert sorted(Path().rglob("*")) == before
+    assert f"went on from a checkpoint of {done:,} contacts" in "\n".join(
+        said(capsys, "run", "rest.toml", "--out", "out")[1]
+    )
+    assert toolkit.load("out").eq.contacts == 1_200_000
+
+
+@pytest.mark.parametrize(
+    "wanted", [{}, {"tolerance": 5e-4}, {"spring": 0.7}], ids=["plain", "wanted", "pulled"]
+)
+def test_contacts_breaks_and_error_are_as_foretold(wanted: dict[str, float]) -> None:
+    from toolkit.running.forecast import forecast
+
+    spring = {name: value for name, value in wanted.items() if name == "spring"}
+    size = {"contacts": 9000, "replicas": 20} if spring else {"contacts": 1_000_000, "replicas": 1}
+    eq = size | {name: value for name, value in wanted.items() if name == "tolerance"}
+    asked = toolkit.load_scene(
+        scene(WIDE, drive={"to": 4.0, "points": 11, **spring}, master=None, eq=eq)
+    )
+    told, run = forecast(asked), toolkit.run(asked).eq
+    most = 4.0 if "tolerance" in wanted else 1.1
+    assert told.contacts / most <= run.contacts <= most * told.contacts
+    assert told.breaks / told.contacts == pytest.approx(run.breaks / run.contacts, rel=0.05)
+    if not spring:
+        assert 0.5 < told.error / run.force_standard_error.max() < 2.0
+
+
+def test_work_of_over_a_minute_says_so_first(capsys: Any) -> None:
+    file = write(master=None, eq={"contacts": 10**11, "replicas": 1, "wall_time": 2.8})
+    status, _, (line, *_) = said(capsys, "run", file)
+    assert (
+        status == 1 and "of 100,000,000,000 contacts (0%)" in line and " left, after 0:00:0" in line
+    )
+
+
+@pytest.mark.parametrize("what", ["master", "sweep", "compare", "thresholds", "precision"])
+def test_the_wall_time_is_that_of_all_solvers_and_commands(
+    what: str, monkeypatch: Any, capsys: Any
+) -> None:
+    for name in ("solve", "kinetic_curve", "propensity"):
+        monkeypatch.setattr(master, name, for_ever)
+    tables = {"master": None, "sweep": {"velocity": [1.0, 2.0]}} if what == "sweep" else {}
+    file = write(**tables, wall_time=0.01)
+    line = refused(capsys, "run" if what in ("master", "sweep") else what, file)
+    assert "wall_time = 0.01: is over before " in line and os.listdir() == ["mine.toml"]
+
+
+def test_a_refusal_of_the_master_equation_says_what_runs_without_it(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    def refuse(*arguments: Any, **named: Any) -> None:
+        raise InputError("path: no")
+
+    monkeypatch.setattr(master, "solve", refuse)
+    paper = {"thresholds": WIDE, "thermal": {"law": "soft", "temperature": 0.1, "closure": "paper"}}
+    without = "; without [master] the scene's [eq] runs alone"
+    # as [eq] alone would not in the paper's closure
+    for tables, more in (({}, ""), ({"eq": EQ}, without), ({"eq": EQ, "contacts": paper}, "")):
+        assert refused(capsys, "run", write(**tables)) == f"master: path: no{more}"
+
+
+# -- the other commands ---------------------------------------------------------------------------------
+
+
+def test_thresholds_print_moments_within_their_errors_and_draw(capsys: Any) -> None:
+    file = write(thresholds={"kind": "rectangular", "lower": 0.5, "upper": 1.5}, master=None)
+    status, out, _ = said(capsys, "thresholds", file)
+    assert status == 0 and any(f"{13 / 12:.8g}" in line for line in out)
+    assert sorted(os.listdir("mine-output")) == ["thresholds.json", "thresholds.png"]
+    numbers = read("mine-output/thresholds.json")["numbers"]
+    # K* at X = 3/2, first and second breaks: F' = 1 - X P_c(X) - (3/8), the last the integral of s from 1/2 to 1
+    exact = {
+        "mean": 1.0,
+        "second_moment": 13 / 12,
+        "third_moment": 1.25,
+        "kinetic_force": 13 / 24,
+        "median": 1.0,
+    }
+    for name, value in (exact | {"onset_power": 0.0, "critical_spring": 7 / 8}).items():
+        assert abs(numbers[name]["value"] - value) <= numbers[name]["error"] < 1e-6, name
+
+
+@pytest.mark.slow  # K* of resampled laws; test_samples.py has sampling errors of quick numbers
+def test_errors_of_few_samples_are_sampling_errors(capsys: Any) -> None:
+    samples = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
+    law = {"kind": "from-samples", "x_s": samples.tolist()}
+    said(capsys, "thresholds", write(thresholds=law))
+    mean = read("mine-output/thresholds.json")["numbers"]["mean"]
+    assert 0.3 < mean["error"] / (samples.std(ddof=1) / 10.0) < 2.0
+
+
+def test_the_speed_that_numbers_are_of_is_said(capsys: Any) -> None:
+    contacts = {"thresholds": GAUSSIAN, "delay": {"time": 0.5}}
+    drive = {"turns": [0.0, 1.0], "times": [1.0, 5.0], "points": 3}
+    _, out, _ = said(capsys, "thresholds", write(contacts=contacts, drive=drive))
+    assert any("F_k, K*, F_s/F_k and X* at v = 0.25, delay 0.5" in line for line in out)
+
+
+def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) -> None:
+    narrow, drive = {"kind": "gaussian", "mean": 2.0, "std": 0.1}, {"to": 4.0, "points": 41}
+    laws = {
+        "wide": {"kind": "gw-plastic", "B": 1.251},
+        "exact": {"kind": "identical", "value": 1.0},
+        "narrow": narrow,
+    }
+    files = [write(name, thresholds=law, drive=drive, eq=EQ) for name, law in laws.items()]
+    soft = write("soft", thresholds=narrow, drive=drive | {"spring": 0.5})
+    status, lines, _ = said(capsys, "compare", *files, soft, "--out", "deep/er")
+    assert status == 0 and lines[-1] == "written to deep/er"
+    assert sorted(os.listdir("deep/er")) == ["compare.json", "compare.png", "compare.txt"]
+    assert Path("deep/er/compare.txt").read_text().splitlines() == lines[:-1]
+    assert (
+        "exact: K* is infinite: all contacts break at one value, x = 1, where F drops by 2 F_k"
+        in lines
+    )
+    assert any("F(X) is left out: drive.spring = 0.5: " in line for line in lines)
+    found = {one["name"]: one for one in read("deep/er/compare.json")["scenes"]}
+    assert next(iter(found)) == "exact" and list(found)[-1] == "wide"
+    assert found["exact"]["critical_spring"] is None
+    assert found["exact"]["static_to_kinetic"] == pytest.approx(2.0)
+    contacts, line = toolkit.load_scene("narrow.toml").contacts, found["narrow"]
+    propensity, steady = master.propensity(contacts), master.steady_state(contacts)
+    for name in ("critical_spring", "static_to_kinetic", "onset_power"):
+        assert line[name] == getattr(propensity, name)
+        assert line[f"{name}_error"] == getattr(propensity, f"{name}_error")
+        assert found["soft"][name] == line[name]
+    assert line["kinetic_force"] == pytest.approx(steady.force / 2.0, rel=1e-13)
+    evidence = line["evidence"]
+    assert evidence["contacts"] == 800 and 0.0 <= evidence["worst_deviation"] < 5.0
+    off = evidence["static_to_kinetic"] - evidence["expected"]
+    assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
+
+
+SHORT = Ladders((1e-2, 1e-6, 1e-10), (25, 50, 100, 200), (100, 1000, 10_000), (100, 1000), np.inf)
+
+
+def test_precision_measures_every_rung_against_the_closed_form(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr("toolkit.judge.precision.Ladders", lambda: SHORT)
+    law, start = (
+        {"kind": "gaussian", "mean": 2.0, "std": 0.1},
+        {"kind": "gaussian", "mean": 0.1, "std": 0.05},
+    )
+    contacts = {"thresholds": law, "start": start}
+    status, out, _ = said(
+        capsys, "precision", write(contacts=contacts, drive={"to": 6.0, "points": 61}, eq=EQ)
+    )
+    assert status == 0
+    assert sorted(os.listdir("mine-output")) == ["precision.json", "precision.png", "precision.txt"]
+    written = read("mine-output/precision.json")
+    assert written["reference"] == "the closed form for Gaussian thresholds"
+    assert written["reference_error"] < 1e-13
+    points: dict[str, Any] = {}
+    for point in written["points"]:
+        points.setdefault(point["method"], []).append(point)
+    assert [len(of) for of in points.values()] == [3, 4, 3, 2]
+    assert any(line.split()[:1] == ["explicit"] for line in out)
+    assert all(
+        p["error"] <= p["claimed_error"] + 1e-13 and p["claimed_error"] <= p["setting"]
+        for p in points["master"]
+    )
+    # the worst of many positions: 1 to 4.4 largest standard errors in each of 400 trials
+    assert all(0.5 < p["error"] / p["claimed_error"] < 5.0 for p in points["ensemble"])
+
+
+def test_scenes_lists_every_shipped_scene(capsys: Any) -> None:
+    status, out, _ = said(capsys, "scenes")
+    told = "\n" + "\n".join(out)
+    assert status == 0
+    assert all(f"\n{name} " in told for name in shipped_scenes())
+    assert max(map(len, out)) <= 100
+
+
+# -- one line, or a traceback where it is ours ---------------------------------------------------------
+
+
+@pytest.mark.parametrize("words", [[], ["fly"], ["run"], ["run", "gaussian", "--speed", "3"]])
+def test_wrong_words_are_status_2(words: list[str], capsys: Any) -> None:
+    status, _, err = said(capsys, *words)
+    assert status == 2 and "usage: mesofriction" in err[0]
+
+
+@pytest.mark.parametrize("command", ["run", "thresholds", "compare"])
+def test_bad_input_is_one_line_and_leaves_nothing(command: str, capsys: Any) -> None:
+    assert "colour: unknown key" in refused(capsys, command, write(colour=1))
+    assert "out = 'mine.toml/below': " in refused(
+        capsys, command, write(), "--out", "mine.toml/below"
+    )
+    assert "has neither [master] nor [eq]" in refused(capsys, "run", write(master=None))
+    assert os.listdir() == ["mine.toml"]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a = " + "[" * 5000 + "]" * 5000, "nested too deeply"),
+        ("a = " + "1" * 5000, "is not TOML"),
+        ('title = "a\x00b"', "is not TOML"),
+        ('title = "a\\u0000b"', "title"),
+    ],
+)
+def test_odd_scenes_are_one_line(text: str, says: str, capsys: Any) -> None:
+    Path("odd.toml").write_text(f"{text}\n{Path(write()).read_text()}")
+    assert says in refused(capsys, "run", "odd.toml")
+
+
+def test_odd_names_and_files_are_one_line(capsys: Any) -> None:
+    for name in ("a" * 300, "a\x00b"):
+        refused(capsys, "run", name)
+        refused(capsys, "run", write(), "--out", name)
+    os.mkfifo("pipe")
+    for file in ("a\x00b", "/dev/zero", "pipe", "gone.txt"):
+        for law in (
+            {"kind": "from-samples", "file": file},
+            ROUGH | {"surface": {"kind": "scan", "file": file}},
+        ):
+            assert "file = " in refused(capsys, "run", write(thresholds=law))
+    # what is no table is not shown
+    Path("words.txt").write_text("user:secret:word\nother:secret:word\n")
+    line = refused(capsys, "run", write(thresholds={"kind": "from-samples", "file": "words.txt"}))
+    assert "secret" not in line and "line 2 must hold one number" in line
+
+
+def test_titles_that_are_no_formulas_are_drawn_as_they_are(capsys: Any) -> None:
+    assert said(capsys, "run", write(title="x^ $a_{$"), "--out", "out")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("number", "status", "word"),
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")],
+)
+def test_a_signal_while_it_imports_is_one_line(
+    number: int, status: int, word: str, monkeypatch: Any, capsys: Any
+) -> None:
+    before = signal.getsignal(number)
+    monkeypatch.setattr("importlib.import_module", lambda *_: signal.raise_signal(number))
+    assert said(capsys, "scenes") == (status, [], [f"mesofriction: {word}; nothing was written"])
+    assert signal.getsignal(number) is before
+
+
+def test_bug_shows_its_traceback(python: Any) -> None:
+    done = python(
+        f"import master; master.solve = lambda *a, **k: 1 / 0; {SCRIPT}", "run", "gaussian"
+    )
+    assert done.returncode == 1 and os.listdir() == []
+    assert "Traceback (most recent call last)" in done.stderr and "ZeroDivisionError" in done.stderr
