@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import scipy.stats
 from lane_contacts import Lane
+from plain_life import life
 from rate_laws import Tilted
 from scipy.special import ndtr
 
 import eq_model
 import origins
-from eq_model.plain import life
 from origins import Ageing, Contacts, Delay, Drive, Thermal
 
 NARROW, GAUSSIAN = origins.gaussian(1.0, 0.05), origins.gaussian(1.0, 0.2)

@@ -13,7 +13,7 @@ import pytest
 from scenes import scene, to_toml, write
 
 import toolkit
-from toolkit.running.launch import Launch, read_environment
+from toolkit.running.signals import Launch, read_environment
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 
@@ -110,7 +110,7 @@ def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Any) -> None:
 IN_TURN = """
 import contextlib, io, json, sys
 from toolkit.command import main
-from toolkit.running.launch import read_environment
+from toolkit.running.signals import read_environment
 told = []
 for words in " ".join(sys.argv[1:]).split(" then "):
     streams = io.StringIO(), io.StringIO()

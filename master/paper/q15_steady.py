@@ -223,7 +223,7 @@ class TabulatedLaw(Thresholds):
         return float(self._edges[0]), float(self._edges[-1])
 
     @property
-    def breakpoints(self) -> Array:
+    def panels(self) -> Array:
         return self._edges
 
     def _pdf(self, x: Array) -> Array:
