@@ -201,7 +201,7 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     # the integral at x, and what is left to bear, found when it is needed
     here, bears = 0.0, -1.0
     if x != 0:
-        here = np.copysign(passed(rates, 0.0, min(abs(_F(x)) * unit, threshold), threshold, k), x)
+        here = np.copysign(passed(rates, min(abs(_F(x)) * unit, threshold), threshold, k), x)
     while leg < legs:
         room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
         log_goal, sign = contact.exposure - law.log_slow[leg], 1.0
@@ -217,14 +217,14 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
             if bears >= 0.0:
                 goal = d * here + bears / slow
                 log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
-            place = sign * min(reached(rates, log_goal, 0.0, threshold, k), threshold)
+            place = sign * min(reached(rates, log_goal, threshold, k), threshold)
             moved = max(_I(np.floor(place * per + 0.5)) - d * x, _I(0))
             # at the end of the drive there is no branch, which could not be foreseen
             if leg + 1 == legs or moved <= room:
                 return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
             x += d * room
             far = min(abs(_F(x)) * unit, threshold)
-            there = np.copysign(passed(rates, 0.0, far, threshold, k), _F(x))
+            there = np.copysign(passed(rates, far, threshold, k), _F(x))
             bears = np.exp(contact.exposure) if bears < 0.0 else bears
             bears = max(bears - d * (there - here) * slow, 0.0)
             here = there
@@ -240,9 +240,9 @@ def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
         threshold, log_goal, sign = _F(x[i]) * unit, _F(e[i]) * LEVEL_UNIT - slow, 1.0
         if r[i] != 0:
             far = min(abs(_F(r[i])) * unit, threshold)
-            goal = np.copysign(passed(rates, 0.0, far, threshold, 1.0), r[i]) + np.exp(log_goal)
+            goal = np.copysign(passed(rates, far, threshold, 1.0), r[i]) + np.exp(log_goal)
             log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
-        place = sign * min(reached(rates, log_goal, 0.0, threshold, 1.0), threshold)
+        place = sign * min(reached(rates, log_goal, threshold, 1.0), threshold)
         x[i] = max(_I(np.floor(place * per + 0.5)), r[i])
 
 

@@ -11,13 +11,12 @@ from master.lives.life import Life
 from master.motion.motion import Motion
 from master.outcome import Progress, outcome
 from master.renewal import reading, rule
-from master.renewal.births import Births
+from master.renewal.births import Births, births_of
 from master.renewal.edges import edges
 from master.renewal.march import March
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
-from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
@@ -107,20 +106,14 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     t is the time, or the way where that alone counts. Where the path turns round positions have to
     keep their digits: it may not reach far.
     """
-    if not drive.forward:
-        far = np.flatnonzero(np.abs(drive.path) > FURTHEST_TURN * mean)
-        if far.size:
-            away = f"is {np.abs(drive.path[far[0]]) / mean:.3g} mean thresholds"
-            most = f"a path may turn round within {FURTHEST_TURN:.0e} of them"
-            refuse(f"path[{far[0]}]", drive.path[far[0]], f"{away}; {most}")
-    furthest = int(np.argmax(np.abs(drive.path)))
-    if not np.abs(drive.path[furthest]) < FURTHEST * mean:
-        away = f"is {np.abs(drive.path[furthest]) / mean:.3g} mean thresholds"
-        most = f"follow at most {FURTHEST:.0e} of them"
-        last = drive.path.size - 1
-        refuse(
-            f"path[{-1 if furthest == last else furthest}]", drive.path[furthest], f"{away}; {most}"
-        )
+    most = FURTHEST if drive.forward else FURTHEST_TURN
+    away = np.abs(drive.path) / mean
+    furthest = int(np.argmax(away))
+    if not away[furthest] <= most:
+        place = -1 if furthest == away.size - 1 else furthest
+        limit = "follow at most" if drive.forward else "a path may turn round within"
+        told = f"is {away[furthest]:.3g} mean thresholds; {limit} {most:.0e} of them"
+        refuse(f"path[{place}]", drive.path[furthest], told)
     times = times_of(drive)
     if timeless:
         times = np.asarray(np.abs(np.diff(drive.path, prepend=0.0)).cumsum())
@@ -141,8 +134,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     """
     if life.timeless or contacts.thermal is None:
         return
-    again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-    mean, scale = contacts.mean_threshold, contacts.thermal.rates.scale
+    again, mean, scale = births_of(contacts), contacts.mean_threshold, contacts.thermal.rates.scale
     fastest = float(np.abs(motion.speeds).max())
     if not scale * mean < FURTHEST * fastest and fastest > 0.0:
         share = f"{fastest / scale / mean:.1g} of a mean threshold"
@@ -179,7 +171,7 @@ def march_of(
 
     most : the longest |x| that any contact that holds has, where that is known
     """
-    again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
+    again = births_of(contacts)
     stretch = min(longest_stretch(contacts, motion, life), most)
     # what rounding and the life take of the tolerance is not the panels' any more
     taken = round_off(motion, contacts.mean_threshold)
@@ -202,8 +194,9 @@ def march_of(
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     """The longest |x| that a contact may have on the way: what an error of the number weighs."""
     first = max(abs(end) for end in contacts.start.span)
-    again = contacts.reforming.law.span if contacts.reforming is not None else (0.0, 0.0)
-    most = max(first, *(abs(end) for end in again)) + float(np.ptp(motion.positions))
+    most = max(first, *(abs(end) for end in births_of(contacts).span)) + float(
+        np.ptp(motion.positions)
+    )
     return max(min(life.reach, most), 1e-3 * contacts.mean_threshold)
 
 

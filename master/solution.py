@@ -123,34 +123,25 @@ class Solution:
         """When the slider passes X = position, on the given leg if there are several."""
         position = finite("position", position)
         slack = SLACK * (1.0 + np.abs(motion.positions).max())
-        found = {}
-        for index, (before, after) in enumerate(
-            zip(motion.positions[:-1], motion.positions[1:], strict=True)
-        ):
-            if min(before, after) - slack <= position <= max(before, after) + slack:
-                found[index] = self._when(motion, index, position)
+        low, high = np.sort([motion.positions[:-1], motion.positions[1:]], axis=0)
+        legs = np.flatnonzero((low - slack <= position) & (position <= high + slack))
+        way, speed = position - motion.positions[legs], motion.speeds[legs]
+        lasting = np.divide(way, speed, out=np.full(legs.size, np.inf), where=speed != 0.0)
+        times = np.clip(motion.times[legs] + lasting, motion.times[legs], motion.times[legs + 1])
         if leg is not None:
-            if leg not in found:
-                legs = motion.speeds.size
-                refuse("leg", leg, f"does not pass {position:g}; {legs} legs are counted from 0")
-            return found[leg]
+            if leg not in legs:
+                count = motion.speeds.size
+                told = f"does not pass {position:g}; {count} legs are counted from 0"
+                refuse("leg", leg, told)
+            return float(times[legs == leg][0])
         # a turning point ends one leg and begins the next
-        times = {index: t for index, t in found.items() if t > found.get(index - 1, -1.0)}
-        if not times:
+        apart = np.append(True, np.diff(times) > 0.0)[: times.size]
+        if not times.size:
             low, high = min(0.0, self.path.min()), max(0.0, self.path.max())
             told = f"the path, between {low:g} and {high:g}, does not come there"
             refuse("position", position, told)
-        if len(times) > 1:
-            several, first = ", ".join(map(str, times)), next(iter(times))
-            refuse(
-                "position", position, f"is passed on legs {several}; say which, as in leg={first}"
-            )
-        return next(iter(times.values()))
-
-    @staticmethod
-    def _when(motion: Motion, leg: int, position: float) -> float:
-        before, after = motion.times[leg], motion.times[leg + 1]
-        if not motion.speeds[leg]:
-            return float(after)
-        t = before + (position - motion.positions[leg]) / motion.speeds[leg]
-        return float(np.clip(t, before, after))
+        if apart.sum() > 1:
+            several = ", ".join(map(str, legs[apart]))
+            told = f"is passed on legs {several}; say which, as in leg={legs[0]}"
+            refuse("position", position, told)
+        return float(times[0])

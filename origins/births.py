@@ -1,9 +1,8 @@
 """Contacts that stand at stretches of a given law: their thresholds follow P_c conditional on x_s > |x|."""
 
 import numpy as np
-import numpy.typing as npt
 
-from origins.errors import InputError, refuse
+from origins.errors import InputError
 from origins.start import Start
 from origins.thresholds.law import Array, Thresholds
 
@@ -34,20 +33,6 @@ class Births:
         if self.cut_weight > _CUT_LIMIT:
             beyond = f"beyond every threshold, at |x| >= {reach:.6g}; use stretches below it"
             raise InputError(f"{name}: a weight of {self.cut_weight:.3g} lies {beyond}")
-
-    def survival(self, x: npt.ArrayLike, birth: npt.ArrayLike) -> Array:
-        """S(max(|birth|, |x|))/S(|birth|): probability that a contact born at `birth` and moved straight to x holds.
-
-        By thresholds alone, without thermal breaking or ageing. Lengths that broadcast; InputError where no threshold
-        lies beyond |birth|.
-        """
-        least = np.abs(np.asarray(birth, dtype=float))
-        log_birth = np.asarray(self.thresholds.logsf(least))
-        if not np.isfinite(log_birth).all():
-            beyond = least[~np.isfinite(log_birth)].flat[0]
-            refuse("birth", beyond, "no threshold lies beyond; use a smaller stretch")
-        furthest = np.maximum(least, np.abs(np.asarray(x, dtype=float)))
-        return np.exp(self.thresholds.logsf(furthest) - log_birth)
 
     def draw(self, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
         """Independent stretches and thresholds (lengths), shapes (size,); those beyond every threshold drawn again."""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
+from eq_model.plain import life
 from lane_contacts import Lane
 from plain_life import life
 from rate_laws import Tilted

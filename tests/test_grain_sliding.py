@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from grain_references import psi
 from references import mp
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 import master
 import origins
@@ -24,10 +24,9 @@ from origins import (
 def test_steady_sliding_against_contacts_one_by_one(velocity: float) -> None:
     growth = origins.GrainGrowth(alpha=1.0, B=1.0)
     grains, first = origins.GrainContact(growth), growth.first_pinning_time
-    law = grains.breaking(velocity)
     steady = master.steady_state(Contacts(origins.GrainContact(growth, age=4.0)), velocity=velocity)
     # each life is a wait and a quantile for good; thresholds by the age, met on a fine grid of stretches
-    x = np.linspace(0.0, law.support()[1], 1001)
+    x = np.linspace(0.0, last_stretch(velocity), 1001)
     ranks = np.random.default_rng(3).random(2_000)
     above = grains.quantile(ranks[:, None], first + x[1:] / velocity) > x[1:]
     reached = np.where(above.all(axis=1), x[-1], x[np.argmin(above, axis=1)])
@@ -43,6 +42,16 @@ def test_steady_sliding_against_contacts_one_by_one(velocity: float) -> None:
 
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
+
+
+def last_stretch(velocity: float) -> float:
+    """Stretch at which the strongest contact breaks that slides from its pinning on."""
+
+    def left(x: float) -> float:
+        first = GRAINS.growth.first_pinning_time
+        return float(GRAINS.quantile(1.0, first + x / velocity)) - x
+
+    return float(brentq(left, 1e-6, 100.0))
 
 
 def test_the_first_fall_of_the_force_in_closed_form() -> None:
@@ -89,14 +98,15 @@ def test_the_first_fall_of_the_force_in_closed_form() -> None:
 def test_decay_to_steady_sliding() -> None:
     """With those that never hold, the travel from break to break has the transform e^(-sd) [lost + held p^(s)]."""
     velocity, contacts = 1.0, Contacts(GRAINS)
-    law, wait = GRAINS.breaking(velocity), velocity * contacts.waiting_time
+    wait, last = velocity * contacts.waiting_time, last_stretch(velocity)
     spectrum = master.decoherence_spectrum(contacts, velocity=velocity, n_roots=3)
     nodes, weights = np.polynomial.legendre.leggauss(400)
-    x = 0.5 * law.support()[1] * (nodes + 1.0)
-    weights = 0.5 * law.support()[1] * weights * law.pdf(x)
+    x, weights = 0.5 * last * (nodes + 1.0), 0.5 * last * weights
+    left = np.exp(-GRAINS.hazard(x, GRAINS.growth.first_pinning_time + x / velocity))
+    share = float(np.exp(-GRAINS.lost_hazard(velocity)))
     for root in spectrum.roots:
-        lost = 1.0 - law.held_fraction
-        held = law.held_fraction * (weights @ np.exp(-root * x))
+        # the transform of -dE/dx by parts, from that of the survival E
+        lost, held = 1.0 - share, share - root * (weights * left) @ np.exp(-root * x)
         assert abs(np.exp(-root * wait) * (lost + held) - 1.0) < 1e-9
     told = master.propensity(contacts, velocity=velocity)
     assert told.decoherence_length == pytest.approx(spectrum.decay_length[0], rel=1e-9)

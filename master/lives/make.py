@@ -86,7 +86,7 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
 def _check_some_hold(grains: GrainContact, velocity: float) -> None:
     """Refuse speeds at which so few of the contacts that pin hold that their lives are no numbers."""
-    grains.breaking(velocity)  # speeds beyond floating point
+    grains.check_speed(velocity)
     lost = grains.lost_hazard(velocity)
     if lost > _MOST_LOST:
         few = f"none holds but a fraction exp(-{lost:.4g})"

@@ -167,8 +167,6 @@ class History:
 
 def _extremes(positions: Array, last: int) -> tuple[Array, Array]:
     """Highest and lowest knot between each leg up to `last` and that one; -inf and inf for none."""
-    high, low = np.full(last + 1, -np.inf), np.full(last + 1, np.inf)
-    for leg in range(last - 1, -1, -1):
-        high[leg] = max(high[leg + 1], positions[leg + 1])
-        low[leg] = min(low[leg + 1], positions[leg + 1])
-    return high, low
+    later = positions[last:0:-1]
+    high = np.append(np.maximum.accumulate(later)[::-1], -np.inf)
+    return high, np.append(np.minimum.accumulate(later)[::-1], np.inf)

@@ -21,7 +21,8 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.motion.motion import Motion
 from master.renewal import rule
-from origins.start import Start
+from origins import Contacts
+from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -84,6 +85,11 @@ class Added(NamedTuple):
 def _share(t: Array, begin: Array | float, width: Array | float) -> Array:
     """Which share of a panel has gone by at t."""
     return np.asarray(np.clip((t - begin) / width, 0.0, 1.0))
+
+
+def births_of(contacts: Contacts) -> Start:
+    """The law of the stretches at which broken contacts form again."""
+    return SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
 
 
 class Births:

@@ -110,24 +110,16 @@ def deltas(march: March, t: float) -> Deltas:
             held = lump.weight * float(march.life.left(lump.law, history)[0, 0, 0])
             stretch = float(lump.law.mean() + history.now[0, 0])
             found[stretch] = found.get(stretch, 0.0) + held
-    for place, share in _born_at_rest(march, t).items():
-        stretch = float(march.births.law.mean() + motion.at(np.array(t)) - place)
-        found[stretch] = found.get(stretch, 0.0) + share
-    kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
-    return Deltas(np.array(list(kept)), np.array(list(kept.values())))
-
-
-def _born_at_rest(march: March, t: float) -> dict[float, float]:
-    """Contacts born while the slider stood still, which share one stretch: by X, what is left."""
-    births, motion = march.births, march.motion
+    # what was born while the slider stood still shares one stretch
+    births = march.births
     at_once = Births(births.life, births.law, motion, 0.0, births.accuracy)
     begin, width = np.array(march.begin) + births.delay, np.array(march.width)
     legs = motion.leg(begin + 0.5 * width)
-    left: dict[float, float] = {}
     for leg in np.unique(legs[(motion.speeds[legs] == 0.0) & (begin < t)]):
         here = (legs == leg) & (begin < t)
         breaks = np.array(march.breaks)[here]
-        held = at_once.sums(np.array([t]), begin[here], width[here], breaks)[0, 0]
-        place = float(motion.positions[leg])
-        left[place] = left.get(place, 0.0) + float(held)
-    return left
+        left = at_once.sums(np.array([t]), begin[here], width[here], breaks)[0, 0]
+        stretch = float(births.law.mean() + motion.at(np.array(t)) - motion.positions[leg])
+        found[stretch] = found.get(stretch, 0.0) + float(left)
+    kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
+    return Deltas(np.array(list(kept)), np.array(list(kept.values())))

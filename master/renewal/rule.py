@@ -68,9 +68,4 @@ def legendre_sum(coefficients: Array, z: Array) -> Array:
 
     coefficients : array of shape (rows, n); z : array of shape (rows, columns), as the result
     """
-    before, value = np.ones_like(z), z
-    out = coefficients[:, :1] + coefficients[:, 1:2] * z
-    for k in range(2, coefficients.shape[1]):
-        before, value = value, ((2 * k - 1) / k) * z * value - ((k - 1) / k) * before
-        out += coefficients[:, k : k + 1] * value
-    return out
+    return np.asarray(legendre.legval(z, coefficients.T[:, :, None], tensor=False))

@@ -118,33 +118,28 @@ class Pace:
     ) -> None:
         self.allowed, self.count, self.narrowest = width, FIRST, narrowest
         self._grain, self._most, self._tolerance = grain, most, tolerance
-        self._in_time, self._smooth, self._wait, self._widened = in_time, 0, 0, False
+        self._in_time, self._smooth = in_time, 0
 
     def refused(self, width: float, wrong: float) -> None:
         """A panel of this width missed the tolerance by this error."""
         self.allowed = (0.25 if wrong > 100.0 * self._tolerance else 0.5) * width
-        if self._widened and self._sooner(width):  # it was tried too soon
-            self._wait = min(max(2, 2 * self._wait), PATIENCE)
-        self.count, self._smooth, self._widened = 1, 0, False
+        self.count, self._smooth = 1, 0
 
     def resolved(self, width: float, run: Run, left: int, hurried: bool) -> None:
         """All panels of a run were good enough, and so many are left.
 
         hurried : wider ones are tried whatever they miss
         """
-        self._wait, self._widened = (self._wait // 2 if self._widened else self._wait), False
-        self.count, sooner = min(2 * self.count, LONGEST), self._sooner(width)
+        # panels are tried wider before they err by far less than asked
+        sooner = self._in_time or width < BESIDE * self._grain
+        self.count = min(2 * self.count, LONGEST)
         spare = max(self._tolerance * (WIDEN_SOONER if sooner else WIDEN), 1e-14)
         self._smooth = self._smooth + run.wrong.size if run.wrong.max() < spare else 0
         still = abs(run.breaks[:, -1]).max() < 1e-3 * self._tolerance
         narrow = still or width <= 0.5 * self._grain
-        patience = self._wait if narrow else PATIENCE
-        wider = self._smooth > patience and width > 0.6 * self.allowed
-        if hurried or (wider and (narrow or left > PATIENCE)):
+        many = self._smooth > PATIENCE and left > PATIENCE
+        wider = self._smooth > 0 and width > 0.6 * self.allowed and (narrow or many)
+        if hurried or wider:
             self.count = 1 if sooner else max(1, self.count // 2)
             self.allowed = min(2.0 * width, self._most)
-            self._smooth, self._widened = 0, True
-
-    def _sooner(self, width: float) -> bool:
-        """Whether panels of this width are tried wider before they err by far less than asked."""
-        return self._in_time or width < BESIDE * self._grain
+            self._smooth = 0

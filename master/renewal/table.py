@@ -222,9 +222,4 @@ class Table:
 
     def beyond(self, x: Array) -> Array:
         """Integral of the first function from x to the last edge, same shape as x."""
-        whole = np.append(np.cumsum((self.widths * self._parts[0, 0])[::-1])[::-1], 0.0)
-        panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
-        z = np.clip((2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel], -1.0, 1.0)
-        grown = legendre.legint(self._parts[:, 0], lbnd=-1.0)
-        part = legendre.legval(z, grown[:, panel], tensor=False)
-        return np.asarray(whole[panel] - 0.5 * self.widths[panel] * part)
+        return np.asarray(self.integrals()[0] - self.before(x))

@@ -171,7 +171,9 @@ def _by_largest(slips: Slips) -> Found:
     last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
     told = f"{count} slips up to the end of the path, whose drops go up and down"
     if last >= (1.0 - STEADY) * before:
-        return Found("stick-slip", f"{told} and do not fade: the largest of the last third is {last:.3g}")
+        return Found(
+            "stick-slip", f"{told} and do not fade: the largest of the last third is {last:.3g}"
+        )
     lengthen = f"the largest of the last third is {last:.3g}, that of the later two {before:.3g}"
     return Found("undecided", f"{told}; {lengthen}: lengthen it")
 

@@ -14,11 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from master.outcome import WELL, judged
-from master.steady.points import Points, changed
+from master.steady.points import Along, Points, changed
 from master.steady.steady import check_finite, steady_state
 from master.steady.sums import summed
 from origins import Contacts
-from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import refuse
 
@@ -30,44 +29,24 @@ GOOD = 1e-9
 ROUND_OFF = 4e-16
 
 
-@dataclass(frozen=True)
-class KineticCurve:
-    """Smooth sliding at many points; arrays have the shape of the quantities asked for together.
+@dataclass(frozen=True, repr=False)
+class KineticCurve(Along):
+    """Smooth sliding at many points, known well enough where it is to a thousandth of itself.
 
-    Attributes
+    Attributes, beside those of `Along`
     ----------
-    velocity : array
-        v, length per time.
-    temperature, rate, delay : array or None
-        T = k_BT/<k> (a length squared), D (a length squared per time) and tau_m (a time); None
-        where there is none.
     force : array
         F_k/(N_c <k>), a length.
     force_error : array
         Its error in units of the mean threshold, as a tolerance is.
     holding, holding_error : array
         Fraction of the contacts that hold, C/(C + v tau_m), and its error.
-    run_time : float
-        Seconds.
-    success : array of bool
-        Whether the force is known to a thousandth of itself at each point: no tolerance is asked.
-    message : str
-        In words: what was reached, and at how many points not that.
     """
 
-    velocity: Array
-    temperature: Array | None
-    rate: Array | None
-    delay: Array | None
     force: Array
     force_error: Array
     holding: Array
     holding_error: Array
-    run_time: float
-    success: npt.NDArray[np.bool_]
-    message: str
-
-    __repr__ = brief
 
 
 def kinetic_curve(
@@ -105,30 +84,28 @@ def kinetic_curve(
     force, force_error, holding, holding_error = rows
     success, message = judged("F_k", force_error / force, WELL)
     return KineticCurve(
-        points.velocity,
-        points.temperature,
-        points.rate,
-        points.delay,
-        force,
-        force_error / contacts.mean_threshold,
-        holding,
-        holding_error,
-        time.perf_counter() - began,
-        success,
-        message,
+        velocity=points.velocity,
+        temperature=points.temperature,
+        rate=points.rate,
+        delay=points.delay,
+        run_time=time.perf_counter() - began,
+        success=success,
+        message=message,
+        force=force,
+        force_error=force_error / contacts.mean_threshold,
+        holding=holding,
+        holding_error=holding_error,
     )
 
 
 def _along(contacts: Contacts, points: Points) -> Array:
     """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
     speeds, heat, spread, wait = points.rows
-    if contacts.grains is not None:
-        waits = zip(speeds, heat, wait, strict=True)
-        return np.array([_growing(contacts, *at) for at in waits]).T
-    if contacts.thermal is None:  # only D/v tells, or nothing does
+    growing = contacts.grains is not None
+    if contacts.thermal is None and not growing:  # only D/v tells, or nothing does
         columns = np.ones(speeds.size), heat, spread / speeds
     else:
-        own_rate = points.temperature is None
+        own_rate = growing or points.temperature is None
         columns = np.where((heat > 0.0) | (spread > 0.0) | own_rate, speeds, 1.0), heat, spread
     cases, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
     steady = np.empty((4, len(cases)))
@@ -137,19 +114,12 @@ def _along(contacts: Contacts, points: Points) -> Array:
         single = changed(contacts, float(temperature), float(diffusion), 0.0)
         steady[:, these] = _at_once(single, cases[these, 0])
     force, force_error, length, length_error = steady[:, which.reshape(-1)]
+    # grains are out until they have grown, whatever the delay
+    wait = wait + changed(contacts, 0.0, 0.0, 0.0).waiting_time
     holding = length / (length + speeds * wait)
     off = holding * (1.0 - holding) * length_error / length
     force_error = force_error * holding + force * off
     return np.stack([force * holding, force_error, holding, off + ROUND_OFF])
-
-
-def _growing(contacts: Contacts, speed: float, temperature: float, wait: float) -> Array:
-    """The same at one point: thresholds that grow with age and what is out depend on the speed."""
-    steady = steady_state(changed(contacts, temperature, 0.0, wait), velocity=speed)
-    off = steady.holding * (1.0 - steady.holding) * steady.cycle_length_error / steady.cycle_length
-    unit = steady.mean_threshold
-    off = off * unit + ROUND_OFF
-    return np.array([steady.force, steady.force_error * unit, steady.holding, off])
 
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
@@ -158,7 +128,7 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
     out = np.full((4, speeds.size), np.nan)
     thermal = contacts.thermal
     by_heat = thermal is not None and thermal.closure == "exact"
-    if by_heat and contacts.ageing is None and contacts.reforming is None:
+    if by_heat and not {"ageing", "grains", "reforming"}.intersection(contacts.laws):
         sums = summed(contacts, speeds)
         lost = ~(sums.area > 0.0)
         if lost.any():
@@ -175,6 +145,6 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
     for i in np.flatnonzero(~(out[1] <= GOOD * out[0])):
         one = steady_state(contacts, velocity=float(speeds[i]))
         if not one.force_error * unit >= out[1, i]:
-            out[:2, i] = one.force, one.force_error * unit
+            out[:2, i] = np.array([one.force, one.force_error * unit]) / one.holding
             out[2:, i] = one.cycle_length, one.cycle_length_error * unit
     return out

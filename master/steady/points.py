@@ -1,15 +1,46 @@
 """Many points along speeds, temperatures, rates of ageing and delays, checked and broadcast."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from origins import Ageing, Contacts, Delay, Thermal
+from origins.brief import brief
 from origins.errors import InputError, refuse
 from origins.laws.thermal import GivenRates
 
 Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Along:
+    """Answers at many points; arrays have the shape that the quantities asked for have together.
+
+    Attributes
+    ----------
+    velocity : array
+        v, length per time.
+    temperature, rate, delay : array or None
+        T = k_BT/<k> (a length squared), D (a length squared per time) and tau_m (a time); None
+        where there is none.
+    run_time : float
+        Seconds.
+    success : array of bool
+        Whether the answer is known well enough at each point.
+    message : str
+        In words: what was reached, and at how many points not what was asked for.
+    """
+
+    velocity: Array
+    temperature: Array | None
+    rate: Array | None
+    delay: Array | None
+    run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
+
+    __repr__ = brief
 
 
 class Points:

@@ -12,11 +12,12 @@ from master.lives.life import Life
 from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.outcome import WELL, judged
+from master.renewal.births import births_of
 from master.steady.travel import NONE, Travel
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive
-from origins.start import SingleStart, Start
+from origins.start import Start
 from origins.thresholds.quadrature import gauss
 
 if TYPE_CHECKING:
@@ -182,11 +183,6 @@ def check_finite(contacts: Contacts) -> None:
             f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force "
             f"grows for ever; use a law whose tail falls faster than x^-{power + 1}"
         )
-
-
-def births_of(contacts: Contacts) -> Start:
-    """The law of the stretches at which broken contacts form again."""
-    return SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
 
 
 def cycle_of(contacts: Contacts, travel: Travel) -> Cycle:

@@ -74,8 +74,10 @@ class Travel:
         As given.
     table : Table
         E and K/`scale` over the way (a length).
-    bends, atoms : arrays of shape (n,)
-        Ways after which E is not smooth, and after which contacts reach exact thresholds together.
+    atoms : array of shape (n,)
+        Ways after which contacts reach exact thresholds together.
+    grain : float
+        Length over which E falls.
     longest : float
         The way after which none holds that counts.
     typical : float
@@ -105,16 +107,19 @@ class Travel:
         ways = self._ladder()
         # panels that follow E more closely than it is known would follow its rounding
         accuracy = max(accuracy, min(life.error, COARSEST))
-        self.bends: Array = velocity * bends_of(life, born, velocity)
+        bends = velocity * bends_of(life, born, velocity)
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
-        edges = np.concatenate([ways, self.bends])
+        edges = np.concatenate([ways, bends])
         edges = np.unique(np.append(0.0, edges[(edges > 0.0) & (edges < ways[-1])]))
         # what is one but for rounding is one
         later = np.append(edges[1:], ways[-1])
         edges = np.append(edges[later - edges > SAME * later], ways[-1])
         shortest = SHORTEST * min(self.typical, float(edges[1]))
-        self.table = Table(self._scaled, edges, accuracy, shortest, ends=ENDS)
-        self.most = float(np.abs(self.table(self.table.edges)[1]).max()) * self.scale
+        self.table = Table(self.scaled, edges, accuracy, shortest, ends=ENDS)
+        held, borne = self.table(self.table.edges)
+        self.most = float(np.abs(borne).max()) * self.scale
+        lost = np.maximum(-np.diff(held), 0.0)
+        self.grain = float(self.table.widths @ lost / lost.sum())
         length, area = self.table.integrals()
         length_off, area_off = self.table.missed()
         # an error of E itself, which is one of its share where few hold
@@ -136,7 +141,7 @@ class Travel:
 
         ways : array of shape (2,), the last two of the ladder
         """
-        before, last = np.abs(self._scaled(ways[:, None])[:, :, 0]).T
+        before, last = np.abs(self.scaled(ways[:, None])[:, :, 0]).T
         fall = np.full(2, 2.0)
         held = last > 0.0
         fall[held] = np.log(before[held] / last[held]) / np.log(ways[1] / ways[0])
@@ -149,7 +154,8 @@ class Travel:
         history = motion.history(way / self._velocity, np.zeros((1, 1)))
         return self.life.left(self.born, history)
 
-    def _scaled(self, way: Array) -> Array:
+    def scaled(self, way: Array) -> Array:
+        """E and K over `scale` after ways (lengths) of shape (rows, columns)."""
         found = self.left(way)
         found[1] /= self.scale
         return found

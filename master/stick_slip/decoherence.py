@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
+from master.lives.life import Life
+from master.renewal.births import births_of
 from master.steady.travel import Travel
-from master.stick_slip.roots import NEAR, NO_ROOTS, leading_roots, root_errors
-from master.stick_slip.tails import Rate, crowding_rate, tail_rate
+from master.stick_slip.roots import (
+    NEAR,
+    Known,
+    crowding_rate,
+    leading_roots,
+    root_errors,
+    tail_rate,
+)
+from master.stick_slip.transform import Transform
 from origins import Contacts
 
-# Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.
-LONGEST = 400.0
 # Longest lives, over the mean way, beyond which the few that live so long cannot be told from none.
 BROAD = 1e4
 
 
-class Length(NamedTuple):
-    """A length and its error."""
-
-    length: float
-    error: float
-
-
-def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> Length:
+def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
     That is so for exact values alone (periodic, or as close to it as one likes), and for a tail
@@ -32,41 +30,22 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> Lengt
     mean the error is inf. Where exact values hold a share of the weight, no root may be slower than
     those that crowd about the rate of their own.
     """
-    if wait > LONGEST * travel.length:
-        return _waiting(travel, wait)
-    tail, crowd = tail_rate(contacts), crowding_rate(travel, wait)
-    rate, off = min(tail, Rate(crowd, 0.0))
+    wait = velocity * contacts.waiting_time
+    travel = Travel(life, births_of(contacts), velocity)
+    rate, off = min(tail_rate(contacts), Known(crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
-        return Length(np.inf, 0.0)
-    found = NO_ROOTS
-    if travel.longest < BROAD * travel.length:
-        found = leading_roots(travel, wait, 1, NEAR * rate)
-    if not found.transforms:
+        return Known(np.inf, 0.0)
+    if travel.longest > BROAD * travel.length:
         # X* hangs on the few contacts that live longest, which the table of E does not resolve
-        return Length(travel.longest, np.inf)
+        return Known(travel.longest, np.inf)
+    transform = Transform(travel)
+    found = leading_roots(transform, wait, 1, NEAR * rate)
     if found.roots.size:
-        slowest = found.roots[:1]
-        decay = -float(slowest[0].real)
-        error = float(root_errors(found.transforms[found.level[0]], wait, slowest)[0])
-        return Length(1.0 / decay, error / decay**2)
+        decay = -float(found.roots[0].real)
+        error = float(root_errors(transform, wait, found.roots[:1])[0])
+        # a wait may be so long that rounding leaves nothing of the decay
+        return Known(1.0 / decay, error / decay**2) if error < decay else Known(1.0 / error, np.inf)
     if found.searched >= 0.999 * NEAR * rate:
         # between 0.9 and 1 of the rate a root could hide
-        return Length(1.0 / rate, (off + (1.0 - NEAR) * rate) / rate**2)
-    return Length(0.5 / found.searched, 0.5 / found.searched)
-
-
-def _waiting(travel: Travel, wait: float) -> Length:
-    """X* where the wait is long: that of the first wave, as the variance of the way tells.
-
-    With C the mean way from birth to break and V its variance, ln p^ = -sC + s^2 V/2 - ..., and
-    the roots are s (d + C) = 2 pi i n + s^2 V/2 - ...; the terms left out are of the order of
-    (2 pi L/(d + C))^2, L the longest way.
-    """
-    moment, whole = float(travel.table.moments()[0]), travel.length + wait
-    variance = 2.0 * moment - travel.length**2
-    if not variance > 0.0:
-        return Length(np.inf, 0.0)
-    length = whole**3 / (2.0 * np.pi**2 * variance)
-    off = (2.0 * np.pi * travel.longest / whole) ** 2
-    off += (1e-15 * travel.length**2 + 4.0 * travel.length * travel.length_error) / variance
-    return Length(length, length * off)
+        return Known(1.0 / rate, (off + (1.0 - NEAR) * rate) / rate**2)
+    return Known(0.5 / found.searched, 0.5 / found.searched)

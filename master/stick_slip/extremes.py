@@ -12,8 +12,8 @@ from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.march import March
 from master.rigid import ROUND_OFF as ROUND_OFF_OF_FORCE
-from master.steady.forward import Forward, births_table
 from master.steady.travel import Travel
+from master.stick_slip.forward import births_table, forward_march
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -45,55 +45,38 @@ class Extremes(NamedTuple):
     static_error: float
 
 
-class _Best(NamedTuple):
-    """Largest value that each panel may have, at least and at most; arrays of shape (panels,)."""
-
-    least: Array
-    most: Array
-
-    def overall(self) -> tuple[float, float]:
-        """The largest of all, and its error."""
-        at = int(np.argmax(self.least + self.most))
-        value = 0.5 * float(self.least[at] + self.most[at])
-        return value, max(float(self.most.max()) - value, value - float(self.least.max()), 0.0)
-
-
 def critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
     """K*/(N_c <k>) of contacts on a rigid slider that moves forward from their start, and its error."""
     life = steady_life(contacts, velocity)
     travel = births_table(contacts, life, velocity, tolerance)
-    return extremes(contacts, life, travel, velocity, tolerance)[:2]
+    return extremes(contacts, travel, velocity, tolerance)[:2]
 
 
-def extremes(
-    contacts: Contacts, life: Life, travel: Travel, velocity: float, tolerance: float
-) -> Extremes:
-    """K* to a tolerance relative to 1 + K*, and F_s to one in units of `travel.unit`."""
-    horizon, followed = _horizon(contacts, life, travel)
-    forward = Forward(contacts, life, travel, velocity, horizon)
-    unit = unit_of(contacts, travel)
-    diverges = _diverges(contacts, life)
+def extremes(contacts: Contacts, travel: Travel, velocity: float, tolerance: float) -> Extremes:
+    """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`."""
+    horizon, followed = _horizon(contacts, travel)
+    unit, diverges = unit_of(contacts, travel), _diverges(contacts, travel.life)
     # a polynomial of degree n that is off by e on a panel of width w has a slope that is off by
     # up to 2 n^2 e / w: panels are solved to a hundredth of what the slope is asked for; beside
     # densities that diverge finer tolerances than 1e-6 take long
     wanted = max(tolerance, 1e-6) if diverges else 1e-2 * tolerance
-    wanted *= unit / contacts.mean_threshold
-    found = _of(forward.march(wanted), travel.typical)
-    for _ in range(TRIALS - 1):
+    found, last = Extremes(0.0, np.inf, 0.0, np.inf), np.inf
+    for trial in range(TRIALS):
+        asked = wanted * BETTER**trial * unit / contacts.mean_threshold
+        march = forward_march(contacts, travel, velocity, horizon, asked)
         good = np.isinf(found.spring) or found.spring_error <= tolerance * (1.0 + found.spring)
-        if diverges or wanted <= forward.finest:
+        if (good and found.static_error <= tolerance * unit) or march.tolerance >= last:
             break
-        if good and found.static_error <= tolerance * unit:
-            break
-        wanted *= BETTER
-        again = _of(forward.march(wanted), travel.typical)
+        last = march.tolerance
+        again = _of(march.run(), velocity, travel.typical)
         if again.spring_error >= found.spring_error and again.static_error >= found.static_error:
             break
         found = again
-    if diverges:
-        found = found._replace(spring=np.inf, spring_error=0.0)
+        if diverges:
+            found = found._replace(spring=np.inf, spring_error=0.0)
+            break
     # F ends there, if it is not above before
-    kinetic = travel.area / (travel.length + forward.wait)
+    kinetic = travel.area / (travel.length + velocity * contacts.waiting_time)
     found = found._replace(static=max(found.static, kinetic))
     if followed:
         return found
@@ -115,14 +98,14 @@ def unit_of(contacts: Contacts, travel: Travel) -> float:
     return contacts.mean_threshold if plain else travel.length
 
 
-def _of(march: March, typical: float) -> Extremes:
+def _of(march: March, velocity: float, typical: float) -> Extremes:
     """K* and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the way to a break."""
-    width = np.array(march.width)
+    width = velocity * np.array(march.width)
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     # round-off of the number of breaks on a panel, the share of contacts
     wrong = np.maximum(march.wrong, 2e-15) + march.life_error
     off = wrong * march.stretch
-    static, static_error = _largest(series, off).overall()
+    static, static_error = _largest(series, off)
     static_error += ROUND_OFF_OF_FORCE * (march.stretch + float(march.motion.positions[-1]))
     if len(march.lumps) > 1:
         return Extremes(np.inf, 0.0, static, static_error)
@@ -130,13 +113,13 @@ def _of(march: March, typical: float) -> Extremes:
     # panels narrower than this, in typical ways to a break, are not asked for slopes
     wide = width > 1e-6 * typical
     slopes = np.polynomial.legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
-    fall = _largest(slopes, 2.0 * rule.DEGREE**2 * (off / width)[wide])
-    spring, spring_error = fall.overall()
+    spring, spring_error = _largest(slopes, 2.0 * rule.DEGREE**2 * (off / width)[wide])
     return Extremes(max(spring, 0.0), spring_error, static, static_error)
 
 
-def _largest(series: Array, off: Array) -> _Best:
-    """The largest value of each panel's sum of Legendre polynomials, which is off by so much."""
+def _largest(series: Array, off: Array) -> tuple[float, float]:
+    """The largest value of all panels' sums of Legendre polynomials, which are off by so much, and
+    its error."""
     grid = -np.cos(np.linspace(0.0, np.pi, POINTS))
     z = np.tile(grid, (series.shape[0], 1))
     rows = np.arange(series.shape[0])
@@ -146,16 +129,17 @@ def _largest(series: Array, off: Array) -> _Best:
         low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, POINTS - 1)]
         z = np.linspace(low, high, POINTS, axis=1)
     best = rule.legendre_sum(series, z).max(axis=1)
-    return _Best(best - off, best + off)
+    value = float(best.max())
+    return value, max(float((best + off).max()) - value, value - float((best - off).max()))
 
 
-def _horizon(contacts: Contacts, life: Life, travel: Travel) -> tuple[float, bool]:
+def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
     """How far to follow F (a length), and whether all that matters comes before.
 
     Where generations come one after the other, clearly apart, only the first is followed, which is
     the sharpest.
     """
-    low, high = contacts.start.span
+    life, (low, high) = travel.life, contacts.start.span
     again = 0.0 if contacts.reforming is None else max(contacts.reforming.law.span[1], 0.0)
     if life.reach - low < 2.0 * life.quiet - high - again:
         # how far F is followed beyond the last break of a generation, in mean thresholds

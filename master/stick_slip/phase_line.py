@@ -9,47 +9,29 @@ import numpy as np
 import numpy.typing as npt
 
 from master.outcome import judged
-from master.steady.points import Points, changed
+from master.steady.points import Along, Points, changed
 from master.steady.steady import check_finite
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
-from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance
 
 Array = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class PhaseLine:
-    """K* at many points; arrays have the shape that the quantities asked for have together.
+@dataclass(frozen=True, repr=False)
+class PhaseLine(Along):
+    """K* at many points, known well enough within the tolerance, relative to 1 + K*.
 
-    Attributes
+    Attributes, beside those of `Along`
     ----------
-    velocity, temperature, rate, delay : array, or None where there is none
-        At which, as in master.KineticCurve.
     critical_spring, critical_spring_error : array
         K*/(N_c <k>) and its error: below it stick-slip, at and above it smooth sliding. 0 where the
         force never falls: no spring lets go; inf where it drops at one X: every spring does.
-    run_time : float
-        Seconds.
-    success : array of bool
-        Whether K* is known within the tolerance, relative to 1 + K*, at each point.
-    message : str
-        In words: what was reached, and at how many points not what was asked for.
     """
 
-    velocity: Array
-    temperature: Array | None
-    rate: Array | None
-    delay: Array | None
     critical_spring: Array
     critical_spring_error: Array
-    run_time: float
-    success: npt.NDArray[np.bool_]
-    message: str
-
-    __repr__ = brief
 
 
 def phase_line(
@@ -94,13 +76,13 @@ def phase_line(
     spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
     success, message = judged("K*", error / (1.0 + spring), tolerance)
     return PhaseLine(
-        points.velocity,
-        points.temperature,
-        points.rate,
-        points.delay,
-        spring,
-        error,
-        time.perf_counter() - began,
-        success,
-        message,
+        velocity=points.velocity,
+        temperature=points.temperature,
+        rate=points.rate,
+        delay=points.delay,
+        run_time=time.perf_counter() - began,
+        success=success,
+        message=message,
+        critical_spring=spring,
+        critical_spring_error=error,
     )

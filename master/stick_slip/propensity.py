@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 from master.lives.make import steady_life
 from master.outcome import judged
-from master.steady.forward import births_table
-from master.steady.steady import births_of, check_finite, cycle_of
-from master.steady.travel import Travel
+from master.steady.steady import check_finite, cycle_of
 from master.stick_slip.decoherence import decoherence_length
 from master.stick_slip.extremes import extremes, unit_of
+from master.stick_slip.forward import births_table
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
@@ -85,9 +84,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
             f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
-    found, unit = extremes(contacts, life, travel, velocity, tolerance), unit_of(contacts, travel)
-    births = Travel(life, births_of(contacts), velocity)
-    length = decoherence_length(contacts, births, velocity * contacts.waiting_time)
+    found, unit = extremes(contacts, travel, velocity, tolerance), unit_of(contacts, travel)
+    length = decoherence_length(contacts, life, velocity)
     ratio = max(found.static / kinetic, 1.0)
     if not found.spring > 0.0:
         ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
@@ -98,7 +96,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         critical_spring_error=found.spring_error,
         static_to_kinetic=ratio,
         static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
-        decoherence_length=length.length,
+        decoherence_length=length.value,
         decoherence_length_error=length.error,
         onset_power=contacts.thresholds.onset_power,
         onset_power_error=contacts.thresholds.onset_power_error,

@@ -5,64 +5,61 @@ Number conservation (docs/equations.md) reads, with Laplace transforms and the w
     b^(s) D(s) = 1/s - G_0^(s),      D(s) = E^(s) e^(-sd) + (1 - e^(-sd))/s,
 
 so that F - F_k is a sum of e^(sX) over the roots of D. All lie left of the imaginary axis, none on
-the real one. The change of arg D around each cell of a grid counts those inside (the argument
-principle): none is missed where the grid resolves D, and then each cell holds one or none.
+the real one. On each window of a grid a rational function follows D (scipy's AAA); its roots are
+where Newton's method begins.
 """
 
 from __future__ import annotations
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
-from master.renewal import rule
 from master.steady.travel import Travel
-from master.stick_slip.transform import WAVE, Transform, reach_of
+from master.stick_slip.transform import NONE, Transform
+from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Rates at which the search begins: over the mean way from birth to birth and over the longest one
-# that a few contacts hold for, the smaller of both; by how
-# much it grows, and at least where it was too much; and where nothing is
-# left after one mean way.
-FIRST, OF_LONGEST, GROWTH, LEAST_GROWTH, DEEPEST = 0.5, 3.0, 2.0, 1.1, 40.0
+# Knowns, over the mean way from birth to birth: the first that is searched to, and where nothing is
+# left after one such way.
+FIRST, DEEPEST = 0.5, 40.0
 # Of the rate of E's own tail, or of exact values: roots nearer to it are not looked for.
 NEAR = 0.9
 # |p^| below which no root is near, and frequencies that are looked at: over the length on which E
 # falls, and at most over the mean way from birth to birth.
 BELOW, HIGH, HIGHEST = 0.8, 8.0, 2000.0
-# Sides of the cells, over the inverse of the mean way where slow decays count; how often halved.
-SIDE, HALVINGS = 0.8, 3
-# Turn of arg D along an edge (rad) from which on the edge is cut, and how often: an edge that meets
-# a root within rounding keeps an open turn, and its cells count no whole number.
-FAR_TURN, CUTS = 1.5, 40
-# Steps of Newton's method, and its last step over |s|.
-STEPS, LAST = 40, 1e-13
+# Numbers of nodes times frequencies that are looked at, at most.
+MOST_WORK = 1e8
+# Distance of the grid's frequencies, over the inverse of the mean way where slow decays count; of
+# how many of them a window is, which shares some with the next; and rates of the grid, at most.
+SIDE, ROWS, SHARED, COLUMNS = 0.8, 32, 8, 8
+# What a rational function may miss of D in a window, relatively.
+FOLLOWED = 1e-11
+# Steps of Newton's method, and distance of roots over |s| below which they are one.
+STEPS, ONE = 40, 1e-7
+
+
+class Known(NamedTuple):
+    """A rate (per length) or a length, and its error."""
+
+    value: float
+    error: float
 
 
 class Roots(NamedTuple):
     """Roots of D with Im s > 0 (per length), slowest first: all right of Re s = -searched.
 
     roots : array of shape (n,)
-    searched : float, 0 where no part of the plane could be resolved
-    transforms : list of Transform, of rising decay, the last of which is `searched`
-    level : array of shape (n,), in which of them each root was found: the least tilted, which
-        knows it best
+    searched : float
     """
 
     roots: Complex
     searched: float
-    transforms: list[Transform]
-    level: npt.NDArray[np.intp]
-
-    def first(self, count: int) -> Roots:
-        """The slowest of them."""
-        return self._replace(roots=self.roots[:count], level=self.level[:count])
-
-
-NO_ROOTS = Roots(np.empty(0, dtype=complex), 0.0, [], np.empty(0, dtype=np.intp))
 
 
 def conserved(transform: Transform, wait: float, s: Complex) -> tuple[Complex, Complex]:
@@ -82,152 +79,162 @@ def root_errors(transform: Transform, wait: float, s: Complex) -> Array:
     return np.asarray((np.abs(value) + off) / np.abs(slope) + np.spacing(np.abs(s)))
 
 
-def leading_roots(
-    travel: Travel, wait: float, count: int, limit: float, blur: float = 0.0
-) -> Roots:
-    """At least `count` roots, or all right of Re s = -limit; fewer where D is not resolved.
+class Jumps(NamedTuple):
+    """Ways (lengths) at which E jumps, and by how much; arrays of shape (n,)."""
+
+    ways: Array
+    shares: Array
+
+
+def jumps_of(travel: Travel) -> Jumps:
+    """Where contacts reach exact thresholds together, and how many break there."""
+    ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
+    if not ways.size:
+        return Jumps(ways, ways)
+    # just before and after an exact threshold
+    sides = 1.0 - 1e-11, 1.0 + 1e-11
+    before, after = (travel.left(ways[:, None] * side)[0, :, 0] for side in sides)
+    shares = np.maximum(before - after, 0.0)
+    return Jumps(ways[shares > 0.0], shares[shares > 0.0])
+
+
+def crowding_rate(travel: Travel, wait: float) -> float:
+    """Rate (per length) at which exact values alone let infinitely many roots crowd, ever faster
+    waves; inf without any, 0 where all break at exact values."""
+    ways, shares = jumps_of(travel)
+    if not ways.size:
+        return np.inf
+    if shares.sum() > 1.0 - 1e-14:
+        return 0.0
+    ways, shares = ways + wait, np.log(shares)
+    most = -float(shares.max()) / float(ways.min())
+
+    def held(rate: float) -> float:
+        return float(np.logaddexp.reduce(rate * ways + shares))
+
+    return float(brentq(held, 0.0, most, xtol=1e-300, rtol=1e-14))
+
+
+def tail_rate(contacts: Contacts) -> Known:
+    """At which log S falls far out; inf above, 0 below every exponential.
+
+    Heat leaves it: the further a threshold lies beyond, the less a contact breaks before it.
+    """
+    law = contacts.thresholds
+    if np.isfinite(law.support()[1]):
+        return Known(np.inf, 0.0)
+    # survival is looked at on the way out: far quantiles are beyond many a distribution
+    x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
+    with np.errstate(over="ignore"):
+        last = x[np.flatnonzero(law.logsf(x) > np.log(NONE))[-1]]
+    ends = last * np.array([0.125, 0.25, 0.5, 1.0])
+    # log S = a - rate x + power log x: the slopes over doublings of the way halve their distance
+    slopes = -np.diff(law.logsf(ends)) / np.diff(ends)
+    change = np.diff(slopes)
+    rounded = 1e-9 * slopes[-1]
+    level = abs(slopes[-1] - slopes[0]) < 0.25 * slopes[-1]
+    if level and abs(change[1]) < max(0.6 * abs(change[0]), rounded):
+        return Known(slopes[-1] + change[1], abs(2.0 * change[1] - change[0]) + rounded)
+    return Known(np.inf if slopes[-1] > slopes[0] else 0.0, 0.0)
+
+
+def leading_roots(transform: Transform, wait: float, count: int, limit: float) -> Roots:
+    """At least `count` roots, or all right of Re s = -limit; fewer where D is not known to there.
 
     Frequencies are looked at up to some 2,000 over the mean way from birth to birth.
     """
-    whole = travel.length + wait
-    ways = travel.table.edges
-    # share of contacts that hold for the longest way
-    longest = float(ways[np.flatnonzero(travel.table(ways)[0] > 1e-8)[-1]]) + wait
-    best = NO_ROOTS
-    limit = min(limit, DEEPEST / whole)
-    decay = min(FIRST / whole, OF_LONGEST / longest, limit)
-    growth = GROWTH
-    while growth > LEAST_GROWTH:
-        found = None
-        # ln of the largest E e^(decay x), from which on its rounding leaves nothing of 1
-        if reach_of(travel, decay).log_most + decay * wait < 32.0:
-            transform = Transform(travel, decay, blur)
-            found = _roots(transform, wait, whole)
-        if found is None:
-            growth = growth**0.5
-        else:
-            new = found[found.real <= -best.searched]
-            if found.size != best.roots.size + new.size:  # one was missed before
-                best, new = best.first(0), found
-            level = np.append(best.level, np.full(new.size, len(best.transforms)))
-            roots, transforms = np.append(best.roots, new), [*best.transforms, transform]
-            best = Roots(roots, decay, transforms, level)
-            if roots.size >= count or decay >= limit:
-                break
-        decay = min(growth * (best.searched or decay / GROWTH), limit)
-    return best
+    whole = transform.travel.length + wait
+    deepest = min(limit, DEEPEST / whole)
+    # error of D over what is left of 1, at which D is no longer known
+    while not transform.noise(deepest) * deepest * np.exp(min(deepest * wait, 700.0)) < 1e-3:
+        deepest *= 0.9
+    decay = min(FIRST / whole, deepest)
+    while True:
+        found = _roots_to(transform, wait, decay)
+        if found.size >= count or decay >= deepest:
+            return Roots(found, decay)
+        decay = min(2.0 * decay, deepest)
 
 
-def _roots(transform: Transform, wait: float, whole: float) -> Complex | None:
-    """All roots right of Re s = -decay with Im s > 0; None where they are not resolved."""
-    decay = transform.decay
-    noise = transform(np.array([complex(-decay)])).held_off[0] * decay * np.exp(decay * wait)
-    top = _highest(transform, wait, whole)
-    # error of D over what is left of 1 where D is no longer known
-    if not noise < 1e-3 or top is None:
-        return None
-    side = SIDE / float(transform.centre + wait)
-    for _ in range(HALVINGS):
-        columns = int(np.ceil(decay / side)) + 2
-        rows = int(np.ceil(top / side)) + 2
-        # more cells of one grid take too long
-        if rows * columns > 100_000:
-            return None
-        real = -decay + side * np.arange(float(columns))
-        imaginary = side * np.arange(float(rows))
-        s = real + 1j * imaginary[:, None]
-        s[0, s[0] == 0.0] = 1e-6 * side
-        values = (
-            transform.grid(real, float(side), rows) * np.exp(-s * wait) - np.expm1(-s * wait) / s
-        )
-        across = _turned(transform, wait, s[:, :-1], s[:, 1:], values[:, :-1], values[:, 1:])
-        up = _turned(transform, wait, s[:-1], s[1:], values[:-1], values[1:])
-        turns = across[:-1] + up[:, 1:] - across[1:] - up[:, :-1]
-        number = np.rint(turns / (2.0 * np.pi)).astype(int)
-        sure = np.abs(turns - 2.0 * np.pi * number).max() < 1e-6
-        if sure and number.min() >= 0 and number.max() <= 1:
-            cells = np.nonzero(number)
-            found = _polished(transform, wait, s[cells] + 0.5 * side * (1.0 + 1.0j), side)
-            if found is not None:
-                return found[(found.real > -decay) & (found.imag < imaginary[-1])]
-        side *= 0.5
-    return None
+def _roots_to(transform: Transform, wait: float, decay: float) -> Complex:
+    """All roots right of Re s = -decay with Im s > 0."""
+    end = transform(np.array([complex(-decay)]))
+    # the mean way at a break, weighted by e^(decay x)
+    centre = float(((end.held - decay * end.slope) / (1.0 + decay * end.held)).real[0])
+    step = SIDE / (centre + wait)
+    columns = int(np.clip(np.ceil(decay / step), 2, COLUMNS)) + 1
+    s, values = _grid(transform, wait, np.linspace(-decay, 0.0, columns), step)
+    possible = np.abs(1.0 - s * values).max(axis=1) > BELOW
+    begins = []
+    for first in range(0, s.shape[0] - SHARED, ROWS - SHARED):
+        rows = slice(first, first + ROWS)
+        if possible[rows].any():
+            begins.append(_rational_roots(s[rows], values[rows], step))
+    found = _polished(transform, wait, np.concatenate([*begins, np.empty(0)]), step, decay)
+    return found[(found.real > -decay) & (found.imag < s[-1, 0].imag)]
 
 
-def _turned(
-    transform: Transform, wait: float, begin: Complex, end: Complex, first: Complex, last: Complex
-) -> Array:
-    """How far arg D turns along straight edges; all arrays of one shape.
+def _grid(transform: Transform, wait: float, real: Array, step: float) -> tuple[Complex, Complex]:
+    """Numbers s up to the frequency above which |p^| stays below 1 at the first Re s, and D there.
 
-    Where it turns far, a root lies beside the edge: on which side is told by cutting the edge.
-
-    first, last : D at `begin` and `end`
+    Exact values do not fade with the frequency, but stay below 1 right of the rate at which their
+    roots crowd.
     """
-    turned = np.angle(last / first)
-    steep = np.nonzero(np.abs(turned) > FAR_TURN)
-    turned[steep] = 0.0
-    edge, parts = np.arange(steep[0].size), [part[steep] for part in (begin, end, first, last)]
-    sums = np.zeros(edge.size)
-    for _ in range(CUTS):
-        if not edge.size:
-            break
-        begin, end, first, last = parts
-        middle = 0.5 * (begin + end)
-        half = conserved(transform, wait, middle)[0]
-        edge, begin, end = np.tile(edge, 2), np.append(begin, middle), np.append(middle, end)
-        first, last = np.append(first, half), np.append(half, last)
-        turn = np.angle(last / first)
-        far = np.abs(turn) > FAR_TURN
-        np.add.at(sums, edge[~far], turn[~far])
-        edge, parts = edge[far], [part[far] for part in (begin, end, first, last)]
-    turned[steep] = sums
-    return turned
+    jumps, decay = jumps_of(transform.travel), -float(real[0])
+    lasting = float(jumps.shares @ np.exp(decay * (jumps.ways + wait)))
+    whole = transform.travel.length + wait
+    most = np.sqrt(MOST_WORK * step / transform.nodes_per_frequency())
+    most = min(HIGHEST / whole, float(most))
+    end = min(max(HIGH / transform.travel.grain, ROWS * step), most)
+    while True:
+        count = int(np.ceil(end / step)) + 2
+        s = real + 1j * step * np.arange(count)[:, None]
+        s[s == 0.0] = 1e-6 * step
+        held = transform.grid(real, step, count)
+        ways = np.exp(-np.multiply.outer(s[:, 0], jumps.ways)) @ jumps.shares
+        fading = np.abs(1.0 - s[:, 0] * held[:, 0] - ways) * np.exp(decay * wait)
+        above = np.flatnonzero(fading > BELOW * (1.0 - lasting))
+        last = int(above[-1]) if above.size else 0
+        if last * step < 0.7 * end or end >= most:
+            kept = slice(0, last + ROWS)
+            values = held * np.exp(-s * wait) - np.expm1(-s * wait) / s
+            return s[kept], values[kept]
+        end = min(2.0 * end, most)
 
 
-def _polished(transform: Transform, wait: float, s: Complex, side: float) -> Complex | None:
-    """Newton's method from the middle of cells; None where not each leads to a root of its own."""
-    start, s = s, s.copy()
+def _rational_roots(s: Complex, values: Complex, step: float) -> Complex:
+    """Roots of the rational function that follows D on a window of the grid."""
+    from scipy.interpolate import AAA
+
+    middle = s.mean()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Newton's method, from its roots, tells how good it is
+        fit = AAA((s.ravel() - middle) / step, values.ravel(), rtol=FOLLOWED)
+        found = middle + step * np.asarray(fit.roots())
+    edge = 2.0 * step
+    found = found[(found.real > s[0, 0].real - edge) & (found.real < edge)]
+    return found[(found.imag > s[0, 0].imag - edge) & (found.imag < s[-1, 0].imag + edge)]
+
+
+def _polished(transform: Transform, wait: float, s: Complex, step: float, decay: float) -> Complex:
+    """Newton's method from numbers s: the roots with Im s > 0 that it finds near to them, once each."""
+    start, s = s, s.astype(complex)
+    s = np.where(s == 0.0, 1e-6 * step, s)
     open_ = np.arange(s.size)
     for _ in range(STEPS):
         if not open_.size:
             break
         value, slope = conserved(transform, wait, s[open_])
-        step = value / slope
-        step *= np.minimum(side / np.maximum(np.abs(step), 1e-300), 1.0)
-        s[open_] -= step
-        open_ = open_[np.abs(step) > LAST * np.abs(s[open_])]
-        if s.size and (np.abs(s - start) > 3.0 * side).any():
-            return None
+        move = value / slope
+        move *= np.minimum(step / np.maximum(np.abs(move), 1e-300), 1.0)
+        s[open_] -= move
+        s.real = np.maximum(s.real, -1.05 * decay)
+        near = np.abs(s[open_] - start[open_]) < 3.0 * step
+        open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(s[open_]))]
+    value, slope = conserved(transform, wait, s)
+    s = s[(np.abs(value / slope) < ONE * np.abs(s)) & (s.imag > 0.0)]
     s = s[np.lexsort([s.real, s.imag])]
-    # distance of roots, over their size, below which they are one
-    if (np.abs(np.diff(s)) < 1e-7 * np.abs(s[1:])).any():
-        return None
+    apart = np.abs(s[:, None] - s) > ONE * np.abs(s)
+    first = np.array([apart[i, :i].all() for i in range(s.size)], dtype=bool)
+    s = s[first]
     return s[np.argsort(-s.real, kind="stable")]
-
-
-def _highest(transform: Transform, wait: float, whole: float) -> float | None:
-    """The frequency above which |p^| stays below 1 at Re s = -decay: no root is there.
-
-    Exact values do not fade with the frequency, but may stay below 1. None where they do not.
-    """
-    decay = transform.decay
-    growth = np.exp(decay * (transform.jumps.ways + wait))
-    lasting = float(transform.jumps.shares @ growth)
-    if not lasting < 1.0:
-        return None
-    step = SIDE / (transform.centre + wait)
-    nodes = rule.GAUSS * transform.longest / WAVE
-    # numbers of nodes times frequencies that are looked at, at most
-    most = min(HIGHEST / whole, float(np.sqrt(1e8 * step / nodes)))
-    end = min(max(HIGH / transform.grain, 10.0 * step), most)
-    while True:
-        frequency = step * np.arange(np.ceil(end / step) + 1.0)
-        s = -decay + 1j * frequency
-        law = 1.0 - s * transform.grid(np.array([-decay]), step, s.size)[:, 0]
-        exact = np.exp(-np.multiply.outer(s, transform.jumps.ways)) @ transform.jumps.shares
-        fading = np.abs(law - exact) * np.exp(decay * wait)
-        above = np.flatnonzero(fading > BELOW * (1.0 - lasting))
-        last = float(frequency[above[-1]]) if above.size else 0.0
-        if last < 0.7 * end or end >= most:
-            return last + 2.0 * step
-        end = min(2.0 * end, most)

@@ -16,12 +16,19 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
-from master.steady.forward import Forward, births_table
-from master.steady.steady import births_of, check_finite, cycle_of
+from master.renewal.births import births_of
+from master.steady.steady import check_finite, cycle_of
 from master.steady.travel import Travel
-from master.stick_slip.decoherence import BROAD, LONGEST
-from master.stick_slip.roots import NEAR, NO_ROOTS, Roots, conserved, leading_roots, root_errors
-from master.stick_slip.tails import crowding_rate, tail_rate
+from master.stick_slip.decoherence import BROAD
+from master.stick_slip.forward import births_table, forward_march
+from master.stick_slip.roots import (
+    NEAR,
+    conserved,
+    crowding_rate,
+    leading_roots,
+    root_errors,
+    tail_rate,
+)
 from master.stick_slip.transform import Transform
 from origins import Contacts, InputError
 from origins.brief import brief
@@ -33,6 +40,10 @@ Complex = npt.NDArray[np.complex128]
 
 # Tolerance of the table of E and of F that the sum is held against.
 TOLERANCE = 1e-9
+# Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.
+LONGEST = 400.0
+# Rate of exact values, over the mean way, below which no root is told from those at Re s = 0.
+CROWDED = 1e-2
 # How far F is followed, in mean ways from birth to birth; and what the largest difference on the
 # way there is multiplied with, as the phases of what is left out may meet elsewhere.
 FOLLOWED, SAFE = 6.0, 2.0
@@ -150,21 +161,33 @@ def decoherence_spectrum(
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     check_finite(contacts)
-    life = steady_life(contacts, velocity)
-    travel = Travel(life, births_of(contacts), velocity)
+    life, again, start = steady_life(contacts, velocity), births_of(contacts), contacts.start
+    travel = Travel(life, again, velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    found = _leading(contacts, travel, velocity, n_roots + 1)
-    kept = found.first(n_roots)
-    next_root = found.roots[n_roots : n_roots + 1]
+    limit = _searched(contacts, travel, wait)
+    # error of the force of linked contacts, per mean stretch: a table of the life's own
+    blur = 1e-12 if contacts.stiffness == "linked" else 0.0
+    transform = Transform(travel, blur)
+    found = leading_roots(transform, wait, n_roots + 1, limit)
+    s, next_root = found.roots[:n_roots], found.roots[n_roots : n_roots + 1]
     gamma = float(-next_root[0].real) if next_root.size else found.searched
-    terms = _terms(contacts, life, velocity, wait, kept)
+    alike = start.is_single and start.span == again.span
+    begins = transform if alike else Transform(Travel(life, start, velocity))
+    values, first = transform(s), begins(s)
+    broken = 1.0 / s - first.held
+    amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / conserved(transform, wait, s)[1]
+    roots_error = root_errors(transform, wait, s)
+    share = values.force_off / np.abs(values.force) + first.held_off / np.abs(broken)
+    # by how much an error of a root turns the amplitude, and rounding
+    turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)
+    share += turned * roots_error + 1e-14
     kinetic, kinetic_off = cycle_of(contacts, travel).force(wait)
     spectrum = DecoherenceSpectrum(
-        roots=kept.roots,
-        roots_error=terms.roots_error,
-        amplitude=terms.amplitude,
-        amplitude_error=terms.amplitude_error,
-        decay_length_error=terms.roots_error / kept.roots.real**2,
+        roots=s,
+        roots_error=roots_error,
+        amplitude=amplitude,
+        amplitude_error=np.abs(amplitude) * share,
+        decay_length_error=roots_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
         beyond=1.0 / gamma,
@@ -176,82 +199,40 @@ def decoherence_spectrum(
     return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
 
 
-def _leading(contacts: Contacts, travel: Travel, velocity: float, count: int) -> Roots:
-    """The leading roots, or InputError where there is none that can be told."""
-    wait = velocity * contacts.waiting_time
+def _searched(contacts: Contacts, travel: Travel, wait: float) -> float:
+    """The rate to which roots are looked for, or InputError where none can be told."""
     if wait > LONGEST * travel.length:
         times = f"wait for {wait / travel.length:.3g} times as long as they hold"
         if contacts.delay is None:
             refuse(
                 "velocity",
-                velocity,
+                wait / contacts.waiting_time,
                 f"grains grow, unpinned, for so long that contacts {times}; slide more slowly",
             )
         told = f"contacts {times}: roots are told up to {LONGEST:g} times; use a shorter one"
         refuse("delay", contacts.delay.time, told)
-    crowd = crowding_rate(travel, wait)
+    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts).value
     if crowd == 0.0:
         raise InputError(
             "thresholds: are exact values alone: their roots come as near to Re s = 0 as one likes and none "
             "is the slowest; give each a width, or follow F(X) with master.solve"
         )
-    limit = NEAR * min(tail_rate(contacts).rate, crowd)
-    if limit <= 0.0:
+    if tail == 0.0:
         raise InputError(
             "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
         )
-    longest = travel.longest / travel.length
-    # error of the force of linked contacts, per mean stretch: a table of the life's own
-    blur = 1e-12 if contacts.stiffness == "linked" else 0.0
-    # rate of exact values, over the mean way, below which no root is told from those at Re s = 0
-    crowded = crowd * (travel.length + wait) < 1e-2
-    found = NO_ROOTS
-    if longest < BROAD and not crowded:
-        found = leading_roots(travel, wait, count, limit, blur)
-    if not found.searched > 0.0 and longest > BROAD:
+    if travel.longest > BROAD * travel.length:
         raise InputError(
-            f"thermal: contacts live for all lengths up to {longest:.1g} times the mean: among so many no "
-            "leading oscillating wave can be resolved; master.propensity gives X*, or says that it is not known"
+            f"thermal: contacts live for all lengths up to {travel.longest / travel.length:.1g} times the "
+            "mean: among so many no leading oscillating wave can be resolved; master.propensity gives X*, "
+            "or says that it is not known"
         )
-    if not found.searched > 0.0 or crowded:
+    if crowd * (travel.length + wait) < CROWDED:
         raise InputError(
             "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "
             "Re s = 0; master.propensity gives X*, and master.solve follows F(X)"
         )
-    return found
-
-
-class _Terms(NamedTuple):
-    """What roots carry; arrays of shape (n,)."""
-
-    roots_error: Array
-    amplitude: Complex
-    amplitude_error: Array
-
-
-def _terms(contacts: Contacts, life: Life, velocity: float, wait: float, found: Roots) -> _Terms:
-    """Errors of roots, and amplitudes."""
-    again, start = births_of(contacts), contacts.start
-    alike = start.is_single and start.span == again.span
-    # of a start with a width every survival takes long: one table for all roots
-    deepest = found.transforms[found.level.max()].decay if found.level.size else 0.0
-    begins = None if alike or not deepest else Transform(Travel(life, start, velocity), deepest)
-    parts = [_Terms(np.empty(0), np.empty(0, dtype=complex), np.empty(0))]
-    for level, transform in enumerate(found.transforms):
-        s = found.roots[found.level == level]
-        if not s.size:
-            continue
-        values, slope = transform(s), conserved(transform, wait, s)[1]
-        roots_error = root_errors(transform, wait, s)
-        first = values if begins is None else begins(s)
-        broken = 1.0 / s - first.held
-        amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / slope
-        turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)
-        share = values.force_off / np.abs(values.force) + first.held_off / np.abs(broken)
-        # rounding of an amplitude
-        share += turned * roots_error + 1e-14
-        parts.append(_Terms(roots_error, amplitude, np.abs(amplitude) * share))
-    return _Terms(*(np.concatenate(row) for row in zip(*parts, strict=True)))
+    return NEAR * min(tail, crowd)
 
 
 def _left_out(
@@ -260,9 +241,8 @@ def _left_out(
     """What the terms leave out of F, over the first few mean ways from birth to birth."""
     horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
     births = births_table(contacts, life, velocity, TOLERANCE)
-    march = Forward(contacts, life, births, velocity, horizon).march(TOLERANCE)
-    width = np.array(march.width)
-    begin = np.cumsum(width) - width
+    march = forward_march(contacts, births, velocity, horizon, TOLERANCE).run()
+    begin, width = velocity * np.array(march.begin), velocity * np.array(march.width)
     x = begin[:, None] + width[:, None] * np.append(0.0, rule.NODES)
     off = (np.array(march.wrong) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.table import Table
-from master.steady.travel import FEW, NONE, SHORTEST, Travel
+from master.steady.travel import FEW, SHORTEST, Travel
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -17,10 +17,12 @@ Complex = npt.NDArray[np.complex128]
 # Most of |s| times the width of a piece: the Gauss nodes integrate a table's polynomial times such
 # a wave to rounding.
 WAVE = 4.0
-# Relative rounding of a sum over nodes.
-ROUND_OFF = 4e-16
-# Ways just before and after an exact threshold, as shares of it.
-SIDES = 1.0 - 1e-11, 1.0 + 1e-11
+# Last coefficients of the table, over its values on the panel, and relative rounding of a sum.
+ACCURACY, ROUND_OFF = 1e-13, 4e-16
+# Fall of E over a panel that is told from none, and such coefficients at which E's own rounding begins.
+FALL, NOISY = 1e-4, 1e2
+# Share of contacts below which floating point has none, and of what is summed that is left out.
+NONE, UNFELT = 1e-290, 1e-20
 # Frequencies whose waves are made together.
 BLOCK = 32
 
@@ -41,163 +43,114 @@ class Values(NamedTuple):
     force_off: Array
 
 
-class Jumps(NamedTuple):
-    """Ways (lengths) at which E jumps, and by how much; arrays of shape (n,)."""
-
-    ways: Array
-    shares: Array
-
-
-def jumps_of(travel: Travel) -> Jumps:
-    """Where contacts reach exact thresholds together, and how many break there."""
-    ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
-    if not ways.size:
-        return Jumps(ways, ways)
-    before, after = (travel.left(ways[:, None] * side)[0, :, 0] for side in SIDES)
-    shares = np.maximum(before - after, 0.0)
-    return Jumps(ways[shares > 0.0], shares[shares > 0.0])
-
-
-class Reach(NamedTuple):
-    """Edges of panels (lengths) out to where E e^(decay x) is nothing, and ln of its largest value
-    there, or 0."""
-
-    edges: Array
-    log_most: float
-
-
-def reach_of(travel: Travel, decay: float) -> Reach:
-    """How far E e^(decay x) counts: the table of E, and on from there."""
-    edges = travel.table.edges
-    more, last = [edges], float(edges[-1])
-    # doublings of the way beyond the table of Travel, at most
-    for _ in range(40):
-        left = float(travel.left(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0])
-        if not left > 0.0 or np.log(left) + decay * last < np.log(NONE):
-            break
-        more.append(last * np.array([1.25, 1.5, 1.75, 2.0]))
-        last *= 2.0
-    edges = np.concatenate(more)
-    held = np.maximum(travel.left(edges[:-1, None])[0, :, 0], np.finfo(float).tiny)
-    return Reach(edges, max(float((np.log(held) + decay * edges[:-1]).max()), 0.0))
-
-
 class _Nodes(NamedTuple):
-    """Ways, weights, and weights times E, K and the error of both, times e^(decay x - shift)."""
+    """Ways, the panels' weights times E and K there, and the errors of both; arrays of shape (n,)."""
 
     way: Array
-    weight: Array
-    off: Array
     held: Array
     force: Array
+    held_off: Array
+    force_off: Array
 
 
 class Transform:
-    """Transforms of E and K of contacts born at some stretches, for Re s >= -decay.
+    """Transforms of E and K of contacts born at some stretches.
 
-    Left of the imaginary axis the few that hold for long count: E e^(decay x) is tabulated, on the
-    panels of a Travel and beyond, out to where it is nothing.
+    Left of the imaginary axis the few that hold for long count: E is tabulated, each panel to a
+    share of its own values, out to where floating point ends.
 
     Parameters
     ----------
     travel : Travel
-    decay : float
-        Per length, above 0 and below the rate at which E itself falls far out.
+        Of these contacts.
     blur : float
         Error of K, in units of the table's scale, where that is known by tables of its own.
 
     Attributes
     ----------
-    jumps : Jumps
-    grain, centre, longest : float
-        Lengths: over which E falls, the mean way at a break weighted by e^(decay x), and the end.
+    travel : Travel
+        As given.
     """
 
-    def __init__(self, travel: Travel, decay: float, blur: float = 0.0) -> None:
-        self.decay, self._scale = decay, travel.scale
-        edges, self._shift = reach_of(travel, decay)
-        self.longest, self._reach, self._blur = float(edges[-1]), travel.life.reach, blur
+    def __init__(self, travel: Travel, blur: float = 0.0) -> None:
+        self.travel, life = travel, travel.life
+        edges = travel.table.edges
+        # doublings of the way, at most
+        for _ in range(40):
+            last = float(edges[-1])
+            if not travel.left(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0] > NONE:
+                break
+            edges = np.append(edges, last * np.array([1.25, 1.5, 1.75, 2.0]))
+        # where heat breaks contacts born at many stretches each survival takes long
+        accuracy = ACCURACY if travel.born.is_single or life.quick else travel.accuracy
 
-        def tilted(way: Array) -> Array:
-            found = travel.left(way)
-            found[1] /= self._scale
-            return np.asarray(found * np.exp(np.minimum(decay * way - self._shift, 700.0)))
+        def own(values: Array, _: Array) -> Array:
+            held = np.abs(values[0])
+            return np.maximum(held.min(axis=1), np.maximum(FALL * held.max(axis=1), NONE))
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
-        at_once = travel.born.is_single or travel.life.quick
-        # last coefficients of the tilted tables, over their largest values; where heat breaks
-        # contacts born at many stretches, those of Travel, as each survival takes long
-        accuracy = 1e-13 if at_once else travel.accuracy
-        self._table = table = Table(tilted, edges, accuracy, shortest)
-        self._error = travel.life.error
-        self._known: dict[int, _Nodes] = {}
-        self.jumps = jumps_of(travel)
-        begin, end = table.begin, table.end
-        middle = 0.5 * (begin + end)
-        growth = np.exp(np.clip(self._shift - decay * middle, -700.0, 700.0))
-        lost = table(begin, middle)[0] - table(end, middle)[0] * np.exp(-decay * (end - begin))
-        lost = np.maximum(lost * growth, 0.0) + 1e-300
-        self.grain = float(table.widths @ lost / lost.sum())
-        whole = table.integrals()[0]
-        moment = table.moments()[0]
-        weight = np.exp(-self._shift) + decay * whole
-        self.centre = float((whole + decay * moment) / weight)
+        table = Table(travel.scaled, edges, accuracy, shortest, felt=own, rounding=NOISY)
+        self._table = table
+        self._blur, self._known = blur * (table.begin < life.reach), dict[int, _Nodes]()
 
-    def _nodes(self, fastest: float) -> _Nodes:
-        """Nodes close enough for |s| up to `fastest`, and more."""
-        power = max(int(np.ceil(np.log2(max(fastest * self._table.end[-1], 1.0)))), 0)
+    def _nodes(self, fastest: float, decay: float) -> _Nodes:
+        """Nodes close enough for |s| up to `fastest`, where E e^(decay x) counts."""
+        table, scale = self._table, self.travel.scale
+        power = max(int(np.ceil(np.log2(max(fastest * table.end[-1], 1.0)))), 0)
         if power not in self._known:
-            table = self._table
-            size = (2.0**power / table.end[-1] + self.decay) * table.widths
+            size = 2.0**power / table.end[-1] * table.widths
             pieces = np.maximum(np.ceil(size / WAVE), 1.0).astype(int)
             share = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
             width = np.repeat(table.widths / pieces, pieces)
             low = np.repeat(table.begin, pieces) + share * width
             way = low[:, None] + width[:, None] * rule.GAUSS_NODES
             weight = width[:, None] * rule.GAUSS_WEIGHTS
-            held, force = (table(way) * weight).reshape(2, -1)
-            off = (weight * np.repeat(table.tails, pieces)[:, None]).ravel()
-            nodes = _Nodes(way.ravel(), weight.ravel(), off, held, force * self._scale)
-            self._known[power] = nodes
-        return self._known[power]
+            held, force = np.abs(values := table(way)) * weight
+            # an error of E itself is one of its share where few hold
+            own = self.travel.life.error / np.maximum(values[0], FEW) + ROUND_OFF
+            tails, blur = (np.repeat(part, pieces)[:, None] for part in (table.tails, self._blur))
+            off = own * held + weight * tails, own * force + weight * (tails + blur)
+            held, force = values * weight
+            parts = way, held, force * scale, off[0], off[1] * scale
+            some = values[0] > NONE
+            self._known[power] = _Nodes(*(part[some] for part in parts))
+        nodes = self._known[power]
+        size = np.log(nodes.held) + decay * nodes.way
+        return _Nodes(*(part[size > size.max() + np.log(UNFELT)] for part in nodes))
 
     def __call__(self, s: Complex) -> Values:
         """The transforms at s (per length) of shape (n,)."""
         s = np.asarray(s, dtype=complex)
-        nodes = self._nodes(float(np.abs(s).max(initial=0.0)))
+        nodes = self._nodes(float(np.abs(s).max(initial=0.0)), -float(s.real.min(initial=0.0)))
         # numbers of nodes times numbers s that are summed together
         parts = np.array_split(s, max(1, s.size * nodes.way.size // 2_000_000))
-        return Values(*(np.concatenate(row) for row in zip(*map(self._some, parts), strict=True)))
+        found = (self._some(nodes, part) for part in parts)
+        return Values(*(np.concatenate(row) for row in zip(*found, strict=True)))
 
-    def _some(self, s: Complex) -> Values:
-        nodes = self._nodes(float(np.abs(s).max(initial=0.0)))
+    def _some(self, nodes: _Nodes, s: Complex) -> Values:
         way = nodes.way
-        wave = np.exp(self._shift - np.multiply.outer(s + self.decay, way))
-        size = np.abs(wave)
-        held, force = np.abs(nodes.held), np.abs(nodes.force)
-        # an error of E is one of its share where few hold
-        holding = held / nodes.weight * np.exp(np.maximum(self._shift - self.decay * way, -700.0))
-        own = self._error / np.maximum(holding, FEW) + ROUND_OFF
-        rounding = ROUND_OFF * np.abs(s)[:, None] * way
-        off = size @ (own * held) + ((size * rounding) @ held) + size @ nodes.off
-        force_off = (
-            size @ (own * force) + ((size * rounding) @ force) + self._scale * (size @ nodes.off)
-        )
-        wide = np.exp(np.minimum(self.decay * way - self._shift, 700.0)) * nodes.weight
-        wide *= way <= self._reach
-        force_off += self._blur * self._scale * (size @ wide)
-        held_of, force_of = nodes.held.astype(complex), nodes.force.astype(complex)
-        first, second = way * held_of, way**2 * held_of
-        return Values(
-            wave @ held_of, -(wave @ first), wave @ second, wave @ force_of, off, force_off
-        )
+        with np.errstate(over="ignore", invalid="ignore"):
+            wave: Complex = np.exp(-np.multiply.outer(s, way))
+            size = np.abs(wave)
+            turned = ROUND_OFF * np.abs(s)
+            held_off = size @ nodes.held_off + turned * (size @ (way * nodes.held))
+            force_off = size @ nodes.force_off + turned * (size @ np.abs(way * nodes.force))
+            held, slope, bend = (
+                np.asarray(wave @ (way**power * nodes.held), dtype=complex) for power in (0, 1, 2)
+            )
+            return Values(held, -slope, bend, wave @ nodes.force, held_off, force_off)
+
+    def noise(self, decay: float) -> float:
+        """Error of the transform of E where e^(-sx) grows at a rate (per length)."""
+        nodes = self._nodes(0.0, decay)
+        off = nodes.held_off + ROUND_OFF * decay * nodes.way * nodes.held
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.exp(decay * nodes.way) @ off)
 
     def grid(self, real: Array, step: float, count: int) -> Complex:
         """The transform of E at real + i step k for k < count, shape (count, real.size)."""
-        corner = np.hypot(np.abs(real).max(), step * count)
-        nodes = self._nodes(float(corner))
-        exponent = self._shift - np.multiply.outer(nodes.way, real + self.decay)
-        growth = nodes.held[:, None] * np.exp(exponent)
+        nodes = self._nodes(float(np.hypot(real.min(), step * count)), -float(real.min()))
+        growth = nodes.held[:, None] * np.exp(-np.multiply.outer(nodes.way, real))
         # waves of many frequencies are products of few
         few = np.exp(-1j * step * np.multiply.outer(np.arange(BLOCK), nodes.way))
         out = np.empty((-(-count // BLOCK), BLOCK, real.size), dtype=complex)
@@ -205,3 +158,7 @@ class Transform:
             wave = np.exp(-1j * (step * BLOCK * block) * nodes.way)
             rows[:] = few @ (wave[:, None] * growth)
         return out.reshape(-1, real.size)[:count]
+
+    def nodes_per_frequency(self) -> float:
+        """How many nodes an integral takes, over the frequency, where that is high."""
+        return float(rule.GAUSS * self._table.end[-1] / WAVE)

@@ -1,60 +1,176 @@
 """P_c of one rigid island over all angles, from its barrier b(angle) itself (paper, Sec. VI C).
 
-P_c diverges as an inverse square root where b stands still, and jumps where b bends. Between these the
-share of angles below x is smooth in t, x = lower + (upper - lower) sin²(t/2): polynomials in t.
+On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where b stands still and where the two are
+equal: on each piece b rises or falls, and each piece has an inverse. P_c diverges as an inverse square root
+where b stands still, and jumps where the two are equal. Between these the share of angles below x is smooth
+in s, x = lower + (upper - lower) sin²(pi s/2). All smooth functions are Chebyshev series.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
+from numpy.polynomial import chebyshev
 
-from origins.domains.barrier_curve import (
-    BarrierCurve,
-    Features,
-    Pieces,
-    barrier_curve,
-    pieces_of,
-    series,
-)
-from origins.domains.barriers import Climb
 from origins.thresholds.identical import identical
 from origins.thresholds.law import Array, Thresholds
 
-_NODES = 24  # Chebyshev nodes in t on each panel
-_SMOOTH = 1e-9  # of a panel's share: what a resolved panel leaves out
-_LEAST = 1e-3  # share of a panel below which it need not be resolved as well
-_SPLITS = 10  # halvings of a panel that is not resolved
+Sizes = Callable[[Array], Array]
+
+_PER_RADIAN = 16  # angles looked at while the outermost atoms' phase moves by a radian
+_MOST = 12_000  # of them: larger islands are left to samples
+_START = 0.1234567  # radians: symmetric islands have their extrema at 0, which is to be within
+_NODES = 24  # Chebyshev's of a series, the ends among them
+_SMOOTH = 1e-9  # what the last three of a series leave out, of the share of its panel, or 1e-3
+_SPLITS = 10  # halvings of what a series does not resolve
 _SAME = 1e-10  # of the greatest barrier: values nearer than this are one
 _LEVEL = 1e-6  # of the greatest barrier: the barrier of one atom is the same at all angles
 _WEIGHT = 1e-3  # share of thresholds above which a peak or jump is declared, counted
 _BESIDE = 0.01  # within this distance, in mean thresholds
-_ROUNDING = 1e-11  # of the greatest barrier: what is known of a bend
-_NEWTON_STEPS = 8
-_HALVINGS = 12
+_TIGHT = {"xatol": 1e-15, "xrtol": 4e-16, "fatol": 0.0, "frtol": 0.0}
 
-_u = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)[::-1]
-_t = 0.5 * np.pi * (1.0 + _u)
-_FIT = np.linalg.inv(np.polynomial.chebyshev.chebvander(_u, _NODES - 1)).T
+_u = 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))  # on (0, 1)
+_FIT = np.linalg.inv(chebyshev.chebvander(2.0 * _u - 1.0, _NODES - 1)).T
 
 
-@dataclass(frozen=True)
-class _Table:
-    """Shares between the edges (energies, n + 1): polynomials of degree 23 on each of the n panels.
+def _series(coefficients: Array, panel: npt.NDArray[np.intp], u: Array) -> Array:
+    """Chebyshev series of panels, coefficients of shape (panels, n), at u of (0, 1), by Clenshaw's rule."""
+    rows, t = np.ascontiguousarray(coefficients.T), 2.0 * u - 1.0
+    last = before = np.zeros(np.shape(t))
+    for row in rows[:0:-1]:
+        last, before = row.take(panel) + 2.0 * t * last - before, last
+    return rows[0].take(panel) + t * last - before
 
-    From an edge up to t the share of angles grows by t below(t); from t to the next edge it is
-    (pi - t) above(t); their slope in t is slope(t). shares (n,) are those of whole panels.
+
+def _place(x: Array, low: Array, high: Array) -> Array:
+    """s in [0, 1] of x = low + (high - low) sin²(pi s/2), to the last bit at both ends."""
+    below, above = np.maximum(x - low, 0.0), np.maximum(high - x, 0.0)
+    return 2.0 / np.pi * np.arctan2(np.sqrt(below), np.sqrt(above))
+
+
+class _Pieces:
+    """Pieces of the circle on which b rises from one end to the other, whichever of them comes first.
+
+    Attributes
+    ----------
+    values : array
+        Barriers where P_c is not smooth, sorted, the least and the greatest among them.
+    bends : bool array
+        Whether the two waves are equal there.
     """
 
-    edges: Array
-    below: Array
-    above: Array
-    slope: Array
-    shares: Array
+    def __init__(self, sizes: Sizes, fastest: float, period: float) -> None:
+        from scipy.optimize.elementwise import find_minimum, find_root
+
+        def each(angle: Array) -> Array:
+            """|c_1 S_1|, |c_2 S_2| and the difference of the two, shape (3, ...)."""
+            if not angle.size:
+                return np.ones((3, 0))
+            one, other = sizes(angle.ravel()).T.reshape(2, *angle.shape)
+            return np.stack([one, other, one - other])
+
+        def barrier(angle: Array) -> Array:
+            return 2.0 * each(angle)[:2].min(0)
+
+        def turn(angle: Array, which: Array, sign: Array) -> Array:
+            return sign * np.take_along_axis(each(angle), which.astype(int)[None], 0)[0]
+
+        self._barrier, self._find_root = barrier, find_root
+        count = int(period * fastest * _PER_RADIAN) + 64
+        step = period / count
+        angle: Array = _START + step * np.arange(count + 2.0)
+        values = each(angle)
+        near = _SAME * values.max()
+        alike = np.abs(values[2]).max() <= near  # as for square islands on squares
+        falls = np.diff(values[: 2 if alike else 3]) < 0.0
+        which, k = np.nonzero(falls[:, 1:] != falls[:, :-1])
+        middle, sign = angle[k + 1], np.where(falls[which, k], 1.0, -1.0)
+        still = find_minimum(
+            turn, (middle - step, middle, middle + step), args=(which, sign), tolerances=_TIGHT
+        ).x
+        which, still = which[np.isfinite(still)], still[np.isfinite(still)]
+        still = _START + (still - _START) % period
+        # a wave that vanishes is the smaller one for a moment only: look there, too
+        looked = np.unique(np.concatenate([angle[:-1], still]))
+        ahead = (each(looked)[2] < 0.0) & (not alike)
+        k = np.flatnonzero(ahead[1:] != ahead[:-1])
+        bends = find_root(lambda a: each(a)[2], (looked[k], looked[k + 1]), tolerances=_TIGHT).x
+        there, own = each(still), np.arange(which.size)
+        still = still[(which < 2) & (there[which, own] <= there[:2].min(0) + near)]
+        # at a ridge nothing stands still
+        still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
+        cuts = np.append(bends, still)
+        order = np.argsort(cuts)
+        cuts, bent = cuts[order], order < bends.size
+        self.values, known = _together(barrier(cuts))
+        self.bends = np.isin(self.values, known[bent])
+        pieces = np.array([cuts, np.append(cuts[1:], cuts[0] + period), known, np.roll(known, -1)])
+        falls = pieces[2] > pieces[3]
+        pieces[:, falls] = pieces[[1, 0, 3, 2]][:, falls]
+        self._invert(pieces[:, pieces[2] < pieces[3]])
+
+    def _invert(self, ends: Array) -> None:
+        """Fit the share of each piece with barriers up to x; a piece that no series resolves is halved.
+
+        ends : array (4, pieces), angles of the lower and the upper end and the barriers there.
+        """
+        done = []
+        for split in range(_SPLITS + 1):
+            bottom, top, low, high = ends[..., None]
+            goals = low + (high - low) * np.sin(0.5 * np.pi * _u[1:-1]) ** 2
+            found = self._find_root(
+                lambda a, goal: self._barrier(a) - goal,
+                (bottom + 0.0 * goals, top + 0.0 * goals),
+                args=(goals,),
+            ).x
+            share = np.ones((bottom.size, _NODES))
+            share[:, :1], share[:, 1:-1] = 0.0, (found - bottom) / (top - bottom)
+            fits = share @ _FIT
+            good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH) | (split == _SPLITS)
+            done.append(np.concatenate([ends[:, good], fits[good].T]))
+            bottom, top, low, high = ends[:, ~good]
+            if not bottom.size:
+                break
+            middle = 0.5 * (bottom + top)
+            level = self._barrier(middle)
+            ends = np.concatenate([[bottom, middle, low, level], [middle, top, level, high]], 1)
+        pieces = np.concatenate(done, axis=1)
+        self._ends, self._fits = pieces[:4], pieces[4:].T
+        widths = np.abs(self._ends[1] - self._ends[0])
+        self._shares = widths / widths.sum()
+
+    def below(self, x: Array) -> Array:
+        """Share of angles with a barrier of at most x, for sorted x; shape as x."""
+        total = np.zeros(x.shape)
+        for low, high, share, fit in zip(*self._ends[2:], self._shares, self._fits, strict=True):
+            first, last = np.searchsorted(x, [low, high])
+            place = _place(x[first:last], low, high)
+            total[first:last] += share * chebyshev.chebval(2.0 * place - 1.0, fit)
+            total[last:] += share
+        return total
+
+    def mean(self, function: Callable[[Array], Array]) -> float:
+        """Mean of function(b) over all angles."""
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        # so placed that a root of b is smooth where b vanishes, too
+        place, weights = np.sin(0.25 * np.pi * (1.0 + nodes)) ** 2, 0.25 * np.pi * weights
+        bottom, top = self._ends[:2, :, None]
+        values = function(np.maximum(self._barrier(bottom + (top - bottom) * place), 0.0))
+        return float(self._shares @ values @ (weights * np.cos(0.5 * np.pi * nodes)))
+
+
+def _together(values: Array) -> tuple[Array, Array]:
+    """Sorted values, those that are the same but for rounding put together; and for each value its own."""
+    order, greatest = np.argsort(values), values.max()
+    starts = np.diff(values[order], prepend=-np.inf) > _SAME * greatest
+    distinct = values[order][starts]
+    if distinct[0] < _SAME * greatest:
+        distinct[0] = 0.0
+    known = np.empty(values.size)
+    known[order] = distinct[np.cumsum(starts) - 1]
+    return distinct, known
 
 
 class AngleThresholds(Thresholds):
@@ -66,21 +182,49 @@ class AngleThresholds(Thresholds):
 
     knows_breakpoints = False
 
-    def __init__(self, curve: BarrierCurve, scale: float) -> None:
-        self._curve, self._scale = curve, scale
-        pieces, features = pieces_of(curve)
-        known = _clustered(features, pieces)
-        self._mean = curve.mean(lambda b: b)
+    def __init__(self, pieces: _Pieces, scale: float) -> None:
+        self._pieces, self._scale, edges = pieces, scale, pieces.values
+        self._mean = pieces.mean(lambda b: b)
+        self._tabulate(edges)
+        # dC/ds at both ends of each panel, which are 0 but at peaks, and d²C/ds²: with x - low ~ s²
+        # they are the weights of a peak and the density
+        slopes, bows = (chebyshev.chebder(self._fits.T, n) * 2.0**n for n in (1, 2))
+        ends, roots = np.array([-1.0, 1.0]), 0.5 * np.pi * np.sqrt(self._widths)[:, None]
+        peaks = np.abs(chebyshev.chebval(ends, slopes)) / roots
+        levels = np.abs(chebyshev.chebval(ends, bows)) / (2.0 * roots**2)
         distance = _BESIDE * self._mean
-        self._table = _tabulated(curve, pieces, known.values)
-        heavy = known.peaks * np.sqrt(distance) > _WEIGHT
-        declared = heavy | (known.jumps * distance > _WEIGHT)
+        at = np.searchsorted(self._edges, edges)
+        above, below = np.append(peaks[:, 0], 0.0)[at], np.append(0.0, peaks[:, 1])[at]
+        right, left = np.append(levels[:, 0], 0.0)[at], np.append(0.0, levels[:, 1])[at]
+        heavy = (above + below) * np.sqrt(distance) > _WEIGHT
+        declared = heavy | pieces.bends & (np.abs(right - left) * distance > _WEIGHT)
         declared[[0, -1]] = True
-        self._peaks = known.values[heavy]
-        self._declared = scale * known.values[declared]
-        self._from_below = np.concatenate([[0.0], np.cumsum(self._table.shares)])
-        self._from_above = np.concatenate([np.cumsum(self._table.shares[::-1])[::-1], [0.0]])
+        self._peaks, self._declared = scale * edges[heavy], scale * edges[declared]
         self.onset_power = -0.5 if heavy[0] else 0.0
+
+    def _tabulate(self, edges: Array) -> None:
+        """Series of the share up to b between the edges; panels that these do not resolve are halved."""
+        left, right, done = edges[:-1], edges[1:], []
+        for split in range(_SPLITS + 1):
+            x = left[:, None] + (right - left)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
+            x[:, -1] = right
+            order = np.argsort(x, axis=None)
+            shares = np.empty(x.size)
+            shares[order] = self._pieces.below(x.ravel()[order])
+            shares = shares.reshape(x.shape)
+            fits = (shares - shares[:, :1]) @ _FIT
+            whole = np.maximum(shares[:, -1] - shares[:, 0], _WEIGHT)
+            good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH * whole) | (split == _SPLITS)
+            done.append(np.column_stack([left, right, shares[:, 0], fits])[good])
+            left, right = left[~good], right[~good]
+            middle = 0.5 * (left + right)
+            left, right = np.append(left, middle), np.append(middle, right)
+            if not left.size:
+                break
+        table = np.concatenate(done)
+        table = table[np.argsort(table[:, 0])]
+        self._edges, self._widths = np.append(table[:, 0], edges[-1]), table[:, 1] - table[:, 0]
+        self._before, self._fits = np.append(table[:, 2], 1.0), table[:, 3:]
 
     def support(self) -> tuple[float, float]:
         return float(self._declared[0]), float(self._declared[-1])
@@ -89,162 +233,54 @@ class AngleThresholds(Thresholds):
     def breakpoints(self) -> Array:
         return self._declared
 
-    def _place(self, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
-        """Panel and t of each x; both ends of the panel know their distance from x to the last bit."""
-        edges, b = self._table.edges, np.asarray(x) / self._scale
-        panel = np.clip(np.searchsorted(edges, b, side="right") - 1, 0, edges.size - 2)
-        low, high = np.maximum(b - edges[panel], 0.0), np.maximum(edges[panel + 1] - b, 0.0)
-        return panel, 2.0 * np.arctan2(np.sqrt(low), np.sqrt(high))
-
-    def _read(self, polynomials: Array, panel: npt.NDArray[np.intp], t: Array) -> Array:
-        return series(polynomials, panel, t * (2.0 / np.pi) - 1.0)
+    def _panel(self, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
+        """Panel and place s of each x."""
+        b = np.asarray(x) / self._scale
+        panel = np.clip(np.searchsorted(self._edges, b, side="right") - 1, 0, self._widths.size - 1)
+        return panel, _place(b, self._edges[panel], self._edges[panel + 1])
 
     def _cdf(self, x: Array) -> Array:
-        panel, t = self._place(x)
-        return np.clip(
-            self._from_below[panel] + t * self._read(self._table.below, panel, t), 0.0, 1.0
-        )
+        panel, s = self._panel(x)
+        return np.clip(self._before[panel] + _series(self._fits, panel, s), 0.0, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        panel, t = self._place(x)
-        rest = (np.pi - t) * self._read(self._table.above, panel, t)
-        return np.clip(self._from_above[panel + 1] + rest, 0.0, 1.0)
+        panel, s = self._panel(x)
+        rest = 1.0 - self._before[panel] - _series(self._fits, panel, s)
+        return np.clip(rest, 0.0, 1.0)
 
     def _pdf(self, x: Array) -> Array:
-        panel, t = self._place(x)
-        # at an edge that is no peak the slope vanishes with dx/dt: read it beside the edge
-        t = np.clip(t, 1e-6, np.pi - 1e-6)
-        widths = self._scale * np.diff(self._table.edges)
-        density = self._read(self._table.slope, panel, t) / (0.5 * widths[panel] * np.sin(t))
-        on_peak = np.isin(np.asarray(x), self._scale * self._peaks)
-        return np.where(on_peak, np.inf, np.maximum(density, 0.0))
+        panel, s = self._panel(x)
+        # at an edge that is no peak dC/ds vanishes with dx/ds: read it beside the edge
+        s = np.clip(s, 1e-6, 1.0 - 1e-6)
+        slope = 2.0 * _series(chebyshev.chebder(self._fits, axis=1), panel, s)
+        per_length = self._scale * self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
+        on_peak = np.isin(np.asarray(x), self._peaks)
+        return np.where(on_peak, np.inf, np.maximum(slope / per_length, 0.0))
 
     def _moment(self, n: float) -> float:
-        if n == round(n):
-            return self._scale**n * self._curve.mean(lambda b: b**n)
-        # in t a root of b is smooth where b vanishes, too
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        edges, t = self._table.edges, 0.5 * np.pi * (1.0 + nodes)
-        panel = np.repeat(np.arange(edges.size - 1), _NODES).reshape(-1, _NODES)
-        b = edges[:-1, None] + np.diff(edges)[:, None] * np.sin(0.5 * t) ** 2
-        slope = self._read(self._table.slope, panel, np.broadcast_to(t, panel.shape))
-        return self._scale**n * float((0.5 * np.pi * weights * slope * b**n).sum())
+        return self._scale**n * self._pieces.mean(lambda b: b**n)
 
     def _variance(self) -> float:
-        return self._scale**2 * self._curve.mean(lambda b: (b - self._mean) ** 2)
+        return self._scale**2 * self._pieces.mean(lambda b: (b - self._mean) ** 2)
 
 
-def angle_thresholds(
-    climb: Callable[[Array], Climb], fastest: float, scale: float
-) -> Thresholds | None:
-    """The law of scale * barrier(angle); `fastest` is the greatest |G| times the island's reach.
+def angle_thresholds(sizes: Sizes, fastest: float, scale: float) -> Thresholds | None:
+    """The law of scale * b(angle) of one island.
+
+    sizes : |c_1 S_1|, |c_2 S_2| of angles (m,), shape (m, 2), energies.
+    fastest : the rate of its phases, the greatest |G| times the reach.
 
     None where the island is so large that its barrier has too many peaks to be followed.
     """
-    curve = barrier_curve(lambda angle: climb(angle).barriers, fastest)
-    if curve is None:
+    some = np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])
+    known = sizes(some).min(-1)
+    period = 2.0 * np.pi  # b repeats by the symmetry of substrate and island together
+    for folds in (2, 3, 4, 6, 12):
+        turned = sizes(some + 2.0 * np.pi / folds).min(-1)
+        if np.abs(turned - known).max() <= 1e-10 * known.max():
+            period = 2.0 * np.pi / folds
+    if period * fastest * _PER_RADIAN > _MOST:
         return None
-    level = curve.coefficients[:, 0]
-    if np.ptp(level) <= _LEVEL * level.max():
-        return identical(scale * float(climb(np.zeros(1)).barriers[0]))
-    return AngleThresholds(curve, scale)
-
-
-def _clustered(features: Features, pieces: Pieces) -> Features:
-    """Features of one value put together, sorted, the least and the greatest barrier among them."""
-    least, greatest = max(float(pieces.values.min()), 0.0), float(pieces.values.max())
-    if least <= _SAME * greatest:
-        least = 0.0
-    values = np.concatenate([features.values, [least, greatest]])
-    peaks, jumps = (np.append(part, [0.0, 0.0]) for part in (features.peaks, features.jumps))
-    order = np.argsort(values)
-    values, peaks, jumps = values[order], peaks[order], jumps[order]
-    starts = np.flatnonzero(np.diff(values, prepend=-np.inf) > _SAME * greatest)
-    bounds = np.append(starts, values.size)
-    middle = np.array([values[a:b].mean() for a, b in pairwise(bounds.tolist())])
-    middle[0], middle[-1] = least, greatest
-    return Features(middle, np.add.reduceat(peaks, starts), np.add.reduceat(jumps, starts))
-
-
-def _tabulated(curve: BarrierCurve, pieces: Pieces, edges: Array) -> _Table:
-    """The table; panels that polynomials do not resolve are halved."""
-    left, right = edges[:-1], edges[1:]
-    finished: list[tuple[Array, Array, Array, Array, Array]] = []
-    for split in range(_SPLITS + 1):
-        below, above, slope, whole = _shares(curve, pieces, left, right)
-        fits = [values @ _FIT for values in (below / _t, above / (np.pi - _t), slope)]
-        missed = np.max([np.abs(fit[:, -3:]).max(-1) for fit in fits], axis=0)
-        done = (missed <= _SMOOTH * np.maximum(whole, _LEAST)) | (split == _SPLITS)
-        finished.append((left[done], *(fit[done] for fit in fits), whole[done]))
-        left, right = left[~done], right[~done]
-        if not left.size:
-            break
-        middle = 0.5 * (left + right)
-        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-    starts, fit_below, fit_above, fit_slope, shares = (
-        np.concatenate(part) for part in zip(*finished, strict=True)
-    )
-    order = np.argsort(starts)
-    return _Table(
-        np.append(starts[order], edges[-1]),
-        fit_below[order],
-        fit_above[order],
-        fit_slope[order],
-        shares[order] / shares.sum(),
-    )
-
-
-def _shares(
-    curve: BarrierCurve, pieces: Pieces, left: Array, right: Array
-) -> tuple[Array, Array, Array, Array]:
-    """At the nodes of panels [left, right] of b: shares of angles below and above within the panel, and
-    the slope of the former in t, shape (panels, 24); shares of the whole panels, shape (panels,)."""
-    low, high = pieces.values.min(-1), pieces.values.max(-1)
-    panel, piece = np.nonzero((low < right[:, None]) & (high > left[:, None]))
-    x = left[:, None] + (right - left)[:, None] * np.sin(0.5 * _t) ** 2
-    # t of the piece where b reaches the panel's ends and its nodes
-    goals = np.column_stack([left[panel], x[panel], right[panel]])
-    bottom, top = low[piece, None], high[piece, None]
-    # b has the values of one cluster at the panel's end itself, but for rounding
-    near = _ROUNDING * high.max()
-    goals = np.where(goals <= bottom + near, bottom, np.where(goals >= top - near, top, goals))
-    place = _inverse(curve, pieces, piece, goals)
-    share = 0.5 * curve.widths[pieces.panel[piece], None] / curve.period
-    gains = (
-        np.abs(np.stack([place[:, 1:-1] - place[:, :1], place[:, -1:] - place[:, 1:-1]])) * share
-    )
-    whole = np.abs(place[:, -1] - place[:, 0]) * share[:, 0]
-    inside = (goals > bottom) & (goals < top)
-    owner = np.broadcast_to(pieces.panel[piece, None], place.shape)
-    with np.errstate(divide="ignore"):
-        density = np.where(inside, 1.0 / np.abs(curve.slope(owner, place)), 0.0)[:, 1:-1]
-    per_angle = density / curve.period
-    count = left.size
-    sums = np.zeros((3, count, _NODES))
-    for total, part in zip(sums, (gains[0], gains[1], per_angle), strict=True):
-        np.add.at(total, panel, part)
-    slope = sums[2] * 0.5 * (right - left)[:, None] * np.sin(_t)
-    return sums[0], sums[1], slope, np.bincount(panel, whole, count).astype(float)
-
-
-def _inverse(
-    curve: BarrierCurve, pieces: Pieces, piece: npt.NDArray[np.intp], goals: Array
-) -> Array:
-    """Where on each piece b has the values `goals`, which it has, shape (m, n): from -1 to 1 along its panel."""
-    ends, values = pieces.ends[piece], pieces.values[piece]
-    rises = (values[:, 1] > values[:, 0])[:, None]
-    owner = np.broadcast_to(pieces.panel[piece, None], goals.shape)
-    low, high = (np.broadcast_to(ends[:, [k]], goals.shape) for k in (0, 1))
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        ahead = (curve.at(owner, middle) < goals) == rises
-        low, high = np.where(ahead, middle, low), np.where(ahead, high, middle)
-    t = 0.5 * (low + high)
-    half = 0.5 * curve.widths[owner]
-    for _ in range(_NEWTON_STEPS):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = (curve.at(owner, t) - goals) / (curve.slope(owner, t) * half)
-        t = np.clip(np.where(np.isfinite(step), t - step, t), low, high)
-    # the ends of a piece are reached exactly
-    t = np.where(goals == values[:, [0]], ends[:, [0]], t)
-    return np.where(goals == values[:, [1]], ends[:, [1]], t)
+    if np.ptp(known) <= _LEVEL * known.max():
+        return identical(scale * 2.0 * float(known[0]))
+    return AngleThresholds(_Pieces(sizes, fastest, period), scale)

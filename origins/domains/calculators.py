@@ -1,13 +1,15 @@
 """What atoms of an island feel, as ASE calculators: a substrate under them, harmonic bonds between them.
 
-Energies are in the substrate's unit (without dimension by default) and lengths in that of its period; ASE's own eV
-and Å are not assumed. ASE's SumCalculator adds a substrate to any other calculator.
+Energies are in the substrate's unit (without dimension by default) and lengths in that of its period; ASE's
+own eV and Å are not assumed. ASE's SumCalculator adds a substrate to any other calculator.
 """
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origins.domains.islands import points_of
 from origins.domains.substrates import Substrate
 from origins.errors import positive, refuse
 from origins.thresholds.law import Array
@@ -15,32 +17,27 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
-    from origins.domains.ase_calculators import OfPositions
-
 _REACH = 1.2  # between the first and the second neighbours of every plane lattice
 
 
-def substrate_calculator(substrate: Substrate) -> "OfPositions":
+def substrate_calculator(substrate: Substrate) -> Any:
     """A Calculator with the energy, energies and forces of atoms on `substrate`, each by its own x and y.
 
-    There is no force along z, and cell and boundary conditions of the atoms play no part. The calculator's `periods`
-    are substrate.cell. Raises InputError unless given a Substrate, such as square_substrate().
+    There is no force along z, and cell and boundary conditions of the atoms play no part. The calculator's
+    `periods` are substrate.cell. Raises InputError unless given a Substrate, such as square_substrate().
     """
     if not isinstance(substrate, Substrate):
         refuse("substrate", substrate, "must be a Substrate, such as origins.square_substrate()")
-    from origins.domains.ase_calculators import OfPositions
 
     def energies_and_forces(points: Array) -> tuple[Array, Array]:
         forces = np.zeros_like(points)
         forces[:, :2] = substrate.forces(points[:, :2])
         return substrate.energy(points[:, :2]), forces
 
-    return OfPositions(energies_and_forces, substrate)
+    return _calculator(energies_and_forces, substrate)
 
 
-def harmonic_bonds(
-    atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None
-) -> "OfPositions":
+def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None) -> Any:
     """A Calculator of sum over bonds (stiffness/2)(length - length in `atoms`)², free of strain in `atoms` as given.
 
     Parameters
@@ -50,43 +47,28 @@ def harmonic_bonds(
     stiffness : float
         Energy per length squared, above zero.
     reach : float
-        Atoms at most this far apart are bonded; when left out, 1.2 times the shortest distance: nearest neighbours.
-        A square lattice needs a reach beyond its diagonal to withstand shear.
+        Atoms at most this far apart are bonded; when left out, 1.2 times the shortest distance: nearest
+        neighbours. A square lattice needs a reach beyond its diagonal to withstand shear.
 
     Raises InputError for other values, for atoms in one place and where no two atoms are bonded.
     """
-    stiffness = positive("stiffness", stiffness)
-    try:
-        points = np.asarray(atoms.get_positions(), dtype=float)
-    except AttributeError:
-        refuse(
-            "atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
-        )
-    if len(points) < 2:
-        refuse("atoms", atoms, "must hold at least two atoms, else there is nothing to bond")
-    if not np.isfinite(points).all():
-        refuse("atoms", atoms, "must stand at finite positions")
     from scipy.spatial import KDTree
 
+    stiffness, points = positive("stiffness", stiffness), points_of(atoms)
     tree = KDTree(points)
     shortest = tree.query(points, k=2)[0][:, 1].min()
     if shortest == 0.0:
         refuse("atoms", atoms, "must not hold two atoms in one place")
     reach = _REACH * shortest if reach is None else positive("reach", reach)
+    # a single atom has its nearest neighbour at infinity
     pairs = tree.query_pairs(reach, output_type="ndarray")
     if len(pairs) == 0:
         refuse("reach", reach, f"bonds no atoms; the nearest are {shortest:.6g} apart")
-    from origins.domains.ase_calculators import OfPositions
-
     first, second = pairs.T
     lengths = np.linalg.norm(points[second] - points[first], axis=1)
 
     def energies_and_forces(points: Array) -> tuple[Array, Array]:
         count = len(points)
-        if pairs.max() >= count:
-            refuse(
-                "atoms", points, f"must hold at least the {pairs.max() + 1} atoms that were bonded"
-            )
         apart = points[second] - points[first]
         length = np.sqrt((apart * apart).sum(-1))
         stretch = length - lengths
@@ -95,7 +77,33 @@ def harmonic_bonds(
         half, forces = 0.25 * stiffness * stretch**2, np.zeros_like(points)
         np.add.at(forces, first, pull)
         np.add.at(forces, second, -pull)
-        energies = np.bincount(pairs.ravel(), np.repeat(half, 2), count).astype(float)
-        return energies, forces
+        return np.bincount(pairs.ravel(), np.repeat(half, 2), count).astype(float), forces
 
-    return OfPositions(energies_and_forces)
+    return _calculator(energies_and_forces)
+
+
+def _calculator(
+    function: Callable[[Array], tuple[Array, Array]], substrate: Substrate | None = None
+) -> Any:
+    """The ASE calculator of a function that gives the energies of the atoms at points (n, 3), shape (n,), and
+    the forces on them, shape (n, 3). Its `periods` (2, 2) leave energies as they are; None without substrate."""
+    from ase.calculators.calculator import Calculator, all_changes
+
+    class OfPositions(Calculator):
+        implemented_properties = ["energy", "energies", "forces"]  # noqa: RUF012
+        # a property, as some substrates have none and refuse
+        periods = property(lambda self: None if substrate is None else substrate.cell)
+
+        def check_state(self, atoms: "ase.Atoms", tol: float = 0.0) -> list[str]:
+            # ASE's own comparison takes longer than the calculation, and overlooks steps below 1e-15
+            same = self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions)
+            return [] if same else list(all_changes)
+
+        def calculate(
+            self, atoms: Any = None, properties: Any = None, system_changes: Any = all_changes
+        ) -> None:
+            super().calculate(atoms, properties, system_changes)
+            energies, forces = function(atoms.positions)
+            self.results = {"energy": energies.sum(), "energies": energies, "forces": forces}
+
+    return OfPositions()

@@ -24,34 +24,45 @@ class DomainSamples:
         N_a.
     period : float
         a_s, the shortest period of the substrate, a length.
-    superlubric_weight : float
-        Share of islands without a barrier. They bear no force and never break, and are left out of P_c, of
-        N_c and of what follows.
     mean_stiffness : float
         <k> over the islands that resist, force per length.
-    mean_force : float
-        f of the fit exp(-f_s/f), the likeliest one: the mean of f_s.
-    exponential_distance : float
-        How crude that fit is: the largest distance of its cdf from that of the forces (Kolmogorov and
-        Smirnov), to be held against the sampling error 1.36/samples^(1/2).
-    exponential_ratios : (float, float)
-        <f_s²>/(2 f²) and <f_s³>/(6 f³), both 1 for an exponential law.
     """
 
     barriers: Array
     angles: Array
     n_atoms: npt.NDArray[np.int64]
     period: float
-    superlubric_weight: float
     mean_stiffness: float
-    mean_force: float
-    exponential_distance: float
-    exponential_ratios: tuple[float, float]
 
     @property
     def forces(self) -> Array:
         """f_s = epsilon_a/a_s of the islands that resist, sorted."""
         return np.sort(self.barriers[self.barriers > 0.0]) / self.period
+
+    @property
+    def superlubric_weight(self) -> float:
+        """Share of islands without a barrier. They bear no force and never break, and are left out of P_c, of
+        N_c and of what follows."""
+        return 1.0 - float(np.count_nonzero(self.barriers)) / self.barriers.size
+
+    @property
+    def mean_force(self) -> float:
+        """f of the fit exp(-f_s/f), the likeliest one: the mean of f_s."""
+        return float(self.forces.mean())
+
+    @property
+    def exponential_distance(self) -> float:
+        """How crude that fit is: the largest distance of its cdf from that of the forces (Kolmogorov and Smirnov),
+        to be held against the sampling error 1.36/samples^(1/2)."""
+        fitted = -np.expm1(-self.forces / self.mean_force)
+        steps = np.arange(fitted.size + 1) / fitted.size
+        return float(max((steps[1:] - fitted).max(), (fitted - steps[:-1]).max()))
+
+    @property
+    def exponential_ratios(self) -> tuple[float, float]:
+        """<f_s²>/(2 f²) and <f_s³>/(6 f³), both 1 for an exponential law."""
+        scaled = self.forces / self.mean_force
+        return float((scaled**2).mean() / 2.0), float((scaled**3).mean() / 6.0)
 
     def histogram(self, bins: int | npt.ArrayLike = 50) -> tuple[Array, Array]:
         """(density, edges) of f_s over the islands that resist, the density of unit area; bins as in np.histogram."""

@@ -8,15 +8,12 @@ from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from origins.errors import non_negative, positive, refuse, whole
+from origins.errors import non_negative, one_of, positive, refuse, whole
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     import ase
-
-Mask = npt.NDArray[np.bool_]
 
 LATTICES = ("triangular", "square")
 _EDGE = 1e-9  # atoms this near to an outline, in lattice constants, belong to it
@@ -35,16 +32,12 @@ def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms
 
     lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
     """
-    a, n_i, n_j = _sizes(lattice_constant, n_i, n_j)
-    j = np.repeat(np.arange(n_j), n_i)
-    i = np.tile(np.arange(n_i), n_j) - j // 2
-    return _atoms(np.column_stack([(i + 0.5 * j) * a, j * (a * sqrt(3.0) / 2.0)]))
+    return _rows(lattice_constant, n_i, n_j, "triangular")
 
 
 def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
     """n_j rows of n_i atoms of a square lattice; parameters as triangular_island."""
-    a, n_i, n_j = _sizes(lattice_constant, n_i, n_j)
-    return _atoms(a * np.column_stack([np.tile(np.arange(n_i), n_j), np.repeat(np.arange(n_j), n_i)]))
+    return _rows(lattice_constant, n_i, n_j, "square")
 
 
 def rectangular_island(
@@ -56,30 +49,37 @@ def rectangular_island(
     """
     half = 0.5 * non_negative("width", width), 0.5 * non_negative("height", height)
 
-    def inside(x: Array, y: Array, edge: float) -> Mask:
-        return (abs(x) <= half[0] + edge) & (abs(y) <= half[1] + edge)
+    def beyond(x: Array, y: Array) -> Array:
+        return np.maximum(abs(x) - half[0], abs(y) - half[1])
 
-    return _cut(lattice_constant, lattice, half, inside)
+    return _cut(lattice_constant, lattice, half, beyond)
 
 
-def hexagonal_island(lattice_constant: float, radius: float, *, lattice: str = "triangular") -> "ase.Atoms":
+def hexagonal_island(
+    lattice_constant: float, radius: float, *, lattice: str = "triangular"
+) -> "ase.Atoms":
     """The atoms within a regular hexagon about one atom, its corners at `radius` (a length), one of them along x.
 
     On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
     """
-    radius = non_negative("radius", radius)
+    radius, flat = non_negative("radius", radius), 0.5 * sqrt(3.0)
 
-    def inside(x: Array, y: Array, edge: float) -> Mask:
-        flat = 0.5 * sqrt(3.0)
-        return np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) <= flat * radius + edge
+    def beyond(x: Array, y: Array) -> Array:
+        return np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) - flat * radius
 
-    return _cut(lattice_constant, lattice, (radius, radius), inside)
+    return _cut(lattice_constant, lattice, (radius, radius), beyond)
 
 
-def circular_island(lattice_constant: float, radius: float, *, lattice: str = "triangular") -> "ase.Atoms":
+def circular_island(
+    lattice_constant: float, radius: float, *, lattice: str = "triangular"
+) -> "ase.Atoms":
     """The atoms at most `radius` (a length, at least zero) from one atom; otherwise as rectangular_island."""
     radius = non_negative("radius", radius)
-    return _cut(lattice_constant, lattice, (radius, radius), lambda x, y, edge: np.hypot(x, y) <= radius + edge)
+
+    def beyond(x: Array, y: Array) -> Array:
+        return np.asarray(np.hypot(x, y) - radius)
+
+    return _cut(lattice_constant, lattice, (radius, radius), beyond)
 
 
 def irregular_island(
@@ -102,77 +102,92 @@ def irregular_island(
     generator = np.random.default_rng(whole("seed", seed, 0))
     m = np.arange(1, _HARMONICS + 1)
     waves = generator.standard_normal((2, _HARMONICS)) / m / np.sqrt((1.0 / m**2).sum())
-    offset = generator.random(2)
+    offset = tuple(generator.random(2).tolist())
 
-    def outline(theta: Array) -> Array:
-        phase = theta[..., None] * m
-        return radius * np.exp(roughness * (np.cos(phase) @ waves[0] + np.sin(phase) @ waves[1]))
+    def beyond(x: Array, y: Array) -> Array:
+        phase, distance = np.arctan2(y, x)[..., None] * m, np.hypot(x, y)
+        swell = np.cos(phase) @ waves[0] + np.sin(phase) @ waves[1]
+        left = distance - radius * np.exp(roughness * swell)
+        return np.where(distance == distance.min(), 0.0, left)
 
     reach = radius * float(np.exp(roughness * np.hypot(*waves).sum()))
-
-    def inside(x: Array, y: Array, edge: float) -> Mask:
-        distance = np.hypot(x, y)
-        return (distance <= outline(np.arctan2(y, x))) | (distance == distance.min())
-
-    return _cut(lattice_constant, lattice, (reach, reach), inside, offset)
+    return _cut(lattice_constant, lattice, (reach, reach), beyond, offset)
 
 
-def _sizes(lattice_constant: object, n_i: object, n_j: object) -> tuple[float, int, int]:
-    a, n_i, n_j = positive("lattice_constant", lattice_constant), whole("n_i", n_i, 1), whole("n_j", n_j, 1)
-    if n_i * n_j > _MOST_ATOMS:
-        refuse("n_i", n_i, f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms at any size")
-    return a, n_i, n_j
+def _rows(lattice_constant: object, n_i: object, n_j: object, lattice: str) -> "ase.Atoms":
+    """n_j rows of n_i atoms, every other one of a triangular lattice shifted by half its constant."""
+    a, columns, rows = (
+        positive("lattice_constant", lattice_constant),
+        whole("n_i", n_i, 1),
+        whole("n_j", n_j, 1),
+    )
+    if columns * rows > _MOST_ATOMS:
+        rule = (
+            f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms at any size"
+        )
+        refuse("n_i", n_i, rule)
+    j, i = (part.ravel() for part in np.indices((rows, columns)))
+    slant, height = (0.5, 0.5 * sqrt(3.0)) if lattice == "triangular" else (0.0, 1.0)
+    return _atoms((i + slant * (j % 2)) * a, j * (a * height))
 
 
 def _cut(
     lattice_constant: object,
     lattice: str,
     reach: tuple[float, float],
-    inside: Callable[[Array, Array, float], Mask],
-    offset: Array | None = None,
+    beyond: Callable[[Array, Array], Array],
+    offset: tuple[float, float] = (0.0, 0.0),
 ) -> "ase.Atoms":
-    """Atoms of a lattice for which `inside` holds; none of them lies beyond `reach` along x and y.
+    """Atoms of a lattice that are not `beyond` an outline, by a length; none lies beyond `reach` along x and y.
 
     `offset` shifts the lattice by fractions of its rows; without it an atom stands in the middle.
     """
     a = positive("lattice_constant", lattice_constant)
-    if lattice not in LATTICES:
-        refuse("lattice", lattice, 'must be "triangular" or "square"')
+    one_of("lattice", lattice, LATTICES)
     row = a * (sqrt(3.0) / 2.0 if lattice == "triangular" else 1.0)
-    shift = (0.0, 0.0) if offset is None else (float(offset[0]), float(offset[1]))
     if not 4.0 * (reach[0] / a + 2.0) * (reach[1] / row + 2.0) <= _MOST_ATOMS:
-        refuse("lattice_constant", lattice_constant, f"gives more than {_MOST_ATOMS} atoms; take a smaller island")
-    j = np.arange(-ceil(reach[1] / row) - 1, ceil(reach[1] / row) + 2)
+        rule = f"gives more than {_MOST_ATOMS} atoms; take a smaller island"
+        refuse("lattice_constant", lattice_constant, rule)
+    j = np.arange(-ceil(reach[1] / row) - 1, ceil(reach[1] / row) + 2)[:, None]
     i = np.arange(-ceil(reach[0] / a) - 2, ceil(reach[0] / a) + 2)
-    slant = 0.5 * (j % 2) * float(lattice == "triangular")
-    x = (i + slant[:, None] + shift[0]) * a
-    y = np.repeat((j + shift[1]) * row, i.size).reshape(x.shape)
-    kept = inside(x, y, _EDGE * a)
-    return _atoms(np.column_stack([x[kept], y[kept]]))
+    x = (i + 0.5 * (j % 2) * float(lattice == "triangular") + offset[0]) * a
+    y = (j + offset[1]) * row + 0.0 * x
+    kept = beyond(x, y) <= _EDGE * a
+    return _atoms(x[kept], y[kept])
 
 
-def _atoms(points: Array) -> "ase.Atoms":
+def _atoms(x: np.ndarray, y: np.ndarray) -> "ase.Atoms":
     import ase
 
     # element 0 is ASE's own dummy, of mass 1
-    flat = np.zeros(len(points))
-    return ase.Atoms(numbers=np.zeros(len(points), dtype=int), positions=np.column_stack([points, flat]))
+    return ase.Atoms(numbers=np.zeros(x.size, dtype=int), positions=np.stack([x, y, 0.0 * x], -1))
 
 
-def positions_of(atoms: object) -> Array:
-    """x and y of an island's atoms about their centre of mass, shape (N_a, 2), lengths.
+def points_of(atoms: object) -> Array:
+    """Where an island's atoms are, shape (N_a, 3), lengths.
 
     Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
     """
     try:
-        points, masses = atoms.get_positions(), atoms.get_masses()  # type: ignore[attr-defined]
+        points: Array = np.array(atoms.get_positions())  # type: ignore[attr-defined]
     except AttributeError:
-        refuse("atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
-    if len(points) == 0:
-        refuse("atoms", atoms, "must hold at least one atom")
-    if not np.isfinite(points).all():
-        refuse("atoms", atoms, "must stand at finite positions")
+        refuse(
+            "atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
+        )
+    if len(points) == 0 or not np.isfinite(points).all():
+        refuse("atoms", atoms, "must hold at least one atom, all at finite positions")
+    return points
+
+
+def positions_of(atoms: "ase.Atoms") -> Array:
+    """x and y of an island's atoms about their centre of mass, shape (N_a, 2), lengths.
+
+    Raises InputError as points_of, and for masses that do not add up to more than zero.
+    """
+    points, masses = points_of(atoms), atoms.get_masses()
     if not masses.sum() > 0.0:
-        refuse("atoms", atoms, "must have masses that add up to more than zero: the island turns about their centre")
+        rule = "must have masses that add up to more than zero: the island turns about their centre"
+        refuse("atoms", atoms, rule)
     flat = points[:, :2] - points[:, :2].mean(axis=0)
-    return flat - (masses / masses.sum()) @ flat
+    centred: Array = flat - (masses / masses.sum()) @ flat
+    return centred

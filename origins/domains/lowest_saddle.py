@@ -8,7 +8,7 @@ torus.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -46,9 +46,6 @@ class Climbs:
     saddles: Array
 
 
-_NAMES = tuple(field.name for field in fields(Climbs))
-
-
 def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> Climbs:
     """Barriers of U(t) = Re sum_n c_n exp(i K_n·t), t in radians, of period 2 pi in both directions.
 
@@ -64,20 +61,16 @@ def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> Climbs:
     # the diagonals of the grid are to run along the valleys of the largest oblique wave
     oblique = waves[:, 0] * waves[:, 1]
     turned = oblique[(sizes * (oblique != 0.0)).argmax(-1)] > 0.0
-    out = Climbs(*np.empty((3, len(sizes))), *np.empty((2, len(sizes), 2)))
+    out = np.empty((len(sizes), 7))
     for mirror, own in ((1.0, np.flatnonzero(~turned)), (-1.0, np.flatnonzero(turned))):
         for some in np.split(own, range(_TOGETHER, own.size, _TOGETHER)):
             if some.size:
                 phases = np.angle(amplitudes[some])
-                found = _searched(_Landscapes(waves * [1.0, mirror], sizes[some], phases))
-                for name in _NAMES:
-                    getattr(out, name)[some] = getattr(found, name)
-        out.minima[own, 1] *= mirror
-        out.saddles[own, 1] *= mirror
-    out.errors[:] += 2.0 * _NOTHING * len(waves)
-    for energy in (out.barriers, out.errors, out.depths):
-        energy *= scale
-    return out
+                out[some] = _searched(_Landscapes(waves * [1.0, mirror], sizes[some], phases))
+        out[own, 4::2] *= mirror
+    out[:, 1] += 2.0 * _NOTHING * len(waves)
+    out[:, :3] *= scale[:, None]
+    return Climbs(out[:, 0], out[:, 1], out[:, 2], out[:, 3:5], out[:, 5:])
 
 
 @dataclass(frozen=True)
@@ -137,37 +130,31 @@ class _Ways:
     top: Whole
 
 
-def _searched(land: _Landscapes) -> Climbs:
-    """The barriers, on grids as fine as Newton's method needs."""
-    count = len(land.sizes)
+def _searched(land: _Landscapes) -> Array:
+    """Rows of barrier, error, depth, minimum and saddle, from grids as fine as Newton's method needs."""
     strength = land.sizes @ (land.waves**2).sum(-1)
     total = np.maximum(land.sizes.sum(-1), 1e-300)
     nodes = int(np.clip(np.ceil(_PER_WAVE * np.sqrt((strength / total).max())), 16, _MOST_NODES))
-    out = Climbs(*np.zeros((3, count)), *np.zeros((2, count, 2)))
-    left = np.arange(count)
-    for finer in _FINER:
-        n = finer * nodes
+    out, left = np.empty((len(total), 7)), np.arange(len(total))
+    for n in (finer * nodes for finer in _FINER):
         some = _Landscapes(land.waves, land.sizes[left], land.phases[left])
-        part = _on_grid(some, n, 2.0 * _TURN / nodes)
-        exact = part.errors == 0.0
+        out[left] = _on_grid(some, n, 2.0 * _TURN / nodes)
         # half a diagonal from the saddle U may have risen by this
-        part.errors[~exact] = 0.25 * strength[left[~exact]] * (_TURN / n) ** 2
-        part.errors[:] += 4.0 * _NOTHING * total[left]
-        for name in _NAMES:
-            getattr(out, name)[left] = getattr(part, name)
-        left = left[~exact]
+        off = out[left, 1] > 0.0
+        out[left, 1] = off * 0.25 * strength[left] * (_TURN / n) ** 2 + 4.0 * _NOTHING * total[left]
+        left = left[off]
         if not left.size:
             break
     # where all waves are parallel there is nothing to climb along the valleys
     first = land.waves[land.sizes.argmax(-1)]
     across = first[:, :1] * land.waves[:, 1] - first[:, 1:] * land.waves[:, 0]
     level = ~((across != 0.0) & (land.sizes > 0.0)).any(-1)
-    out.barriers[level], out.saddles[level], out.errors[level] = 0.0, out.minima[level], 0.0
+    out[level, :2], out[level, 5:] = 0.0, out[level, 3:5]
     return out
 
 
-def _on_grid(land: _Landscapes, n: int, astray: float) -> Climbs:
-    """The barriers by a grid of n x n nodes, with errors of 0 where Newton's method made them exact, else 1.
+def _on_grid(land: _Landscapes, n: int, astray: float) -> Array:
+    """The rows by a grid of n x n nodes, with errors of 0 where Newton's method made them exact, else 1.
 
     Where it leads further than `astray` (radians) it has found another point.
     """
@@ -184,23 +171,22 @@ def _on_grid(land: _Landscapes, n: int, astray: float) -> Climbs:
     # a minimum that only the grid shows, in a narrow oblique valley, may seem to lie above a saddle
     certain = np.where(low.found, low.energies, -np.inf)
     levels = np.maximum(top.energies, np.maximum(certain[ways.one], certain[ways.other]))
-    out = Climbs(*np.empty((3, count)), *np.empty((2, count, 2)))
+    out = []
     # both are sorted by landscape
     firsts = np.searchsorted(minima // (n * n), np.arange(count + 1))
     bounds = np.searchsorted(ways.top // (n * n), np.arange(count + 1))
-    for k, (mine, over) in enumerate(zip(pairwise(firsts), pairwise(bounds), strict=True)):
+    for _k, (mine, over) in enumerate(zip(pairwise(firsts), pairwise(bounds), strict=True)):
         energies = low.energies[slice(*mine)]
         lowest = mine[0] + int(energies.argmin())
         ground = mine[0] + np.flatnonzero(energies <= energies.min() + _NOTHING)
         order = over[0] + np.argsort(levels[slice(*over)], kind="stable")
         deciding = _first_loop(ways, order, ground.tolist())
-        out.depths[k] = low.energies[lowest]
-        out.barriers[k] = max(levels[deciding] - low.energies[lowest], 0.0)
-        out.minima[k], out.saddles[k] = low.places[lowest], top.places[deciding]
         # minima that only the grid shows tell of valleys too narrow for it
         narrow = ~low.found[slice(*mine)] & (energies < levels[deciding])
-        out.errors[k] = float(narrow.any() or not top.found[deciding])
-    return out
+        error, depth = float(narrow.any() or not top.found[deciding]), low.energies[lowest]
+        climb = max(levels[deciding] - depth, 0.0)
+        out.append([climb, error, depth, *low.places[lowest], *top.places[deciding]])
+    return np.array(out)
 
 
 def _ways(ranks: Whole) -> tuple[Whole, _Ways]:

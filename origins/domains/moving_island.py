@@ -16,27 +16,13 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
-_KNOWN = 1e-9  # in scales.energy: minima nearer than this are the same
+_KNOWN = 1e-9  # of force times radian: minima nearer than this are the same
 _STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods that bands lead over
 _IMAGES = 11
 _SHAKE = 0.02  # radians
 _LOOSE, _TIGHT = 1e-2, 1e-10  # of the greatest force: left by ASE, and by Newton's method after it
 _MOST_STEPS, _BAND_STEPS = 2000, 300  # of a relaxation, of a band: Newton's method does the rest
-_DENSE = 90  # coordinates up to which Newton's method takes a whole matrix
 _MOST_MINIMA = 10
-
-
-@dataclass(frozen=True)
-class Scales:
-    """radian, the shorter period over 2 pi; force, the greatest on one atom; noise, rounding of energies."""
-
-    radian: float
-    force: float
-    noise: float
-
-    @property
-    def energy(self) -> float:
-        return self.radian * self.force
 
 
 @dataclass(frozen=True)
@@ -45,7 +31,7 @@ class Ends:
 
     minimum: Array
     saddle: Array
-    error: float
+    error: float = 0.0
 
 
 class MovingIsland:
@@ -54,9 +40,20 @@ class MovingIsland:
     A rigid island is shifted as a whole, a planar one keeps its heights. A flexible one keeps its
     orientation: sum_i r_i0 x u_i = 0 along z, r_i0 its atoms at rest about their centre, u_i their shifts.
     For ASE's tools this is a constraint of the atoms.
+
+    Attributes
+    ----------
+    rest : array (N_a, 3)
+        Where the island's atoms are as given.
+    radian, force : float
+        The shorter period over 2 pi; the greatest force on one atom at nine places of the cell.
+    places, energies : arrays (9, N_a, 3), (9,)
+        Shifts to these places, and the energies there.
     """
 
-    def __init__(self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool) -> None:
+    def __init__(
+        self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
+    ) -> None:
         from ase.constraints import FixAtoms
 
         fixed = np.zeros(len(atoms), dtype=bool)
@@ -70,7 +67,7 @@ class MovingIsland:
             refuse("atoms", atoms, rule)
         self.moving = np.flatnonzero(~fixed)
         self.rigid, self.planar, self.evaluations = rigid, planar, 0
-        self.given, self.calculator = atoms, calculator
+        self.given, self.calculator, self.periods = atoms, calculator, periods
         self.rest = atoms.get_positions()[self.moving]
         turn = self.rest.mean(axis=0) - self.rest
         turn = np.column_stack([turn[:, 1], -turn[:, 0], np.zeros(len(turn))])
@@ -78,6 +75,15 @@ class MovingIsland:
         size = max(float(np.linalg.norm(turn)), 1e-12 * float(np.abs(self.rest).max()), 1e-300)
         self._turn = turn / size
         self._here = self.placed(np.zeros_like(self.rest))
+        self.radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
+        thirds = [[(i + 0.37) / 3.0, (j + 0.21) / 3.0] for i in range(3) for j in range(3)]
+        self.places = np.array([self.shifted(share) for share in thirds])
+        self.force = max(np.linalg.norm(self.forces(at), axis=1).max() for at in self.places)
+        self.energies = np.array([self.energy(at) for at in self.places])
+
+    def shifted(self, share: Any) -> Array:
+        """Shifts of all atoms by `share` (2,) of the periods."""
+        return np.broadcast_to(np.append(share @ self.periods, 0.0), self.rest.shape)
 
     def free(self, shifts: Array) -> Array:
         """What of shifts, or forces, (N_a, 3) is left to the atoms."""
@@ -93,9 +99,6 @@ class MovingIsland:
         atoms.calc = self.calculator
         atoms.positions[self.moving] = self.rest + self.free(shifts)
         return atoms
-
-    def shifts_of(self, atoms: ase.Atoms) -> Array:
-        return np.asarray(atoms.positions[self.moving] - self.rest)
 
     def energy(self, shifts: Array) -> float:
         self._here.positions[self.moving] = self.rest + self.free(shifts)
@@ -141,70 +144,61 @@ class MovingIsland:
         return self
 
 
-def by_bands(island: MovingIsland, scales: Scales, periods: Array) -> Ends:
+def by_bands(island: MovingIsland) -> Ends:
     """The lowest minimum found from 16 places and along the bands, and the lowest top of four bands."""
-    nowhere = np.zeros_like(island.rest)
-    starts = [np.array([i, j]) / 4.0 @ periods for i in range(4) for j in range(4)]
-    found = (_relaxed(island, scales, nowhere + flat(shift)) for shift in starts)
-    lowest = _level(island, scales, min(found, key=island.energy))
+    starts = [island.shifted([i / 4.0, j / 4.0]) for i in range(4) for j in range(4)]
+    found = (_relaxed(island, start) for start in starts)
+    lowest = _level(island, min(found, key=island.energy))
     for _ in range(_MOST_MINIMA):
         tops = []
-        for step in np.array(_STEPS) @ periods:
-            band = _band(island, scales, lowest, flat(step))
+        for step in _STEPS:
+            band = _band(island, lowest, island.shifted(step))
             heights = [island.energy(shifts) for shifts in band]
             low = int(np.argmin(heights))
-            if heights[low] < heights[0] - _KNOWN * scales.energy and 0 < low < _IMAGES - 1:
-                lowest = _level(island, scales, _relaxed(island, scales, band[low]))
+            deeper = heights[low] < heights[0] - _KNOWN * island.force * island.radian
+            if deeper and 0 < low < _IMAGES - 1:
+                lowest = _level(island, _relaxed(island, band[low]))
                 break
-            tops.append(_level(island, scales, band[int(np.argmax(heights[1:-1])) + 1]))
+            tops.append(_level(island, band[int(np.argmax(heights[1:-1])) + 1]))
         else:
-            return Ends(lowest, min(tops, key=island.energy), 0.0)
+            return Ends(lowest, min(tops, key=island.energy))
     raise InputError(
         "atoms: bands lead to ever lower minima; take rigid=True or atoms that hold together more stiffly"
     )
 
 
-def _relaxed(island: MovingIsland, scales: Scales, shifts: Array) -> Array:
+def _relaxed(island: MovingIsland, shifts: Array) -> Array:
     """The minimum that L-BFGS leads to from `shifts`."""
     from scipy.optimize import minimize
 
     def energy_and_slope(q: Array) -> tuple[float, Array]:
-        there = scales.radian * q.reshape(shifts.shape)
-        slope = -island.free(island.forces(there)).ravel() / scales.force
-        return island.energy(there) / scales.energy, slope
+        there = island.radian * q.reshape(shifts.shape)
+        slope = -island.free(island.forces(there)).ravel() / island.force
+        return island.energy(there) / (island.radian * island.force), slope
 
     options = {"gtol": _LOOSE, "ftol": 0.0, "maxiter": _MOST_STEPS}
-    start = (shifts / scales.radian).ravel()
+    start = (shifts / island.radian).ravel()
     found = minimize(energy_and_slope, start, jac=True, method="L-BFGS-B", options=options)
     if np.abs(found.jac).max() > _LOOSE:
         raise RuntimeError("the forces on the island do not vanish: no minimum was found")
-    return island.free(scales.radian * found.x.reshape(shifts.shape))
+    return island.free(island.radian * found.x.reshape(shifts.shape))
 
 
-def _level(island: MovingIsland, scales: Scales, shifts: Array) -> Array:
+def _level(island: MovingIsland, shifts: Array) -> Array:
     """Where the forces vanish, beside `shifts`; these themselves where none is found."""
-    from scipy.linalg import orth
     from scipy.optimize import root
 
     def forces(q: Array) -> Array:
-        there = shifts + scales.radian * island.free(q.reshape(shifts.shape))
-        return (island.free(island.forces(there)) / scales.force).ravel()
+        there = shifts + island.radian * island.free(q.reshape(shifts.shape))
+        return (island.free(island.forces(there)) / island.force).ravel()
 
-    nowhere = np.zeros(shifts.size)
-    if shifts.size <= _DENSE:
-        every = np.eye(shifts.size).reshape(-1, *shifts.shape)
-        basis = orth(np.array([island.free(one).ravel() for one in every]))
-        found = root(lambda q: forces(basis @ q) @ basis, nowhere @ basis, options={"xtol": 1e-15})
-        moved = basis @ found.x
-    else:
-        options = {"fatol": _TIGHT, "maxiter": 200}
-        moved = root(forces, nowhere, method="krylov", options=options).x
+    options = {"fatol": _TIGHT, "maxiter": 200}
+    moved = root(forces, np.zeros(shifts.size), method="krylov", options=options).x
     settled = np.abs(forces(moved)).max() <= 1e-8 and np.abs(moved).max() <= 0.5
-    moved = scales.radian * island.free(moved.reshape(shifts.shape))
-    return shifts + moved if settled else shifts
+    return shifts + island.radian * island.free(moved.reshape(shifts.shape)) * settled
 
 
-def _band(island: MovingIsland, scales: Scales, minimum: Array, step: Array) -> list[Array]:
+def _band(island: MovingIsland, minimum: Array, step: Array) -> list[Array]:
     """Shifts along the way over one step, by ASE's climbing-image NEB."""
     from ase.mep import NEB
     from ase.optimize import FIRE
@@ -224,18 +218,13 @@ def _band(island: MovingIsland, scales: Scales, minimum: Array, step: Array) -> 
     images = []
     for share in np.linspace(0.0, 1.0, _IMAGES):
         # a band of one symmetry could not leave it
-        noise = _SHAKE * scales.radian * shake.standard_normal(minimum.shape)
+        noise = _SHAKE * island.radian * shake.standard_normal(minimum.shape)
         inner = 0.0 if share in (0.0, 1.0) else 1.0
         images.append(island.placed(minimum + share * step + inner * noise))
-    stiffness = 0.1 * scales.force / scales.radian
+    stiffness = 0.1 * island.force / island.radian
     settings: dict[str, Any] = {"climb": True, "method": "improvedtangent"}
     band = Band(images, k=stiffness, allow_shared_calculator=True, **settings)
-    clock = float(np.sqrt(scales.radian / scales.force))  # of unit masses
-    steps = {"dt": 0.1 * clock, "dtmax": clock, "maxstep": 0.2 * scales.radian}
-    FIRE(band, logfile=os.devnull, **steps).run(fmax=_LOOSE * scales.force, steps=_BAND_STEPS)
-    return [island.shifts_of(image) for image in images]
-
-
-def flat(shift: Array) -> Array:
-    """A shift along x and y as one in space."""
-    return np.append(shift, 0.0)
+    clock = float(np.sqrt(island.radian / island.force))  # of unit masses
+    steps = {"dt": 0.1 * clock, "dtmax": clock, "maxstep": 0.2 * island.radian}
+    FIRE(band, logfile=os.devnull, **steps).run(fmax=_LOOSE * island.force, steps=_BAND_STEPS)
+    return [image.positions[island.moving] - island.rest for image in images]

@@ -7,14 +7,16 @@ holds, this is a second road to the same number; for other calculators and for f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from origins.domains.islands import points_of
 from origins.domains.lowest_saddle import lowest_saddles
-from origins.domains.moving_island import Ends, MovingIsland, Scales, by_bands, flat
+from origins.domains.moving_island import Ends, MovingIsland, by_bands
 from origins.domains.structure_factors import Complex, Whole
 from origins.errors import refuse
 from origins.thresholds.law import Array
@@ -98,46 +100,46 @@ def relaxed_barrier(
     for name, value in (("rigid", rigid), ("planar", planar)):
         if not isinstance(value, bool):
             refuse(name, value, "must be True or False")
-    for method in ("get_positions", "constraints", "cell"):
-        if not hasattr(atoms, method):
-            rule = "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
-            refuse("atoms", atoms, rule)
+    points_of(atoms)
     if not hasattr(calculator, "get_forces"):
         rule = "must be an ASE calculator, such as origins.substrate_calculator(substrate)"
         refuse("calculator", type(calculator).__name__, rule)
-    if len(atoms) == 0 or not np.isfinite(atoms.get_positions()).all():
-        refuse("atoms", atoms, "must hold at least one atom, all at finite positions")
     cell = _periods(atoms, calculator, periods)
-    island = MovingIsland(atoms, calculator, rigid, planar)
-    if not rigid and len(island.moving) > _MOST_FLEXIBLE:
+    island = MovingIsland(atoms, calculator, rigid, planar, cell)
+    count = len(island.moving)
+    if not rigid and count > _MOST_FLEXIBLE:
         rule = f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True"
         refuse("atoms", atoms, rule)
-    scales = _scales(island, cell)
-    ends = (_rigid if rigid and planar else by_bands)(island, scales, cell)
+    noise = _checked(island)
+    ends = _by_search(island, noise) if rigid and planar else by_bands(island)
     minimum, saddle = island.finished(ends.minimum), island.finished(ends.saddle)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
     # forces that remain move a point that is level by themselves over its curvature
     left = [island.free(island.forces(shifts)) for shifts in (ends.minimum, ends.saddle)]
-    together = len(island.moving) if rigid else 1
-    remain = together * np.abs(left).max() / scales.force
-    error = ends.error + 2.0 * scales.noise + scales.energy * remain**2 / _LEAST_CURVATURE
+    remain = (count if rigid else 1) * np.abs(left).max() / island.force
+    unsure = island.radian * island.force * remain**2 / _LEAST_CURVATURE
+    error = float(ends.error + 2.0 * noise + unsure)
     seconds = perf_counter() - started
-    return RelaxedBarrier(
-        max(height, 0.0), float(error), minimum, saddle, island.evaluations, seconds
-    )
+    return RelaxedBarrier(max(height, 0.0), error, minimum, saddle, island.evaluations, seconds)
 
 
 def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
+    """The periods as given, or as calculator or atoms know them."""
     if given is None:
-        found = _known_periods(calculator)
-        if found is None:
-            cell = np.asarray(atoms.cell)[np.asarray(atoms.pbc)]
-            flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
-            found = flat if len(flat) == 2 else None
-        if found is None:
+        parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
+        known = [getattr(part, "periods", None) for part in parts]
+        found = [np.asarray(one) for one in known if one is not None]
+        cell = np.asarray(atoms.cell)[np.asarray(atoms.pbc)]
+        flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
+        if not found and len(flat) == 2:
+            found = [flat]
+        if not found:
             rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
             refuse("periods", None, rule)
-        given = found
+        if any((one != found[0]).any() for one in found):
+            rule = "must be given, as the parts of the calculator have different ones"
+            refuse("periods", None, rule)
+        given = found[0]
     try:
         periods: Array = np.array(given, dtype=float)
     except (TypeError, ValueError):
@@ -149,88 +151,68 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
     return periods
 
 
-def _known_periods(calculator: Any) -> Array | None:
-    """Periods of the calculator or of one within a sum of calculators."""
-    if getattr(calculator, "periods", None) is not None:
-        return np.asarray(calculator.periods)
-    parts = getattr(getattr(calculator, "mixer", None), "calcs", ())
-    known = [found for found in map(_known_periods, parts) if found is not None]
-    if len(known) > 1 and any(
-        found.shape != known[0].shape or (found != known[0]).any() for found in known[1:]
-    ):
-        refuse("periods", None, "must be given, as the parts of the calculator have different ones")
-    return known[0] if known else None
-
-
-def _scales(island: MovingIsland, periods: Array) -> Scales:
-    """Scales of length, force and rounding; InputError where the periods change the energy."""
-    nowhere = np.zeros_like(island.rest)
-    places = [np.array([i + 0.37, j + 0.21]) / 3.0 @ periods for i in range(3) for j in range(3)]
-    moved = [nowhere + flat(place) for place in places]
-    force = max(float(np.linalg.norm(island.forces(shifts), axis=1).max()) for shifts in moved)
-    energies = [island.energy(shifts) for shifts in moved]
+def _checked(island: MovingIsland) -> float:
+    """Rounding of energies; InputError where there are no forces, or where the periods change the energy."""
+    force, radian = island.force, island.radian
     if force == 0.0:
         rule = "must give forces that change as the island moves"
         refuse("calculator", "no force anywhere", rule)
-    radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
     count, far = len(island.moving), float(np.abs(island.rest).max())
-    eps = float(np.finfo(float).eps)
-    noise = 8.0 * eps * (np.abs(energies).max() + count * force * (radian + far))
-    for period in periods:
-        off = max(
-            abs(island.energy(shifts + flat(period)) - was)
-            for shifts, was in zip(moved, energies, strict=True)
-        )
+    most = np.abs(island.energies).max() + count * force * (radian + far)
+    noise = 8.0 * float(np.finfo(float).eps * most)
+    for number, period in enumerate(island.periods):
+        moved = island.places + island.shifted(np.eye(2)[number])
+        off = np.abs([island.energy(at) for at in moved] - island.energies).max()
         if off > 1e-9 * force * radian + 4.0 * noise:
             shown = f"({period[0]:.6g}, {period[1]:.6g})"
             rule = f"must leave energies as they are; moved by {shown} they change by {off:.2g}"
-            refuse("periods", periods, rule)
-    return Scales(radian, force, noise)
+            refuse("periods", island.periods, rule)
+    return noise
 
 
-def _series(island: MovingIsland, scales: Scales, periods: Array) -> tuple[Whole, Complex]:
+def _series(island: MovingIsland, noise: float) -> tuple[Whole, Complex]:
     """Energy of the shifted island as waves of whole numbers: U = Re sum_n c_n exp(2 pi i K_n·share).
 
-    Returns K (n, 2) and c (n,). The grid is refined until what it does not resolve is rounding.
+    Returns K (n, 2) and c (n,), from the first grid of which what it does not resolve is rounding.
     """
-    energies = np.empty((0, 0))
+
+    @cache
+    def energy(i: int, j: int) -> float:
+        island.evaluations += 1
+        return island.energy(island.shifted([i / _GRIDS[-1], j / _GRIDS[-1]]))
+
     for count in _GRIDS:
-        known, energies = energies, np.empty((count, count))
-        energies[::2, ::2] = known if len(known) else np.nan
-        for i, j in np.ndindex(count, count):
-            if not len(known) or i % 2 or j % 2:
-                shift = flat(np.array([i, j]) / count @ periods)
-                energies[i, j] = island.energy(np.broadcast_to(shift, island.rest.shape))
-                island.evaluations += 1
+        places = range(0, _GRIDS[-1], _GRIDS[-1] // count)
+        energies = [[energy(i, j) for j in places] for i in places]
         waves = np.fft.fft2(energies) / count**2
         numbers = np.rint(np.fft.fftfreq(count, 1.0 / count)).astype(int)
         K = np.stack(np.meshgrid(numbers, numbers, indexing="ij"), axis=-1).reshape(-1, 2)
         sizes = np.abs(waves.ravel())
-        if sizes[np.abs(K).max(-1) > count // 3].max() <= scales.noise:
+        if sizes[np.abs(K).max(-1) > count // 3].max() <= noise:
             break
     # one of each pair of opposite waves, without those of the edge, which are their own opposites
     kept = ((K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))) & (np.abs(K).max(-1) < count // 2)
-    kept &= sizes > scales.noise / count
+    kept &= sizes > noise / count
     return K[kept], 2.0 * waves.ravel()[kept]
 
 
-def _rigid(island: MovingIsland, scales: Scales, periods: Array) -> Ends:
-    """The lowest minimum and the saddle of the easiest way, by the exact search on a Fourier series."""
+def _by_search(island: MovingIsland, noise: float) -> Ends:
+    """Minimum and saddle of a rigid island, by the exact search on a Fourier series."""
     nowhere = np.zeros_like(island.rest)
-    K, c = _series(island, scales, periods)
+    K, c = _series(island, noise)
     if not len(K):
-        return Ends(nowhere, nowhere, scales.noise)
+        return Ends(nowhere, nowhere, noise)
     share = np.array([0.123, 0.456])
-    force = island.forces(nowhere + flat(share @ periods)).sum(axis=0)[:2]
+    force = island.forces(island.shifted(share)).sum(axis=0)[:2]
     slopes = -(c * np.exp(2j * np.pi * (K @ share))).imag @ (2.0 * np.pi * K)
-    expected = -np.linalg.solve(periods, slopes)
-    if np.abs(force - expected).max() > _FORCES * scales.force:
+    expected = -np.linalg.solve(island.periods, slopes)
+    if np.abs(force - expected).max() > _FORCES * island.force:
         name = type(island.calculator).__name__
         refuse("calculator", name, "forces must be those of its energy")
     climbs = lowest_saddles(K, c[None])
     size = float(np.abs(c).max())
     on_grid = float(climbs.errors[0]) if climbs.errors[0] > _POLISHED * size else 0.0
     minimum, saddle = (
-        nowhere + flat(t[0] / (2.0 * np.pi) @ periods) for t in (climbs.minima, climbs.saddles)
+        island.shifted(t[0] / (2.0 * np.pi)) for t in (climbs.minima, climbs.saddles)
     )
     return Ends(minimum, saddle, on_grid + _NOTHING * size)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +12,18 @@ import numpy.typing as npt
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import checked_substrate, radians
 from origins.domains.domain_samples import DomainSamples
-from origins.domains.drawing import Angles, Islands, decaying, draw, given, listed, triangular
+from origins.domains.drawing import (
+    Island,
+    Islands,
+    decaying,
+    draw,
+    flexible,
+    listed,
+    of_atoms,
+    triangular,
+)
 from origins.domains.substrates import Substrate
-from origins.errors import InputError, finite_array, positive, refuse, whole
+from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
 from origins.roughness.power_law import PowerLaw
 from origins.samples.from_samples import from_samples
 from origins.thresholds.law import Array, Thresholds
@@ -24,7 +34,6 @@ if TYPE_CHECKING:
     import ase
 
 LAWS = ("area", "equal", "paper")
-_MOST_SAMPLES = 100_000_000
 _MOST_ATOMS = 1e12
 _FEW = 2  # sizes whose curves of barriers are followed: solvers take half a minute for the peaks of three
 
@@ -110,27 +119,20 @@ def domains(
     """
     substrate = checked_substrate(substrate)
     if substrate.rank == 1:
-        raise InputError(
-            "substrate: varies in one direction only, and every island slides freely across it"
-        )
+        rule = "varies in one direction only, and every island slides freely across it"
+        raise InputError(f"substrate: {rule}")
     scale = _checked_law(law, stiffness, coefficient)
-    if bonds is not None:
-        bonds = positive("bonds", bonds)
-        if islands is None or angles is None:
-            refuse(
-                "bonds", bonds, "makes islands of your own flexible, at listed angles; give both"
-            )
-    family = _islands(lattice_constant, sizes, mean_atoms, islands, weights, bonds, substrate)
-    choice = Angles(
-        None if angles is None else radians(finite_array("angles", angles), "angles"),
-        None if temperature is None else positive("temperature", temperature),
-        float(np.hypot(*substrate.wavevectors.T).max()),
+    if bonds is not None and (islands is None or angles is None):
+        refuse("bonds", bonds, "makes islands of your own flexible, at listed angles; give both")
+    chosen = None if angles is None else radians(finite_array("angles", angles), "angles")
+    family = _islands(
+        lattice_constant, sizes, mean_atoms, islands, weights, bonds, chosen, substrate
     )
+    heat = None if temperature is None else positive("temperature", temperature)
     samples = whole("samples", samples, 1)
-    if samples > _MOST_SAMPLES:
-        refuse("samples", samples, f"must be at most {_MOST_SAMPLES}")
-    drawn = draw(family, choice, samples, seed, comm)
-    if not drawn.resists.any():
+    barriers, turned, atoms = draw(family, chosen, heat, samples, seed, comm)
+    resisting = barriers > 0.0
+    if not resisting.any():
         raise InputError(
             f"domains: none of {samples} islands has a barrier, so no contact resists and there are no "
             "thresholds; change the angles, the sizes or the lattice constant"
@@ -143,60 +145,35 @@ def domains(
         relative = np.sqrt(np.asarray(atoms) / family.mean_atoms) if law == "area" else 1.0
         return np.asarray(1.0 / (period * scale * relative))
 
-    resisting = drawn.barriers[drawn.resists]
-    forces = resisting / period
-    lengths = (resisting * per_energy(drawn.n_atoms[drawn.resists])) ** exponent
-    thresholds = None
-    waves = len(substrate.coefficients)
-    if waves == 2 and angles is None and temperature is None and drawn.resists.all():
-        thresholds = _of_curves(family, choice.fastest, per_energy, exponent)
-    thresholds = from_samples(lengths) if thresholds is None else thresholds
-    mean, distance, ratios = _exponential(np.sort(forces))
-    thresholds.domains = DomainSamples(
-        barriers=drawn.barriers,
-        angles=drawn.angles,
-        n_atoms=drawn.n_atoms,
-        period=period,
-        superlubric_weight=1.0 - forces.size / samples,
-        mean_stiffness=float((forces / lengths).mean()),
-        mean_force=mean,
-        exponential_distance=distance,
-        exponential_ratios=ratios,
-    )
+    lengths = (barriers * per_energy(atoms))[resisting] ** exponent
+    known: list[Thresholds | None] = [None]
+    two_waves = len(substrate.coefficients) == 2 and chosen is None and heat is None
+    if two_waves and resisting.all() and 0 < len(family.rows) <= _FEW:
+        kinds = [family.make(*row) for row in family.rows]
+        known = [_at_all_angles(kind, float(per_energy(kind.atoms)), exponent) for kind in kinds]
+    found = [one for one in known if one is not None]
+    if len(found) < len(known):
+        thresholds = from_samples(lengths)
+    else:
+        thresholds = found[0] if len(found) == 1 else mixture(found, family.shares)
+    stiffness = float((barriers[resisting] / period / lengths).mean())
+    thresholds.domains = DomainSamples(barriers, turned, atoms.astype(np.int64), period, stiffness)
     return thresholds
 
 
-def _of_curves(
-    family: Islands, fastest: float, per_energy: Callable[[int], Array], exponent: float
-) -> Thresholds | None:
-    """The law of few islands from b(angle) itself; None where one of them has too many peaks to follow."""
-    if not 0 < len(family.all) <= _FEW:
-        return None
-    laws = []
-    for _, numbers in family.all:
-        island = family.make(*numbers)
-        gain = float(per_energy(island.atoms))
-        law = angle_thresholds(island.climb, fastest * island.reach, gain)
-        if law is None:
-            return None
-        laws.append(law if exponent == 1.0 else Powered(law, PowerLaw(1.0, exponent)))
-        laws[-1].knows_breakpoints = law.knows_breakpoints
-    return mixture(laws, [share for share, _ in family.all]) if len(laws) > 1 else laws[0]
-
-
-def _exponential(forces: Array) -> tuple[float, float, tuple[float, float]]:
-    """Mean of the sorted forces, and how far they are from an exponential law of that mean: distance, moments."""
-    mean = float(forces.mean())
-    fitted = -np.expm1(-forces / mean)
-    steps = np.arange(forces.size + 1) / forces.size
-    distance = float(max((steps[1:] - fitted).max(), (fitted - steps[:-1]).max()))
-    scaled = forces / mean
-    return mean, distance, (float((scaled**2).mean() / 2.0), float((scaled**3).mean() / 6.0))
+def _at_all_angles(island: Island, gain: float, exponent: float) -> Thresholds | None:
+    """The law of (gain b)^exponent from b(angle) itself; None where the island has too many peaks."""
+    law = angle_thresholds(island.sizes, island.phase, gain)
+    if law is None or exponent == 1.0:
+        return law
+    powered = Powered(law, PowerLaw(1.0, exponent))
+    powered.knows_breakpoints = law.knows_breakpoints
+    return powered
 
 
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
-    if law not in LAWS:
-        refuse("law", law, 'must be "area", "equal" or "paper"')
+    """The stiffness, or the coefficient, as the law needs it."""
+    one_of("law", law, LAWS)
     needed, other = ("coefficient", "stiffness") if law == "paper" else ("stiffness", "coefficient")
     values = {"stiffness": stiffness, "coefficient": coefficient}
     if values[other] is not None:
@@ -214,6 +191,7 @@ def _islands(
     islands: Sequence[ase.Atoms] | None,
     weights: npt.ArrayLike | None,
     bonds: float | None,
+    angles: Array | None,
     substrate: Substrate,
 ) -> Islands:
     """What to draw from; InputError unless it is told in one way."""
@@ -225,16 +203,23 @@ def _islands(
     if islands is not None:
         if lattice_constant is not None:
             refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
-        if hasattr(islands, "get_positions"):
-            refuse("islands", islands, "is one island, and they are a list; write [atoms]")
-        if len(islands) == 0:
-            refuse("islands", islands, "must hold at least one ase.Atoms")
+        if hasattr(islands, "get_positions") or len(islands) == 0:
+            refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
+        if bonds is not None:
+            bonds = positive("bonds", bonds)
+
+        @cache
+        def own(number: int) -> Island:
+            if bonds is None or angles is None:
+                return of_atoms(substrate, islands[number])
+            return flexible(substrate, islands[number], bonds, angles)
+
         numbers = np.arange(len(islands))[:, None]
-        return listed(numbers, _shares(weights, len(islands)), given(islands, substrate, bonds))
+        return listed(numbers, _shares(weights, len(islands)), own)
     if lattice_constant is None:
         rule = "triangular islands need it; give a length, such as lattice_constant = 2.5"
         refuse("lattice_constant", None, rule)
-    make = triangular(positive("lattice_constant", lattice_constant), substrate)
+    make = partial(triangular, substrate, positive("lattice_constant", lattice_constant))
     if sizes is None:
         if weights is not None:
             refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
@@ -247,11 +232,9 @@ def _islands(
     except ValueError:  # rows of different lengths
         pairs = np.empty(0)
     right = pairs.ndim == 2 and pairs.shape[1] == 2 and pairs.size and pairs.dtype.kind in "iu"
-    if not right or pairs.min() < 1:
-        rule = "must be pairs (n_i, n_j) of whole numbers of at least 1, such as [[10, 9]]"
+    if not right or pairs.min() < 1 or pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
+        rule = f"must be pairs of whole numbers of at least 1, such as [[10, 9]], {_MOST_ATOMS:g} atoms at most"
         refuse("sizes", sizes, rule)
-    if pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
-        refuse("sizes", sizes, f"must have n_i n_j of at most {_MOST_ATOMS:g}")
     return listed(pairs.astype(np.int64), _shares(weights, len(pairs)), make)
 
 
@@ -259,8 +242,7 @@ def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
     """Weights of `count` islands as shares that add up to 1; equal when left out. InputError unless above zero."""
     if weights is None:
         return np.full(count, 1.0 / count)
-    shares = np.asarray(weights, dtype=float)
-    if shares.shape != (count,) or not np.isfinite(shares).all() or not (shares > 0.0).all():
-        rule = f"must be {count} finite numbers above zero, one for each island"
-        refuse("weights", weights, rule)
+    shares = finite_array("weights", weights)
+    if shares.shape != (count,) or not (shares > 0.0).all():
+        refuse("weights", weights, f"must be {count} numbers above zero, one for each island")
     return shares / shares.sum()

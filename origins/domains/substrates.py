@@ -45,7 +45,9 @@ class Substrate:
         return self._waves(positions).imag @ self.wavevectors
 
     def _waves(self, positions: npt.ArrayLike) -> npt.NDArray[np.complex128]:
-        return self.coefficients * np.exp(1j * (np.asarray(positions, dtype=float) @ self.wavevectors.T))
+        return self.coefficients * np.exp(
+            1j * (np.asarray(positions, dtype=float) @ self.wavevectors.T)
+        )
 
     @cached_property
     def rank(self) -> int:
@@ -75,7 +77,11 @@ class Substrate:
     def _lattice(self) -> tuple[npt.NDArray[np.int64], Array]:
         G = self.wavevectors
         if self.rank == 1:
-            refuse("wavevectors", G, "are all parallel: the substrate has no cell, and islands slide freely along it")
+            refuse(
+                "wavevectors",
+                G,
+                "are all parallel: the substrate has no cell, and islands slide freely along it",
+            )
         reciprocal = _shortest_basis(G)
         indices = np.rint(G @ np.linalg.inv(reciprocal)).astype(np.int64)
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
@@ -86,7 +92,9 @@ class Substrate:
         return indices[:, ::-1] * signs.astype(np.int64), signs[:, None] * cell
 
 
-def fourier_substrate(wavevectors: npt.ArrayLike, coefficients: npt.ArrayLike, constant: float = 0.0) -> Substrate:
+def fourier_substrate(
+    wavevectors: npt.ArrayLike, coefficients: npt.ArrayLike, constant: float = 0.0
+) -> Substrate:
     """V(r) = constant + Re sum_n c_n exp(i G_n·r).
 
     Parameters
@@ -125,7 +133,9 @@ def fourier_substrate(wavevectors: npt.ArrayLike, coefficients: npt.ArrayLike, c
     # what is left of waves that cancel is rounding
     kept = [(wave, share) for wave, share in kept if abs(share) > 1e-15 * np.abs(c).max()]
     if not kept:
-        raise InputError("wavevectors: nothing but a constant is left; give at least one wave that is not zero")
+        raise InputError(
+            "wavevectors: nothing but a constant is left; give at least one wave that is not zero"
+        )
     waves = np.array([wave for wave, _ in kept])
     shares = np.array([share for _, share in kept])
     waves.setflags(write=False)
@@ -176,19 +186,21 @@ def _shortest_basis(vectors: Array) -> Array:
     least = np.hypot(*vectors.T).min() / _LARGEST_DENOMINATOR
     rest = vectors
     while True:
-        rest = rest[np.argsort((rest * rest).sum(-1), kind="stable")]
-        first, others = rest[0], rest[1:]
+        first = rest[np.argmin((rest * rest).sum(-1))]
         if np.hypot(*first) < least:
-            refuse("wavevectors", vectors, "must be whole multiples of two vectors; this substrate never repeats")
-        reduced = others - np.rint(others @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
-        left = reduced[np.hypot(*reduced.T) > nothing]
-        if len(left) == 1 and (left == others).all():
-            return np.array([first, left[0]])
-        if len(left) > 1:
-            # take out of the others what the second shortest holds of them
-            second = left[np.argmin((left * left).sum(-1))]
-            if second @ second >= first @ first * (1.0 - 1e-12):
-                whole = np.rint(left @ np.linalg.inv(np.array([first, second])))
-                away = left - whole @ np.array([first, second])
-                left = np.vstack([second, away[np.hypot(*away.T) > nothing]])
-        rest = np.vstack([first, left])
+            rule = "must be whole multiples of two vectors; this substrate never repeats"
+            refuse("wavevectors", vectors, rule)
+        multiples = np.rint(rest @ first / (first @ first) * (1.0 - 1e-12))
+        left = rest - multiples[:, None] * first
+        left = left[np.hypot(*left.T) > nothing]
+        second = left[np.argmin((left * left).sum(-1))]
+        if second @ second < first @ first * (1.0 - 1e-12):
+            rest = np.vstack([first, left])
+            continue
+        # what the others hold beside whole multiples of the two shortest
+        basis = np.array([first, second])
+        left -= np.rint(left @ np.linalg.inv(basis)) @ basis
+        left = left[np.hypot(*left.T) > nothing]
+        if not len(left):
+            return basis
+        rest = np.vstack([basis, left])

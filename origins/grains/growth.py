@@ -42,6 +42,11 @@ class GrainGrowth:
         """tau_m = (2/(3 alpha))³, at which the largest grain spans the film: the delay of a new contact."""
         return (2.0 / (3.0 * self.alpha)) ** 3
 
+    def excess(self, time: npt.ArrayLike) -> Array:
+        """Radius of the largest grain over that of the first to pin, less 1; 0 up to tau_m."""
+        since = (np.asarray(time) - self.first_pinning_time) / self.first_pinning_time
+        return np.asarray(np.expm1(np.log1p(np.maximum(since, 0.0)) / 3.0))
+
     def rho(self, time: npt.ArrayLike) -> Array:
         """Mean grain diameter over film thickness, shape as time. InputError for times not above zero."""
         return self.alpha * np.cbrt(self._times(time))
@@ -52,12 +57,10 @@ class GrainGrowth:
 
     def pinned_fraction(self, time: npt.ArrayLike) -> Array:
         """Fraction of the grains at `time` that span the film; 0 up to tau_m. InputError for times not above zero."""
-        since = (self._times(time) - self.first_pinning_time) / self.first_pinning_time
-        excess = np.atleast_1d(np.expm1(np.log1p(np.maximum(since, 0.0)) / 3.0))
-        out = np.zeros(excess.shape)
-        pinning = excess > 0.0
-        out[pinning] = np.exp(-hazard_beyond(1.0 / excess[pinning], 0.0, 1.0))
-        return out.reshape(np.shape(since))[()]
+        excess = self.excess(self._times(time))
+        with np.errstate(divide="ignore"):
+            q = np.minimum(np.atleast_1d(1.0 / excess), 1e300)
+        return np.exp(-hazard_beyond(q, 0.0, 1.0)).reshape(excess.shape)[()]
 
     def pinning_number(self, time: npt.ArrayLike) -> Array:
         """Grains that span the film, per grain there was at tau_m: greatest at rho = 1, and ~ 1/time in the end.
@@ -102,12 +105,21 @@ def film_growth(
 
     Raises InputError for a value not above zero, and where neither or both of the last two are given.
     """
-    thickness, rate = positive("film_thickness", film_thickness), positive("coarsening_rate", coarsening_rate)
+    thickness, rate = (
+        positive("film_thickness", film_thickness),
+        positive("coarsening_rate", coarsening_rate),
+    )
     strength = positive("shear_strength", shear_strength)
     if (force_coefficient is None) == (shear_modulus is None):
-        refuse("force_coefficient", force_coefficient, "give either force_coefficient or shear_modulus, in Pa")
+        refuse(
+            "force_coefficient",
+            force_coefficient,
+            "give either force_coefficient or shear_modulus, in Pa",
+        )
     if shear_modulus is not None:
         coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
     else:
         coefficient = positive("force_coefficient", force_coefficient)
-    return GrainGrowth(2.0 * np.cbrt(rate) / thickness, 4.0 * coefficient / (np.pi * strength * thickness**2))
+    return GrainGrowth(
+        2.0 * np.cbrt(rate) / thickness, 4.0 * coefficient / (np.pi * strength * thickness**2)
+    )

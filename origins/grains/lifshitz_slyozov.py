@@ -4,45 +4,36 @@ Sizes are written y = r/(3<r>/2), relative to the largest grain. The density is 
 
     psi(y) = (4/3) ln(1 + y/2) + (5/3) ln(1 - y) + y/(1 - y),      survival = e^-psi,
 
-since the shape keeps itself while grains grow and vanish. With q = 1/(1 - y) - 1/(1 - y0), psi(y) - psi(y0) is convex
-in q, and q has no end: the essential singularity at the largest grain is gone.
+since the shape keeps itself while grains grow and vanish. With q = 1/(1 - y) - 1/(1 - y0), psi(y) - psi(y0)
+is convex in q, and q has no end: the essential singularity at the largest grain is gone.
 """
+
+from abc import abstractmethod
 
 import numpy as np
 
 from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.quadrature import gauss
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
-_NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 _SMALL = 0.4
 _STEPS = 60
 _MISS = 1e-5  # Halley's step leaves the cube of what is missing
 
 
-def closed_hazard(q: Array, y0: Array | float, e0: Array | float) -> Array:
-    """psi(y) - psi(y0) for finite q >= 0, to the absolute accuracy of floating point: enough for its exponential.
+def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
+    """psi(y) - psi(y0) for finite q >= 0, to the relative accuracy of floating point, however small it is.
 
     y0 in [0, 1) and e0 = 1 - y0 are both given, so that neither end loses digits; shapes broadcast.
     """
-    return np.maximum(_closed(q, e0 * (q * e0 / (1.0 + q * e0)), y0, e0), 0.0)
-
-
-def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
-    """The same to the relative accuracy of floating point, however small it is."""
     gap = e0 * (q * e0 / (1.0 + q * e0))
-    out = _closed(q, gap, y0, e0)
+    out = q - 5.0 / 3.0 * np.log1p(q * e0) + 4.0 / 3.0 * np.log1p(gap / (2.0 + y0))
     # small grains: the three terms cancel to the third order, their derivative does not
     small = y0 + gap < _SMALL
     if small.any():
-        first = np.broadcast_to(y0, small.shape)[small][:, None]
-        width = gap[small]
-        y = first + width[:, None] * _NODES
-        out[small] = width * ((3.0 * y * y / ((2.0 + y) * (1.0 - y) ** 2)) @ _WEIGHTS)
+        nodes, weights = gauss(np.zeros(int(small.sum())), gap[small])
+        y = np.broadcast_to(y0, small.shape)[small][:, None] + nodes
+        out[small] = (weights * (3.0 * y * y / ((2.0 + y) * (1.0 - y) ** 2))).sum(-1)
     return out
-
-
-def _closed(q: Array, gap: Array, y0: Array | float, e0: Array | float) -> Array:
-    return q - 5.0 / 3.0 * np.log1p(q * e0) + 4.0 / 3.0 * np.log1p(gap / (2.0 + y0))
 
 
 def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
@@ -51,7 +42,8 @@ def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
     Halley's steps come down on the root from the first guess, since the hazard is convex in q.
     """
     goal = hazard.ravel()
-    y0, e0 = (np.broadcast_to(np.asarray(end, dtype=float), hazard.shape).ravel() for end in (y0, e0))
+    ends = (np.broadcast_to(np.asarray(end, dtype=float), hazard.shape).ravel() for end in (y0, e0))
+    y0, e0 = ends
     slope = 3.0 * y0 * y0 / (2.0 + y0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         straight = np.where(slope > 0.0, goal / slope, np.inf)
@@ -70,7 +62,23 @@ def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
     return q.reshape(hazard.shape)
 
 
-class LifshitzSlyozov(Thresholds):
+class OfHazard(Thresholds):
+    """A law that states -log of its survival, as `_hazard`, beside its density and the inverse."""
+
+    @abstractmethod
+    def _hazard(self, x: Array) -> Array: ...
+
+    def _cdf(self, x: Array) -> Array:
+        return -np.expm1(-self._hazard(x))
+
+    def _sf(self, x: Array) -> Array:
+        return np.exp(-self._hazard(x))
+
+    def _logsf(self, x: Array) -> Array:
+        return -self._hazard(x)
+
+
+class LifshitzSlyozov(OfHazard):
     """Law of u = r/<r> on (0, 3/2), normalised: constant 3^4 e/2^(5/3), mean 1 (paper, Eq. LS1).
 
     u is a number, not a stretch; methods and names are those of every law.
@@ -84,24 +92,12 @@ class LifshitzSlyozov(Thresholds):
     def _hazard(self, u: Array) -> Array:
         return hazard_beyond(u / (1.5 - u), 0.0, 1.0)
 
-    def _pdf(self, u: Array) -> Array:
-        return np.exp(self._logpdf(u))
-
     def _logpdf(self, u: Array) -> Array:
         out = np.full(u.shape, -np.inf)
         inner = (u > 0.0) & (u < 1.5)
         u = u[inner]
-        out[inner] = np.log(3.0 * u * u / ((u + 3.0) * (1.5 - u) ** 2)) - closed_hazard(u / (1.5 - u), 0.0, 1.0)
+        out[inner] = np.log(3.0 * u * u / ((u + 3.0) * (1.5 - u) ** 2)) - self._hazard(u)
         return out
-
-    def _cdf(self, u: Array) -> Array:
-        return -np.expm1(-self._hazard(u))
-
-    def _sf(self, u: Array) -> Array:
-        return np.exp(-closed_hazard(u / (1.5 - u), 0.0, 1.0))
-
-    def _logsf(self, u: Array) -> Array:
-        return -self._hazard(u)
 
     def _from_hazard(self, hazard: Array) -> Array:
         q = invert_beyond(hazard, 0.0, 1.0)

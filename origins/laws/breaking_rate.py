@@ -12,7 +12,6 @@ from origins.laws.rate_law import Array, RateLaw
 
 # ln(h/ω): above it no contact holds, and its exponential times ω is still a number
 _LARGEST = 50.0
-_POSITIVE = "must be finite and above zero"
 _HALVINGS = 60  # of the way from -x_s to x_s: down to the last bit of x_s
 
 
@@ -143,16 +142,14 @@ def _prepare(
         told = f"{', '.join(named)}: must be numbers or arrays whose shapes fit: {error}"
         raise InputError(told) from error
     flat = dict(zip(named, (array.ravel() for array in arrays), strict=True))
-    rules = {
-        "threshold": ((flat["threshold"] > 0.0) & np.isfinite(flat["threshold"]), _POSITIVE),
-        "stiffness": ((flat["stiffness"] > 0.0) & np.isfinite(flat["stiffness"]), _POSITIVE),
-    }
-    for name in more:
-        rule = f"a contact holds only where |{name}| is at most its threshold"
-        rules[name] = np.abs(flat[name]) <= flat["threshold"], rule
+    for name in ("threshold", "stiffness", *more):
+        values = flat[name]
+        good, rule = (values > 0.0) & np.isfinite(values), "must be finite and above zero"
         if name == "amount":
-            rules[name] = flat[name] >= 0.0, "must be zero or above"
-    for name, (good, rule) in rules.items():
+            good, rule = values >= 0.0, "must be zero or above"
+        elif name in more:
+            good = np.abs(values) <= flat["threshold"]
+            rule = f"a contact holds only where |{name}| is at most its threshold"
         if not good.all():
-            refuse(name, flat[name][~good][0], rule)
+            refuse(name, values[~good][0], rule)
     return arrays[0].shape, list(flat.values())

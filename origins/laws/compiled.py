@@ -17,9 +17,9 @@ class CompiledRates:
     law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first
         argument of all functions, lengths and times in it those of the RateLaw.
     rate(law, x, threshold, stiffness) : h at 0 <= x <= threshold, not of its logarithm.
-    passed(law, near, far, threshold, stiffness) : the integral of h over the stretches from near to
-        far; 0 where it underflows.
-    reached(law, log_amount, near, threshold, stiffness) : as RateLaw.reached.
+    passed(law, x, threshold, stiffness) : the integral of h over the stretches from 0 to x; 0 where
+        it underflows.
+    reached(law, log_amount, threshold, stiffness) : as RateLaw.reached, from 0 on.
     most(law, least_x, largest_x, least_y, largest_y, stiffness) : a number that h does not exceed for
         stretches and thresholds between these, the closer the faster.
     """
@@ -60,11 +60,11 @@ def called(rates: Any) -> CompiledRates:
     def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
         return rate_of(x, threshold, stiffness)
 
-    def passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return math.exp(log_passed_of(near, far, threshold, stiffness)) if far > near else 0.0
+    def passed(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return math.exp(log_passed_of(0.0, x, threshold, stiffness)) if x > 0.0 else 0.0
 
-    def reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return reached_of(log_amount, near, threshold, stiffness)
+    def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return reached_of(log_amount, 0.0, threshold, stiffness)
 
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return law.scale

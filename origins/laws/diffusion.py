@@ -2,14 +2,14 @@
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import exprel
+from scipy.special import exprel, logsumexp
 
 from origins.errors import InputError, finite_array, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
 
 _BEYOND = 1e-12
-_FAINT = 1e-200
+_FAINT = 1e-200  # weights below it are sums over the density, whose logarithms do not underflow
 
 
 class Diffusion:
@@ -48,7 +48,12 @@ class Diffusion:
                 "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)",
             )
         self._check_walls("final", final)
-        log_weights = _log_weights(final, self.edges)
+        known = self._weights(final)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_weights = np.log(known)
+        if (faint := ~(known > _FAINT)).any():
+            nodes, factors = gauss(self.edges[:-1][faint], self.edges[1:][faint])
+            log_weights[faint] = logsumexp(final.logpdf(nodes), axis=-1, b=factors)
         empty = np.flatnonzero(~np.isfinite(log_weights))
         if empty.size:
             low, high = self.edges[empty[0]], self.edges[empty[0] + 1]
@@ -66,10 +71,15 @@ class Diffusion:
     def weights(self, law: Thresholds) -> Array:
         """Weight of `law` in each cell, shape (n,), adding up to 1; at most 1e-12 beyond the walls, else InputError."""
         self._check_walls("law", law)
-        out = _weights(law, self.edges)
+        out = self._weights(law)
         out[0] += float(law.cdf(self.edges[0]))
         out[-1] += float(law.sf(self.edges[-1]))
         return out
+
+    def _weights(self, law: Thresholds) -> Array:
+        """Weight between neighbouring edges, from whichever of cdf and survival is the smaller."""
+        cdf, sf = law.cdf(self.edges), law.sf(self.edges)
+        return np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
 
     def _check_walls(self, name: str, law: Thresholds) -> None:
         low, high = float(self.edges[0]), float(self.edges[-1])
@@ -78,23 +88,3 @@ class Diffusion:
             raise InputError(
                 f"{name}: has a weight of {beyond:.3g} beyond the outermost edges, {low:g} and {high:g}; widen them"
             )
-
-
-def _weights(law: Thresholds, edges: Array) -> Array:
-    """Weight between neighbouring edges, from whichever of cdf and survival is the smaller."""
-    cdf, sf = law.cdf(edges), law.sf(edges)
-    return np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
-
-
-def _log_weights(law: Thresholds, edges: Array) -> Array:
-    """ln of the weights, finite where they underflow."""
-    weights = _weights(law, edges)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        out = np.log(weights)
-        faint = ~(weights > _FAINT)
-        if faint.any():
-            nodes, factors = gauss(edges[:-1][faint], edges[1:][faint])
-            terms = law.logpdf(nodes) + np.log(factors)
-            highest = terms.max(axis=-1)
-            out[faint] = highest + np.log(np.exp(terms - highest[:, None]).sum(-1))
-    return out

@@ -95,22 +95,13 @@ class SoftRates(RateLaw):
 
 def _length(rise: Array, near: Array, far: Array, spring: Array) -> Array:
     """Integral of h from near to far over h(far), a length; h rises by e^rise. Shape as rise."""
-    near, far, spring = (
-        array if array.shape == rise.shape else np.broadcast_to(array, rise.shape)
-        for array in (near, far, spring)
-    )
-    length = np.empty(rise.shape)
+    root = np.sqrt(spring)
+    steep = (dawsn(root * far) - np.exp(-rise) * dawsn(root * near)) / root
     flat = (rise < _FLAT) & (near > 0.0)
-    if flat.any():
-        # the difference of two integrals would cancel; Gauss nodes, placed from `far` back, do not
-        across, most, least = (far - near)[flat], (2.0 * spring * far)[flat], spring[flat]
-        total = np.zeros(across.size)
-        for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS, strict=True):
-            back = node * across
-            total += weight * np.exp(back * (least * back - most))
-        length[flat] = across * total
-    steep = ~flat
-    if steep.any():
-        root, end, begin = np.sqrt(spring[steep]), far[steep], near[steep]
-        length[steep] = (dawsn(root * end) - np.exp(-rise[steep]) * dawsn(root * begin)) / root
-    return length
+    if not flat.any():
+        return np.asarray(steep)
+    # the difference of two integrals would cancel; Gauss nodes, placed from `far` back, do not
+    across = far - near
+    back = np.multiply.outer(GAUSS_NODES, across)
+    total = np.tensordot(GAUSS_WEIGHTS, np.exp(-spring * back * (2.0 * far - back)), 1)
+    return np.where(flat, across * total, steep)

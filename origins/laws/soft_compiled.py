@@ -15,8 +15,6 @@ Array = npt.NDArray[np.float64]
 _STEP = 1.0 / 128.0  # of the tables: cubics are then exact to 1e-12
 _SERIES, _LAST = 0.02, 12.0  # below and above which Dawson's integral is a series
 _LOW, _HIGH = -4.0, 36.0  # levels between which the inverse is tabled
-_NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(8)[0]).tolist())
-_WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(8)[1]).tolist())
 
 
 class SoftLaw(NamedTuple):
@@ -83,47 +81,22 @@ def _inverse_log_growth(level, law):  # type: ignore[no-untyped-def]
     return np.sqrt(square)
 
 
-@inlined
-def _log_sum(a, b):  # type: ignore[no-untyped-def]
-    high, low = max(a, b), min(a, b)
-    return high if low == -np.inf else high + np.log1p(np.exp(low - high))
-
-
 def _rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
     return law.omega * np.exp(-law.spring * stiffness * (threshold - x) * (threshold + x))
 
 
-def _passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-    if far <= near:
-        return 0.0
-    spring = law.spring * stiffness
-    rise = spring * (far - near) * (far + near)
-    largest = law.omega * np.exp(-spring * (threshold - far) * (threshold + far))
-    if rise < 1.0 and near > 0.0:
-        # the difference of two integrals would cancel; Gauss nodes, placed from `far` back, do not
-        across, total = far - near, 0.0
-        for k in range(8):
-            back = across * _NODES[k]
-            total += _WEIGHTS[k] * np.exp(-spring * back * (2.0 * far - back))
-        return largest * across * total
-    root = np.sqrt(spring)
-    length = _dawson(root * far, law)
-    if near > 0.0:
-        length -= np.exp(-rise) * _dawson(root * near, law)
-    return largest * length / root
+_inlined_rate = inlined(_rate)
 
 
-def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
-    spring, root, level = law.spring, law.root, log_amount + law.log_share
-    if stiffness != 1.0:
-        spring *= stiffness
-        root *= np.sqrt(stiffness)
-        level += 0.5 * np.log(stiffness)
+def _passed(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+    root = law.root * np.sqrt(stiffness)
+    return _inlined_rate(law, x, threshold, stiffness) * _dawson(root * x, law) / root
+
+
+def _reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
+    spring, level = law.spring * stiffness, log_amount + law.log_share + 0.5 * np.log(stiffness)
     level += spring * threshold * threshold
-    y = root * near
-    if y > 0.0:
-        level = _log_sum(level, y * y + np.log(_dawson(y, law)))
-    return min(max(_inverse_log_growth(level, law) / root, near), threshold)
+    return min(_inverse_log_growth(level, law) / np.sqrt(spring), threshold)
 
 
 def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from origins.errors import InputError, refuse
 from origins.thresholds.inversion import invert_hazard
 from origins.thresholds.numerical import NumericalLaw
+from origins.thresholds.quadrature import panel_moment
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
@@ -117,13 +118,18 @@ class Thresholds:
         return np.full(hazard.shape, lower), np.full(hazard.shape, upper)
 
     def _moment(self, n: float) -> float:
-        return self._numerical.moment(n)
+        return self._central_moment(n, 0.0)
+
+    def _central_moment(self, n: float, centre: float) -> float:
+        # of a law that states its density and survival, the density may be too rough for panels of its logarithm
+        rough = type(self)._logpdf is Thresholds._logpdf and type(self)._sf is not Thresholds._sf
+        return panel_moment(self, n, centre) if rough else self._numerical.moment(n, centre)
 
     def _variance(self) -> float:
         mean, square = self.moment(1), self.moment(2)
         if not square - mean * mean < 1e-3 * square:
             return square - mean * mean
-        return self._numerical.moment(2, mean)
+        return self._central_moment(2, mean)
 
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""

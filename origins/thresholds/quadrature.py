@@ -17,7 +17,7 @@ GAUSS_NODES = 0.5 * (GAUSS_NODES + 1.0)  # on (0, 1)
 GAUSS_WEIGHTS = 0.5 * GAUSS_WEIGHTS
 
 _SEEDS = np.array([1e-15, 1e-9, 1e-5, 1e-3, 0.03, 0.25, 0.5])
-_TAIL = 1e-18
+_TAIL, _FAINT = 1e-18, 1e-60  # survivals at which panels end, and at which they do for a moment
 _ACCURACY = 1e-15
 _DEPTH = 64
 _MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many
@@ -96,3 +96,10 @@ def _cdf_mass(thresholds: Any, left: Array, right: Array) -> Array:
     for position, weight in zip(*thresholds.atoms, strict=True):
         mass = mass - weight * ((left < position) & (position <= right))
     return mass
+
+
+def panel_moment(thresholds: Any, n: float, centre: float) -> float:
+    """<(x_s - centre)^n> of a law without atoms, whose tail falls faster than any power."""
+    edges = panel_edges(thresholds, tail=_FAINT)
+    nodes, weights = gauss(edges[:-1], edges[1:])
+    return float((weights * finite_density(thresholds, nodes) * (nodes - centre) ** n).sum())

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.grid import narrowest
 from master.lives.grains import GrainLife, pinned_hazard
 from master.lives.growing_thresholds import GrowingThresholds
 from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory, Scales, width_of
@@ -40,10 +39,8 @@ class GrainMemory(Memory):
         life = GrainLife(contacts, LONGEST * self._first)
         self._start_since, self.reach = life.start_since, life.start_reach
         self.starts = FEW_STARTS + MORE_STARTS * level
-        # as fast as grains grow, few hold and at small stretches
-        quick = grains.breaking(1.0 / (np.sqrt(grains.growth.B) * self._first))
         # length over which births change, in the narrowest widths of the laws of thresholds
-        length = 2.0 * min(width_of(contacts), narrowest(quick))
+        length = 2.0 * min(width_of(contacts), grains.quick_width)
         # the first step of a hold, in pinning times
         self.scales = Scales(length, 0.05 * self._first)
 
