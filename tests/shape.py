@@ -129,7 +129,9 @@ def main() -> int:
             subprocess.run([*ruff, str(room)], check=True)
             files = trees(room)
         lines, count = lines_and_constants(files)
-        print(f"{name}: {lines} lines ({limits.lines} in the end), {count} constants ({limits.constants})")
+        print(
+            f"{name}: {lines} lines ({limits.lines} in the end), {count} constants ({limits.constants})"
+        )
         found += [f"{name}: {fault}" for fault in faults(files, limits)]
     print(*found, sep="\n", end="\n" if found else "")
     return bool(found)
