@@ -32,9 +32,9 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 12818, 200, 407),
-    "eq_model": Room(2200, 3751, 60, 149),
-    "origins": Room(4500, 8977, 120, 256),
+    "master": Room(7500, 12815, 200, 406),
+    "eq_model": Room(2200, 3758, 60, 149),
+    "origins": Room(4500, 8990, 120, 257),
     "toolkit": Room(4000, 4489, 100, 116),
 }
 Graph = dict[str, set[str]]
