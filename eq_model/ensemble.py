@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import reduce
 from time import perf_counter
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 import numpy.typing as npt
@@ -79,6 +80,7 @@ class Ensemble:
         small = "such as 1e-4"
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
         self.contacts, self.drive = contacts, Drive(path, **drive)
+        time = self.drive.time
         key_of(seed)
         coupled = self.drive.spring is not None
         most = Replicas.MOST if coupled else Engine.MOST // self.n_replicas
@@ -99,7 +101,8 @@ class Ensemble:
             self._work = Engine(contacts, self.drive, seed, histograms, self.total)
             sizes = self.n_contacts, self.n_replicas
             self.blocks = layout.make_blocks(*sizes, self._work.seconds)
-        nothing = replace(self._work.nothing(), run_time=self.clock() - started)
+        course = crc32(np.append(self.drive.path, () if time is None else time).tobytes()) + 1
+        nothing = replace(self._work.nothing(), run_time=self.clock() - started, course=course)
         started = self.clock()
         layout.in_turn(comm, lambda: self._work.follow(self.blocks, -1))
         self.compile_time = self.clock() - started

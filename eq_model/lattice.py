@@ -129,8 +129,8 @@ def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
 
 
 def _bits(number: float) -> int:
-    """Of a number, which may be infinite: then more than there are."""
-    return int(np.ceil(np.log2(min(number, 1e300))))
+    """Of a number, which may be infinite, then more than there are, or zero, where nothing moves."""
+    return int(np.ceil(np.log2(min(max(number, 1e-300), 1e300))))
 
 
 def _points(clock: Array, widest: float) -> tuple[Array, float]:

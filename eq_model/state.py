@@ -29,7 +29,8 @@ class State:
     """What the contacts of some blocks did, so that states may be joined in any order.
 
     sums : shape (2, m), whole numbers; counts : of the histograms; rows, slips : of coupled replicas,
-    a row for each; contacts, breaks, steps : their numbers; done : the blocks; run_time : s.
+    a row for each; contacts, breaks, steps : their numbers; done : the blocks; run_time : s;
+    course : a number that tells drives apart, 0 of a block, which does not say.
     """
 
     sums: Whole = field(default_factory=lambda: np.zeros((2, 0), np.int64))
@@ -41,13 +42,16 @@ class State:
     steps: int = 0
     done: list[range] = field(default_factory=list)
     run_time: float = 0.0
+    course: int = 0
 
     def joined(self, other: State) -> State:
         """Of both; the run time is the longer one."""
-        if self.sums.shape != other.sums.shape or self.counts.shape != other.counts.shape:
+        courses = {self.course, other.course} - {0}
+        shapes = [(one.sums.shape, one.counts.shape) for one in (self, other)]
+        if len(courses) > 1 or shapes[0] != shapes[1]:
             rule = "was found on another path, or for other contacts; start anew"
             raise InputError(f"earlier: {rule}")
-        told: dict[str, Any] = {}
+        told: dict[str, Any] = {"course": max(courses, default=0)}
         for name in ("sums", "counts", *NUMBERS):
             told[name] = getattr(self, name) + getattr(other, name)
         for name in TABLES:

@@ -34,7 +34,9 @@ def clean_environment(**extra: str) -> dict[str, str]:
 @pytest.fixture(autouse=True)
 def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     """What commands say does not tell whether they are the first to compile, nor how fast the machine is."""
-    monkeypatch.setattr("toolkit.running.progress._LOG_PATIENCE", 1e6)  # s; an event can wait no infinite time
+    monkeypatch.setattr(
+        "toolkit.running.progress._LOG_PATIENCE", 1e6
+    )  # s; an event can wait no infinite time
 
 
 def _compiled(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedProcess[str]:
@@ -72,13 +74,16 @@ def python(tmp_path: Path) -> Runner:
 @pytest.fixture
 def mpirun(tmp_path: Path) -> Runner:
     """mpirun(ranks, code, *words): the same on several ranks, oversubscribed where need be."""
-    launcher = shutil.which("mpiexec", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]))
+    launcher = shutil.which(
+        "mpiexec", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    )
     if launcher is None or importlib.util.find_spec("mpi4py") is None:
         pytest.skip("needs the extra [mpi]")
 
     def run(ranks: int, code: str, *words: str) -> subprocess.CompletedProcess[str]:
         environment = clean_environment(
-            OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe"
+            OMPI_MCA_rmaps_base_oversubscribe="1",
+            PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe",
         )
         return _compiled(
             subprocess.run(

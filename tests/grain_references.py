@@ -17,7 +17,11 @@ RHOS = [BARELY, 0.67, 0.7, 1.0, 2.0, 10.0, 1e3]
 def sizes(u: mp.mpf) -> mp.mpf:
     """P_LS as the paper and Lifshitz and Pitaevskii print it."""
     front = 81 * mp.e / 2 ** (mp.mpf(5) / 3) * u * u
-    return front * mp.exp(-1 / (1 - 2 * u / 3)) / ((u + 3) ** (mp.mpf(7) / 3) * (mp.mpf(3) / 2 - u) ** (mp.mpf(11) / 3))
+    return (
+        front
+        * mp.exp(-1 / (1 - 2 * u / 3))
+        / ((u + 3) ** (mp.mpf(7) / 3) * (mp.mpf(3) / 2 - u) ** (mp.mpf(11) / 3))
+    )
 
 
 def psi(y: mp.mpf) -> mp.mpf:
@@ -43,7 +47,9 @@ RULE = gauss_rule(16)
 
 def integral(f: Callable[[mp.mpf], mp.mpf], marks: list[mp.mpf]) -> mp.mpf:
     """Gauss-Legendre between marks close enough together, each piece to its own relative accuracy."""
-    return mp.fsum((b - a) * mp.fsum(w * f(a + t * (b - a)) for t, w in RULE) for a, b in pairwise(marks))
+    return mp.fsum(
+        (b - a) * mp.fsum(w * f(a + t * (b - a)) for t, w in RULE) for a, b in pairwise(marks)
+    )
 
 
 def exact_hazard(x: mp.mpf, rho: float, B: float) -> mp.mpf:
@@ -52,7 +58,9 @@ def exact_hazard(x: mp.mpf, rho: float, B: float) -> mp.mpf:
 
 
 def relative(found: np.ndarray, exact: list[mp.mpf]) -> float:
-    return max(abs(float(mp.mpf(float(a)) / b - 1)) for a, b in zip(np.ravel(found), exact, strict=True))
+    return max(
+        abs(float(mp.mpf(float(a)) / b - 1)) for a, b in zip(np.ravel(found), exact, strict=True)
+    )
 
 
 def distance(law: origins.Thresholds, draws: np.ndarray) -> float:

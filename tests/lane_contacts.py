@@ -57,9 +57,7 @@ class Lane:
             return np.inf, np.inf
         moved = found.clock - self.way.begins[found.leg]
         place = self.way.positions[found.leg] + self.way.directions[found.leg] * moved
-        first = self.way.positions[leg] + self.way.directions[leg] * (
-            clock - self.way.begins[leg]
-        )
+        first = self.way.positions[leg] + self.way.directions[leg] * (clock - self.way.begins[leg])
         return self.times[found.leg] + moved * self.way.paces[found.leg], x + (
             place - first
         ) * self.way.unit

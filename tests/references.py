@@ -88,14 +88,28 @@ def grains(rho: float, B: float) -> Reference:
     def pdf(x: mp.mpf) -> mp.mpf:
         u = size(x)
         front = 81 * mp.e / 2 ** (5 * third) * u * u * mp.exp(psi(first) - 1 / (1 - 2 * u / 3))
-        return front / ((u + 3) ** (7 * third) * (mp.mpf(3) / 2 - u) ** (11 * third)) * b * x * first * first / u
+        return (
+            front
+            / ((u + 3) ** (7 * third) * (mp.mpf(3) / 2 - u) ** (11 * third))
+            * b
+            * x
+            * first
+            * first
+            / u
+        )
 
     def sf(x: mp.mpf) -> mp.mpf:
         return mp.exp(psi(first) - psi(size(x)))
 
     def moment(n: int) -> mp.mpf:
         with mp.workdps(30):
-            marks = [mp.mpf(0), *[_number(x) for x in (*law.ppf([1e-6, 0.1]), *law.isf([0.5, 0.1, 1e-3, 1e-7, 1e-16]))]]
+            marks = [
+                mp.mpf(0),
+                *[
+                    _number(x)
+                    for x in (*law.ppf([1e-6, 0.1]), *law.isf([0.5, 0.1, 1e-3, 1e-7, 1e-16]))
+                ],
+            ]
             return mp.quad(lambda x: n * x ** (n - 1) * sf(x), marks)
 
     return Reference(law, pdf, lambda x: -mp.expm1(psi(first) - psi(size(x))), sf, moment)
@@ -122,7 +136,13 @@ def persson(centre: float, width: float) -> Reference:
 
     def pdf(x: mp.mpf) -> mp.mpf:
         f = (x / w) ** 2
-        return 4 * x / (w * w * mp.sqrt(mp.pi)) * (mp.exp(-((f - a) ** 2)) - mp.exp(-((f + a) ** 2))) / whole
+        return (
+            4
+            * x
+            / (w * w * mp.sqrt(mp.pi))
+            * (mp.exp(-((f - a) ** 2)) - mp.exp(-((f + a) ** 2)))
+            / whole
+        )
 
     def sf(x: mp.mpf) -> mp.mpf:
         f = (x / w) ** 2
@@ -164,11 +184,17 @@ def gaussian(mean: float, std: float) -> Reference:
         return now
 
     return Reference(
-        origins.gaussian(mean, std), pdf, cdf, lambda x: mp.erfc((x - m) / s / mp.sqrt(2)) / (2 * kept), moment
+        origins.gaussian(mean, std),
+        pdf,
+        cdf,
+        lambda x: mp.erfc((x - m) / s / mp.sqrt(2)) / (2 * kept),
+        moment,
     )
 
 
-def gw_gaussian(separation: float, scale: float, law: str, regime: str, index: float | None = None) -> Reference:
+def gw_gaussian(
+    separation: float, scale: float, law: str, regime: str, index: float | None = None
+) -> Reference:
     """Summits: survival Phi_c(z + delta)/Phi_c(z), x = scale delta^b with a bend where contacts turn plastic."""
     z, unit = _number(separation), _number(scale)
     elastic, plastic = {"paper": (0.75, 0.5), "amontons": (1.0, 0.5), "strength": (0.5, 0.5)}[law]
@@ -237,7 +263,11 @@ def chord_gaussian(mean: float, std: float, upper: float) -> Reference:
     low, high = ends
 
     def integral(a: mp.mpf, b: mp.mpf) -> mp.mpf:
-        bell = s * mp.sqrt(mp.pi / 2) * (mp.erfc((a - m) / s / mp.sqrt(2)) - mp.erfc((b - m) / s / mp.sqrt(2)))
+        bell = (
+            s
+            * mp.sqrt(mp.pi / 2)
+            * (mp.erfc((a - m) / s / mp.sqrt(2)) - mp.erfc((b - m) / s / mp.sqrt(2)))
+        )
         return bell - normal(mp.mpf(0)) * (b - a) - slope * (b * b - a * a) / 2
 
     whole = integral(low, high)
@@ -260,7 +290,9 @@ def mixture(parts: list[Reference], weights: list[float]) -> Reference:
     shares = [_number(w) / mp.fsum(_number(v) for v in weights) for w in weights]
 
     def total(name: str) -> Function:
-        return lambda x: mp.fsum(w * getattr(part, name)(x) for w, part in zip(shares, parts, strict=True))
+        return lambda x: mp.fsum(
+            w * getattr(part, name)(x) for w, part in zip(shares, parts, strict=True)
+        )
 
     return Reference(
         origins.mixture([part.law for part in parts], weights),

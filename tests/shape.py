@@ -33,8 +33,8 @@ class Room(NamedTuple):
 
 ROOMS = {
     "master": Room(7500, 12526, 200, 404),
-    "eq_model": Room(2200, 3751, 60, 149),
-    "origins": Room(4500, 8977, 120, 256),
+    "eq_model": Room(2200, 3758, 60, 149),
+    "origins": Room(4500, 8990, 120, 257),
     "toolkit": Room(4000, 4489, 100, 116),
 }
 Graph = dict[str, set[str]]
@@ -129,7 +129,9 @@ def main() -> int:
             subprocess.run([*ruff, str(room)], check=True)
             files = trees(room)
         lines, count = lines_and_constants(files)
-        print(f"{name}: {lines} lines ({limits.lines} in the end), {count} constants ({limits.constants})")
+        print(
+            f"{name}: {lines} lines ({limits.lines} in the end), {count} constants ({limits.constants})"
+        )
         found += [f"{name}: {fault}" for fault in faults(files, limits)]
     print(*found, sep="\n", end="\n" if found else "")
     return bool(found)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
-from eq_model.plain import life
 from lane_contacts import Lane
+from plain_life import life
 from rate_laws import Tilted
 from scipy.special import ndtr
 
@@ -307,8 +307,16 @@ def test_gone_on_with_twice_it_is_the_uninterrupted_one(contacts: Contacts) -> N
     # only what was missing is done again
     assert total == 100_000 - part.contacts and 0 < done < total
     same(followed(eq_model.Ensemble(contacts, PATH, **asked, earlier=[second.state])), whole)
-    with pytest.raises(origins.InputError, match="another path"):
-        eq_model.Ensemble(contacts, [1.0, 2.0], **asked, earlier=[first.state])
+    for other in ([1.0, 2.0], PATH[1:]):  # the second has as many bins
+        with pytest.raises(origins.InputError, match="another path"):
+            eq_model.Ensemble(contacts, other, **asked, earlier=[first.state])
+
+
+@pytest.mark.parametrize(("path", "time"), [(0.0, None), ([0.0, 0.0], [1.0, 2.0])])
+@pytest.mark.filterwarnings("error")
+def test_a_slider_that_stays_where_it_is(path: Any, time: Any) -> None:
+    run = eq_model.simulate(Contacts(NARROW), path, time=time, n_contacts=10)
+    assert (run.force == 0.0).all() and run.breaks == 0
 
 
 def test_it_stops_where_the_tolerance_is_reached() -> None:

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 from scenes import scene, to_toml, write
-from toolkit.running.launch import Launch, read_environment
 
 import toolkit
+from toolkit.running.signals import Launch, read_environment
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 
@@ -110,7 +110,7 @@ def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Any) -> None:
 IN_TURN = """
 import contextlib, io, json, sys
 from toolkit.command import main
-from toolkit.running.launch import read_environment
+from toolkit.running.signals import read_environment
 told = []
 for words in " ".join(sys.argv[1:]).split(" then "):
     streams = io.StringIO(), io.StringIO()

@@ -305,13 +305,13 @@ drive.turns = [2.0, "a"]  drive.turns[1]: expected float, got str
 drive.points = 1  drive.points = 1: must be a whole number of at least 2
 drive = {"points": 11}  drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; neither
 drive = {"points": 3, "turns": [1.0, -1.0, 1.0]}  drive.points = 3
-drive = {"points": 11, "turns": [1.0, 1.0]}  drive.turns[1] = 1.0
+drive = {"points": 11, "turns": [1.0, 1.0]}  drive.turns = [1.0, 1.0]: has a leg of no length
 drive = {"points": 11, "to": 5e6}  1e6 mean thresholds at most, or leave [eq] out
 drive = {"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}  for drive.from and each of drive.turns, 2
 drive = {"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}  drive.velocity = 2.0: the times of
 drive = {"points": 11, "to": 1.0, "hold_scale": 1.0}  drive.hold_scale = 1.0
 drive.spring = 0.0  drive.spring = 0.0: must be above zero
-drive.slip = "reset"  drive.slip = 'reset'
+drive.slip = "instant"  drive.slip = 'instant': is what a slip of a soft slider does, and without
 master.tolerance = 0.0  master.tolerance = 0.0: must be above zero
 eq.seed = -1  eq.seed = -1: must be a whole number of at least 0
 eq.threads = 2  eq.threads: unknown key; known here: contacts, replicas, seed, tolerance, wall

@@ -94,7 +94,10 @@ def test_kelvins_are_a_temperature_where_contacts_have_a_stiffness() -> None:
     ("scan", "message"),
     [
         ({"file": "text.di"}, "surface.file = 'text.di': cannot be read as a scan"),
-        ({"file": "own.txt", "unit": "nm"}, "surface.unit = 'nm'"),
+        (
+            {"file": "own.txt", "unit": "nm"},
+            "surface.file = 'own.txt': cannot be read as a scan: Value for keyword",
+        ),
         ({"file": "own.txt"}, ""),
     ],
 )

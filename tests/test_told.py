@@ -17,7 +17,12 @@ from toolkit.scene.tables import to_toml
 GAUSSIAN = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}}
 SUMMITS = {"kind": "summits", "radius": 1e-6, "std": 5e-8, "density": 1e12}
 MATERIAL = {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4}
-ROUGH: dict[str, Any] = {"kind": "from-topography", "model": "gw", "law": "amontons", "pressure": 1e6}
+ROUGH: dict[str, Any] = {
+    "kind": "from-topography",
+    "model": "gw",
+    "law": "amontons",
+    "pressure": 1e6,
+}
 ROUGH |= {"surface": SUMMITS, "material": MATERIAL}
 NEAR = {"to": 5e-8, "points": 6}
 
@@ -33,15 +38,24 @@ def test_joules_in_place_of_a_length_squared_are_asked_back() -> None:
     thermal = {"law": "soft", "attempt_frequency": 1e12}
     with pytest.raises(InputError, match=r"temperature = 4\.14e-21: .*\{ kelvin = 299\.9 \}"):
         rough({}, thermal=thermal | {"temperature": 4.14e-21})
-    kelvins = rough({}, thermal=thermal | {"temperature": {"kelvin": 300.0}}).contacts.thermal.temperature
-    assert rough({}, thermal=thermal | {"temperature": kelvins}).contacts.thermal.temperature == kelvins
+    kelvins = rough(
+        {}, thermal=thermal | {"temperature": {"kelvin": 300.0}}
+    ).contacts.thermal.temperature
+    assert (
+        rough({}, thermal=thermal | {"temperature": kelvins}).contacts.thermal.temperature
+        == kelvins
+    )
 
 
 def test_counts_may_be_written_as_floats_that_are_whole() -> None:
-    scene = toolkit.load_scene({"contacts": GAUSSIAN, "drive": {"to": 1.0, "points": 1e1}, "eq": {"contacts": 2e3}})
+    scene = toolkit.load_scene(
+        {"contacts": GAUSSIAN, "drive": {"to": 1.0, "points": 1e1}, "eq": {"contacts": 2e3}}
+    )
     assert scene.eq is not None and scene.eq.contacts == 2000 and scene.path.size == 10
     with pytest.raises(InputError, match=r"^eq\.contacts: expected int, got float"):
-        toolkit.load_scene({"contacts": GAUSSIAN, "drive": {"to": 1.0, "points": 10}, "eq": {"contacts": 2.5}})
+        toolkit.load_scene(
+            {"contacts": GAUSSIAN, "drive": {"to": 1.0, "points": 10}, "eq": {"contacts": 2.5}}
+        )
 
 
 @pytest.mark.parametrize("more", [{}, {"area": 1e-4}])
@@ -62,7 +76,10 @@ def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:
     scene = {"contacts": GAUSSIAN, "drive": {"to": 1.0, "points": 11, "spring": 0.5}, "master": {}}
     result: Any = toolkit.run(scene)
     (note,) = result.notes
-    assert note.startswith("a first slip is to be expected before X_T = ") and not result.master.slips.drive.size
+    assert (
+        note.startswith("a first slip is to be expected before X_T = ")
+        and not result.master.slips.drive.size
+    )
     far = float(note.partition("= ")[2].partition(";")[0])
     result = toolkit.run(scene | {"drive": scene["drive"] | {"to": far}})
     assert result.master.slips.drive.size and result.notes == ()
@@ -70,7 +87,12 @@ def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:
 
 def test_where_the_ensemble_does_not_reset_as_the_master_equation_does_is_told() -> None:
     drive = {"to": 4.0, "points": 11, "spring": 0.5}
-    scene = {"contacts": GAUSSIAN, "drive": drive, "master": {}, "eq": {"contacts": 400, "replicas": 8}}
+    scene = {
+        "contacts": GAUSSIAN,
+        "drive": drive,
+        "master": {},
+        "eq": {"contacts": 400, "replicas": 8},
+    }
     assert toolkit.run(scene).notes == ()
     parts = [{"kind": "gaussian", "mean": mean, "std": 0.01} for mean in (0.5, 1.5)]
     few = {"kind": "mixture", "components": parts, "weights": [0.1, 0.9]}
@@ -90,5 +112,7 @@ def test_what_is_told_before_a_run_is_not_told_again(tmp_path: Path, capsys: Any
 
 def test_the_module_is_the_command() -> None:
     words = [sys.executable, "-m", "toolkit.command", "scenes"]
-    done = subprocess.run(words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS)
+    done = subprocess.run(
+        words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS
+    )
     assert done.returncode == 0 and "gaussian" in done.stdout

@@ -122,7 +122,6 @@ class Untold(type(TOLD)):
     """The same thresholds, that say nothing of where P_c jumps."""
 
     breakpoints = np.array([0.0])
-    panels = None
 
 
 def untold():

@@ -34,7 +34,9 @@ if MPI.COMM_WORLD.Get_rank() == 0:
 """
 
 
-def per_break(thresholds: origins.Thresholds, length: float, n_contacts: int, start: object = None) -> float:
+def per_break(
+    thresholds: origins.Thresholds, length: float, n_contacts: int, start: object = None
+) -> float:
     """Nanoseconds per break on 501 points to length mean thresholds, one core, best of three."""
     contacts = origins.Contacts(thresholds, start=start)
     path = np.linspace(0.0, length * contacts.mean_threshold, 501)
@@ -51,7 +53,9 @@ def two_ranks(shared: str) -> float | None:
     times = []
     for ranks in (1, 2):
         command = [launcher, "-n", str(ranks), sys.executable, "-c", SHARED.format(shared=shared)]
-        times.append(float(subprocess.run(command, capture_output=True, text=True, check=True).stdout))
+        times.append(
+            float(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+        )
     return times[0] / times[1]
 
 
@@ -66,9 +70,19 @@ def laws() -> None:
         ("soft contacts", origins.Contacts(fresh, thermal=soft), path, 1_000_000),
         ("stiff contacts", origins.Contacts(fresh, thermal=stiff), path, 1_000_000),
         ("delay", origins.Contacts(fresh, delay=origins.Delay(0.2)), path, 300_000),
-        ("linked, soft, re-forming", origins.Contacts(fresh, None, soft, None, None, 0.1, "linked"), path, 100_000),
+        (
+            "linked, soft, re-forming",
+            origins.Contacts(fresh, None, soft, None, None, 0.1, "linked"),
+            path,
+            100_000,
+        ),
         ("turning, soft", origins.Contacts(fresh, thermal=soft), turning, 100_000),
-        ("growing grains", origins.Contacts(origins.growing_grains(1.0, 1.0, age=4.0)), path, 3_000),
+        (
+            "growing grains",
+            origins.Contacts(origins.growing_grains(1.0, 1.0, age=4.0)),
+            path,
+            3_000,
+        ),
         ("ageing", origins.Contacts(fresh, ageing=ageing), path, 10_000),
     ):
         best, steps = np.inf, 0.0
@@ -77,14 +91,19 @@ def laws() -> None:
             for _ in ensemble:
                 pass
             run = ensemble.result()
-            best, steps = min(best, run.run_time / run.breaks * 1e9), ensemble.state.steps / run.breaks
+            best, steps = (
+                min(best, run.run_time / run.breaks * 1e9),
+                ensemble.state.steps / run.breaks,
+            )
         print(f"{name:28s}{best:10.1f}{steps:25.1f}")
 
 
 def main() -> None:
     """Print the tables."""
     start = origins.gaussian_start(mean=0.0, std=0.025)
-    print(f"{'ns per break, one core':28s}{'X = 100':>10s}{'X = 5':>10s}{'X = 5, Gaussian start':>25s}")
+    print(
+        f"{'ns per break, one core':28s}{'X = 100':>10s}{'X = 5':>10s}{'X = 5, Gaussian start':>25s}"
+    )
     hundred = []
     for name, law in ORIGINS.items():
         hundred.append(per_break(law, 100.0, 3_000_000))
@@ -94,17 +113,29 @@ def main() -> None:
     laws()
     law = ORIGINS["gaussian, std 0.05"]
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    run = eq_model.simulate(origins.Contacts(law), np.linspace(0.0, 100.0, 501), n_contacts=10_100_000)
+    run = eq_model.simulate(
+        origins.Contacts(law), np.linspace(0.0, 100.0, 501), n_contacts=10_100_000
+    )
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
-    print(f"{run.breaks:.3g} breaks in one call: {run.run_time:.2f} s, peak memory grown by {grown / 1024:.1f} MB")
+    print(
+        f"{run.breaks:.3g} breaks in one call: {run.run_time:.2f} s, peak memory grown by {grown / 1024:.1f} MB"
+    )
     for name, shared in (
         ("gaussian", "origins.Contacts(fresh), 2_000_000"),
         ("soft", "origins.Contacts(fresh, thermal=soft), 600_000"),
-        ("linked, soft, re-forming", 'origins.Contacts(fresh, None, soft, None, None, 0.1, "linked"), 40_000'),
-        ("ageing", "origins.Contacts(fresh, ageing=origins.Ageing(origins.gaussian(1.2, 0.05), 1e-3)), 10_000"),
+        (
+            "linked, soft, re-forming",
+            'origins.Contacts(fresh, None, soft, None, None, 0.1, "linked"), 40_000',
+        ),
+        (
+            "ageing",
+            "origins.Contacts(fresh, ageing=origins.Ageing(origins.gaussian(1.2, 0.05), 1e-3)), 10_000",
+        ),
     ):
         speedup = two_ranks(shared)
-        told = "no mpiexec here" if speedup is None else f"{speedup:.2f} times the throughput of one"
+        told = (
+            "no mpiexec here" if speedup is None else f"{speedup:.2f} times the throughput of one"
+        )
         print(f"two ranks, {name}: {told}")
 
 

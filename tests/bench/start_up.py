@@ -14,7 +14,9 @@ def main() -> None:
         began = time.perf_counter()
         subprocess.run(COMMAND, check=True, stdout=subprocess.DEVNULL)
         times.append(time.perf_counter() - began)
-    print(f"mesofriction --help: {min(times):.3f} s, goal {GOAL} s: {'met' if min(times) <= GOAL else 'MISSED'}")
+    print(
+        f"mesofriction --help: {min(times):.3f} s, goal {GOAL} s: {'met' if min(times) <= GOAL else 'MISSED'}"
+    )
 
 
 if __name__ == "__main__":
