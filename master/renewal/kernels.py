@@ -24,8 +24,7 @@ class Kernel(NamedTuple):
     """Contributions of a panel to number and force on panels of its own width, by distance.
 
     number, force : arrays of shape (panels apart, targets, DEGREE + 1)
-    solve : array of shape (DEGREE, DEGREE), gives the breaks at the nodes from the number that is
-        missing to 1 there
+    solve : array of shape (DEGREE, DEGREE), matrix from 1 - number at the nodes to the breaks there
     """
 
     number: Array

@@ -18,8 +18,7 @@ SIZE = 12
 MOST = 1024
 # Ratio of a panel's width to its place below which its nodes coincide by rounding.
 NARROWEST = 1e-15
-# Halving reduces the last coefficients to less than this share of themselves, unless they are
-# rounding.
+# Halving reduces the last coefficients below this share of themselves, unless they are rounding.
 HARDLY = 0.3
 # Most halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
