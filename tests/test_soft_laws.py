@@ -41,6 +41,15 @@ def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -
     assert np.abs(slips.force_after - known.force_after).max() <= solved.force_error
 
 
+def test_twice_the_steps_leave_a_quarter_of_the_error_or_less() -> None:
+    found = [
+        master.solve(Contacts(WIDE, thermal=SOFT), [0.8, 1.6], t, spring=2.0) for t in (1e-5, 1e-6)
+    ]
+    coarse, fine = found
+    assert fine.nodes <= 2 * coarse.nodes and fine.force_error < coarse.force_error / 4.0
+    assert np.abs(coarse.force - fine.force).max() <= coarse.force_error + fine.force_error
+
+
 # Fig. A06
 OLD = Ageing(gaussian(1.0, 0.02), 5e-4)
 A06 = Contacts(gaussian(0.5, 0.05), gaussian_start(0.02, 0.01), ageing=OLD)
