@@ -75,6 +75,10 @@ class Curve:
         """Force along the motion at travels y, just before a drop; same shape as y."""
         return self._values(self._force, y)
 
+    def force_at(self, y: float) -> float:
+        """Force along the motion at one travel."""
+        return float(self.force(np.array([y]))[0])
+
     def slope(self, y: Array) -> Array:
         """F' + K at travels y."""
         return self._values(self._slope, y)

@@ -53,6 +53,8 @@ class Matter:
         Reading of time.monotonic() at which to stop with what there is.
     crowded : bool
         Whether more lumps met somewhere than can be followed.
+    nodes : int
+        Moments at which number conservation was solved.
     """
 
     life: ColdLife
@@ -62,6 +64,7 @@ class Matter:
     tolerance: float
     until: float = np.inf
     crowded: bool = False
+    nodes: int = 0
 
     @classmethod
     def of(cls, contacts: Contacts, tolerance: float, until: float = np.inf) -> Matter:
@@ -75,7 +78,13 @@ class Matter:
 
     def relaxed(self) -> Matter:
         """The same contacts, all just formed again."""
-        return replace(self, start=self.again)
+        return replace(self, start=self.again, nodes=0)
+
+    def force_of(self, born: Start) -> float:
+        """F/(N_c <k>) of contacts that stand at these stretches (a length)."""
+        still = np.zeros((1, 3))
+        history = Motion.along(np.array([0.0, self.unit])).history(still, still)
+        return float(self.life.left(born, history)[1, 0, 0])
 
 
 @dataclass(frozen=True)
@@ -128,10 +137,13 @@ class Pull:
         """Solve up to the travel y at least."""
         while len(self._march.begin) == self._first or self._solved < self.past.end + y:
             self._spend()
+            before = len(self._march.begin)
             if next(self._runs, self) is self:
                 self._ahead *= 2.0
                 self._march = self._plan(self._march, self._solved, self._solved)
                 self._runs = self._march.runs()
+            else:
+                self.matter.nodes += (len(self._march.begin) - before) * rule.DEGREE
 
     def _spend(self) -> None:
         """Stop where the work or the time is over."""
@@ -168,11 +180,6 @@ class Pull:
         end, line = self.past.end + y, self.past.line_to(self.at(y))
         met = tuple(moment for moment in self._moments if moment.time < end)
         return Past(self._march, end, end, line, (*met, Moment(end, 1)), error)
-
-    @property
-    def nodes(self) -> int:
-        """Moments at which number conservation was solved on this move."""
-        return (len(self._march.begin) - self._first) * rule.DEGREE
 
     @property
     def _solved(self) -> float:

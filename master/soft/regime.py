@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from master.soft.in_time.track import pieces, reached
 from master.soft.slips import Slips
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
@@ -17,13 +18,14 @@ Array = npt.NDArray[np.float64]
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
 # No slip for so many times the longest pause between slips: nothing more is to come. And mean
-# thresholds over which contacts must have slid to show what they do when they break.
-SILENT = PASSED = 1.5
+# thresholds over which contacts must have slid to show what they do when they break: those that
+# age, and others on a spring softer than K*.
+SILENT, PASSED, TWICE_PASSED = 1.5, 1.5, 3.0
 # Slips from which a trend is told, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
-# Share of what F rises by while a slider sticks, and of F, below which F stays what it is.
-LOADS, SETTLED = 0.1, 1e-2
+# Laws by which what contacts do depends on the slider's speed.
+RATES = frozenset({"thermal", "ageing", "grains"})
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Regime:
 
 
 class Course(NamedTuple):
-    """How a slider moved whose contacts have laws that tell time.
+    """How a slider moved.
 
     clock, force, position : arrays of shape (n,), times, F/(N_c <k>) and X (lengths)
     begin, last : when the drive's last straight way began, and its speed
@@ -72,12 +74,16 @@ class Course(NamedTuple):
     last: float
     speed: float
 
-
-class Found(NamedTuple):
-    """Verdict and reason."""
-
-    verdict: Verdict
-    reason: str
+    @classmethod
+    def of(cls, drive: Drive, balance: float, force: Array, position: Array) -> Course | None:
+        """The course up to some point of the drive's path; None where it did not move."""
+        moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
+        if not moving or not force.size:
+            return None
+        way, lasts = (sum(getattr(one, name) for one in moving) for name in ("way", "duration"))
+        speed = drive.velocity if drive.time is None else way / lasts
+        times, last = reached(drive, balance)[: force.size], moving[-1]
+        return cls(times, force, position, last.begin, last.speed, speed)
 
 
 def regime(
@@ -95,54 +101,51 @@ def regime(
     spring, count, trend = float(drive.spring or 0.0), slips.drive.size, _trend(slips.drop)
     speed = drive.velocity if course is None else course.speed
     critical, error = critical_spring(contacts, speed, tolerance)
-    rates = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
     known = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
+    verdict: Verdict = "undecided"
     if not whole:
-        found = Found("undecided", f"{count} slips up to where the solution stopped")
-    elif not count and rates:
+        reason = f"{count} slips up to where the solution stopped"
+    elif not count:
         # K* is that of a rigid slider, and a soft one has a speed of its own
         lacking = _lacking(contacts, spring, critical, course)
-        told = f"no slip up to the end of the path, at the slider's own speed{lacking}; {known}"
-        found = Found("undecided" if lacking else "smooth", told)
-    elif not count and spring >= critical:
-        found = Found("smooth", f"{known}: the spring never lets go")
-    elif not count:
-        found = Found("undecided", f"{known}, but the path ends before the first slip")
-    elif drive.slip == "reset" and rates:
-        found = _after_resets(contacts, count, known)
+        verdict = "undecided" if lacking else "smooth"
+        reason = f"{known}; no slip up to the end of the path{lacking}"
     elif drive.slip == "reset":
-        again, limit = contacts.reforming, critical
-        if again is not None or contacts.start.span != (0.0, 0.0):
-            relaxed = contacts.replace(start=None if again is None else again.law)
-            limit = critical_spring(relaxed, speed, tolerance)[0]
-        told = f"{known}; left by a slip, relaxed contacts have K* = {limit:.6g}"
-        found = Found("stick-slip" if spring < limit else "decaying transient", told)
+        verdict, reason = _after_resets(contacts, spring, count, speed, tolerance)
+        reason = f"{reason}; {known}"
     else:
-        found = _by_trend(contacts, drive, slips, trend, course)
-    verdict, reason = found
+        verdict, reason = _by_drops(contacts, drive, slips, trend, course)
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
     ratio = spring / critical if critical > 0.0 else np.inf
     return Regime(verdict, reason, critical, error, ratio, count, trend)
 
 
-def _after_resets(contacts: Contacts, count: int, known: str) -> Found:
-    """Whether resets go on of contacts that have rates of their own."""
-    # grains that grow are younger after a reset than they began
-    alike = contacts.reforming is None and contacts.grains is None
+def _after_resets(
+    contacts: Contacts, spring: float, count: int, speed: float, tolerance: float
+) -> tuple[Verdict, str]:
+    """Whether resets go on: they do where the relaxed contacts that they leave slip again."""
+    again = contacts.reforming
+    relaxed = again is None and contacts.start.span == (0.0, 0.0)
+    if not RATES.intersection(contacts.laws):
+        start = contacts.replace(start=None if again is None else again.law)
+        limit = critical_spring(start, speed, tolerance)[0]
+        verdict: Verdict = "stick-slip" if spring < limit else "decaying transient"
+        return verdict, f"{count} slips; the relaxed contacts that they leave have K* = {limit:.6g}"
     if count > 1:
-        told = f"{count} slips, each after a reset that leaves nothing of what was before"
-    elif contacts.start.span == (0.0, 0.0) and alike:
-        told = "one slip, after which contacts stand as they began, and so slip again"
-    else:
-        few = "one slip up to the end of the path is too few to tell, lengthen it"
-        return Found("undecided", f"{few}; {known}")
-    return Found("stick-slip", f"{told}; {known}")
+        return (
+            "stick-slip",
+            f"{count} slips, each after a reset that leaves nothing of what was before",
+        )
+    # grains that grow are younger after a reset than they began
+    if relaxed and contacts.grains is None:
+        return "stick-slip", "one slip, after which contacts stand as they began, and so slip again"
+    return "undecided", "one slip up to the end of the path is too few to tell, lengthen it"
 
 
-def _by_trend(
+def _by_drops(
     contacts: Contacts, drive: Drive, slips: Slips, trend: float | None, course: Course | None
-) -> Found:
+) -> tuple[Verdict, str]:
     """Whether slips that leave something of what was before them go on or fade."""
     spring, path, count = float(drive.spring or 0.0), drive.path, slips.drive.size
     way = np.abs(np.diff(path, prepend=path[0])).cumsum()
@@ -150,32 +153,20 @@ def _by_trend(
     oldest = _oldest(contacts, np.zeros(1) if course is None else course.clock[-1:])
     first = (spring + 1.0) / spring * float(oldest[0])
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
+    told, drops = f"{count} slips up to the end of the path", np.abs(slips.drop)
     if since > SILENT * longest:
         silent = f"then none for {since / longest:.3g} times the longest pause"
-        return Found("decaying transient", f"{count} slips, {silent}")
-    if count >= FEWEST and trend is None:
-        return _by_largest(slips)
-    if trend is None:
-        few = f"{count} slips up to the end of the path are too few to tell; lengthen it"
-        return Found("undecided", few)
-    if trend < -STEADY:
-        fading = f"{count} slips, each drop {-trend:.2%} smaller than the last"
-        return Found("decaying transient", fading)
-    told = f"{count} slips up to the end of the path, their drops not fading"
-    return Found("stick-slip", told)
-
-
-def _by_largest(slips: Slips) -> Found:
-    """Whether slips fade of which large and small ones take turns: the largest of a while tells."""
-    count, drops = slips.drop.size, np.abs(slips.drop)
+        return "decaying transient", f"{count} slips, {silent}"
+    if count < FEWEST:
+        return "undecided", f"{told} are too few to tell; lengthen it"
+    if trend is not None and trend < -STEADY:
+        return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
+    # where large and small slips take turns the largest of a while tells
     last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
-    told = f"{count} slips up to the end of the path, whose drops go up and down"
-    if last >= (1.0 - STEADY) * before:
-        return Found(
-            "stick-slip", f"{told} and do not fade: the largest of the last third is {last:.3g}"
-        )
-    lengthen = f"the largest of the last third is {last:.3g}, that of the later two {before:.3g}"
-    return Found("undecided", f"{told}; {lengthen}: lengthen it")
+    if trend is not None or last >= (1.0 - STEADY) * before:
+        return "stick-slip", f"{told}, their drops not fading: the largest of late is {last:.3g}"
+    fewer = f"the largest of the last third is {last:.3g}, that of the later two {before:.3g}"
+    return "undecided", f"{told}, whose drops go up and down; {fewer}: lengthen it"
 
 
 def _oldest(contacts: Contacts, clock: Array) -> Array:
@@ -188,42 +179,32 @@ def _oldest(contacts: Contacts, clock: Array) -> Array:
 
 
 def _lacking(contacts: Contacts, spring: float, critical: float, course: Course | None) -> str:
-    """What a path without slips lacks that shows contacts with rates to slide smoothly; or nothing.
+    """What a path without slips lacks that shows contacts to slide smoothly; or nothing.
 
-    Of contacts that do not age none slips above K*; on a softer spring they may creep so fast,
-    beside the drive, that they never slip: then the force stays what it is. A slider that runs ahead
-    gives its contacts no time to age: their drop is steeper than a rigid one's, and no K* tells. So
-    all that age with the load must have broken, and the force no longer rise.
+    Of contacts that do not age none slips above K*; if heat breaks them, they may creep so fast on
+    a softer spring, beside the drive, that they never slip. A slider that runs ahead gives its
+    contacts no time to age: their drop is steeper than a rigid one's, and no K* tells. Where all
+    that were there have broken, the drop that comes first is behind, and it is the steepest.
     """
     ages = contacts.ageing is not None or contacts.grains is not None
     if not ages and spring >= critical:
         return ""
-    if course is None:
-        return ", of which too little is known; lengthen it"
-    path, force, on = course.position + course.force / spring, course.force, spring / (1.0 + spring)
-    late = course.clock >= course.begin
-    if ages:
-        place = np.append(0.0, course.position)
-        turned = np.interp(course.begin, np.append(0.0, course.clock), place)
-        slid, oldest = np.abs(course.position - turned), _oldest(contacts, course.clock)
-        if not (slid > PASSED * oldest)[late].any():
-            reach = f"up to x = {oldest[-1]:.3g}"
-            return f", by which contacts that aged may still hold, {reach}; lengthen it"
-        last = np.abs(force[-2:])
-        rises = last[-1] - last[0] > LOADS * on * abs(path[-1] - path[-2:][0])
-        if rises and last[-1] > np.abs(force[:-1]).max():
-            return ", where the force still rises as high as never before; lengthen it"
-        return ""
-    far = PASSED * contacts.mean_threshold + course.last * contacts.waiting_time
-    late &= np.abs(path - path[-1]) <= far
-    little = min(SETTLED * abs(float(force[-1])), LOADS * far * on)
-    enough = np.ptp(path[course.clock >= course.begin]) >= far and np.count_nonzero(late) > 3
-    if enough and np.ptp(force[late]) <= little:
-        return ""
-    return (
-        f", but K < K*: a slip may come yet, unless the force stays as it is for {PASSED:g} <x_s>; "
-        "lengthen the path, or give it more points"
-    )
+    if course is None or not RATES.intersection(contacts.laws):
+        return ", and K < K*: it ends before the first slip"
+    path, late = course.position + course.force / spring, course.clock >= course.begin
+    place = np.append(0.0, course.position)
+    turned = np.interp(course.begin, np.append(0.0, course.clock), place)
+    slid, oldest = np.abs(course.position - turned), _oldest(contacts, course.clock)
+    far = PASSED * oldest if ages else TWICE_PASSED * oldest + course.last * contacts.waiting_time
+    if not (slid > far)[late].any():
+        yet = "contacts that aged may still hold" if ages else "K < K*: a slip may come yet"
+        return f", but {yet} until the slider has gone on by {far[-1]:.3g}; lengthen the path"
+    last = np.abs(course.force[-2:])
+    # share of what F rises by while a slider sticks
+    loads = 0.1 * spring / (1.0 + spring) * abs(path[-1] - path[-2:][0])
+    if last[-1] - last[0] > loads and last[-1] > np.abs(course.force[:-1]).max():
+        return ", where the force still rises as high as never before; lengthen it"
+    return ""
 
 
 def _trend(drop: Array) -> float | None:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from master.soft.curve import Curve
 from master.soft.pull import Held, Matter, Past, Pull, StoppedError
 from master.soft.slips import LettingGo, landing, letting_go
-from origins.drive import SlipRule
+from origins.drive import Drive
 
 Array = npt.NDArray[np.float64]
 
@@ -34,12 +34,14 @@ class Ride:
         That of X_T at slips (a length).
     """
 
-    def __init__(self, matter: Matter, spring: float, rule: SlipRule, path: Array) -> None:
-        self.matter, self.spring, self.rule, self.path = matter, spring, rule, path
-        start = matter.start.mean()
-        self.balance, self._rest = start / spring, matter.again.mean()
+    def __init__(self, matter: Matter, drive: Drive) -> None:
+        self.matter, self.rule, path = matter, drive.slip, drive.path
+        self.path, self.spring = path, float(drive.spring or 0.0)
+        spring = self.spring
+        start = matter.force_of(matter.start)
+        self.balance, self._rest = start / spring, matter.force_of(matter.again)
         self.position, self.force = np.zeros(path.size), np.full(path.size, start)
-        self.slips, self._solved = list[Array](), 0
+        self.slips = list[Array]()
         self.error = self.drive_error = 0.0
         # what happened since the slider was at X = base, and how far off that may be
         self._base, self._shift = 0.0, 0.0
@@ -69,7 +71,7 @@ class Ride:
     @property
     def nodes(self) -> int:
         """Moments at which number conservation was solved."""
-        return self._solved + sum(pull.nodes for pull in self._fresh.values())
+        return self.matter.nodes + self._relaxed.nodes
 
     def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
         """The drive goes straight on over points of its path, through all slips on the way."""
@@ -89,23 +91,15 @@ class Ride:
                 points = points[count:]
                 if not go.slips:
                     y = float(go.curve.carries(np.array([target]), y, go.curve.end)[0])
-                    self._leave(pull)
                     self._last = pull.matter, pull.after(y, self._turn_error(go.curve, y))
                     return
                 if self.rule != "instant":
                     break
-                caught = landing(pull, self.spring, go.travel, go.level, go.beside)
-                self._note(pull, go, begin, begin + caught.travel, caught.force)
-                y = caught.travel
+                curve, y = landing(pull, self.spring, go.travel, go.level, go.beside)
+                self._note(pull, go, begin, begin + y, curve.force_at(y))
                 go = letting_go(pull, self.spring, y, target)
             jump = self._reset if self.rule == "reset" else self._reform_after
-            self._leave(pull)
             pull = jump(pull, go, begin)
-
-    def _leave(self, pull: Pull) -> None:
-        """A move is over: what was solved on it is counted, once for moves that come back."""
-        if pull is not self._fresh.get(pull.direction):
-            self._solved += pull.nodes
 
     def _answer(
         self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], loads: Array, low: float
@@ -141,23 +135,22 @@ class Ride:
         """Broken contacts stay out until the slider stands again."""
         spring, d = self.spring, pull.direction
         held = Held(pull.matter, d, pull.after(go.travel, go.error))
-        caught = landing(held, spring, 0.0, go.level - spring * go.travel, go.beside)
-        after = begin + go.travel + caught.travel
-        self._note(pull, go, begin, after, caught.force)
+        curve, y = landing(held, spring, 0.0, go.level - spring * go.travel, go.beside)
+        after = begin + go.travel + y
+        self._note(pull, go, begin, after, curve.force_at(y))
         # contacts that are taken for out, or for born, as it is not known where the slip begins
-        error = (1.0 + spring) * go.misplaced * caught.travel / self.matter.unit
-        landed = np.array([caught.travel])
-        self._shift += float(caught.curve.misplaced(landed, 0.0, go.error + error)[0])
+        error = (1.0 + spring) * go.misplaced * y / self.matter.unit
+        landed = np.array([y])
+        self._shift += float(curve.misplaced(landed, 0.0, go.error + error)[0])
         # those that broke have nothing left of the past
-        error += float(caught.curve.error[caught.curve.panel(landed)[0]])
-        error *= held.holding(caught.travel)
-        return Pull(pull.matter, d, held.stands(caught.travel, error))
+        error += float(curve.error[curve.panel(landed)[0]])
+        error *= held.holding(y)
+        return Pull(pull.matter, d, held.stands(y, error))
 
     def _note(self, pull: Pull, go: LettingGo, begin: float, after: float, force: float) -> None:
         """A slip of a move that begins at `begin` along the motion, which the force after it ends."""
         drive = begin + go.level / self.spring
-        before = float(go.curve.force(np.array([go.travel]))[0])
-        row = drive, begin + go.travel, after, before, force
+        row = drive, begin + go.travel, after, go.curve.force_at(go.travel), force
         self.slips.append(pull.direction * np.array(row))
         self.drive_error = max(self.drive_error, go.error / self.spring + self._shift)
         self.error = max(self.error, self.spring * self.drive_error)

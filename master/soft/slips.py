@@ -55,6 +55,28 @@ class Slips:
         return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
 
 
+class Followed(NamedTuple):
+    """What was found of a slider as far as it was followed; lengths, and `error` in mean thresholds.
+
+    balance, force_error, drive_error, nodes : see SoftSolution and Slips
+    position, force, holding : arrays of shape (k,), at the first k points of the path
+    slips : array of shape (5, m), X_T, X before and after, F before and after
+    reason : why the error is no smaller
+    over : what ended it, where that is before the path's end
+    """
+
+    balance: float
+    position: Array
+    force: Array
+    holding: Array
+    slips: Array
+    drive_error: float
+    error: float
+    nodes: int
+    reason: str
+    over: str
+
+
 class LettingGo(NamedTuple):
     """Where a slider lets go on a move.
 
@@ -104,7 +126,7 @@ def letting_go(pull: Pull, spring: float, after: float, target: float) -> Lettin
         curve = pull.curve(spring)
         y = curve.lets_go(after)
         last = min(y, curve.end)
-        level = float(curve.force(np.array([last]))[0]) + spring * last
+        level = curve.force_at(last) + spring * last
         if level >= target:
             return LettingGo(curve)
         if np.isfinite(y):
@@ -112,16 +134,10 @@ def letting_go(pull: Pull, spring: float, after: float, target: float) -> Lettin
         travel = curve.end + pull.matter.life.grain
 
 
-class Landing(NamedTuple):
-    """Where a slider that slips is caught: the load, the travel, and the force along the motion."""
-
-    curve: Curve
-    travel: float
-    force: float
-
-
-def landing(pull: Pull, spring: float, after: float, level: float, beside: float) -> Landing:
-    """Where the slider is caught that let go of a level after a travel.
+def landing(
+    pull: Pull, spring: float, after: float, level: float, beside: float
+) -> tuple[Curve, float]:
+    """The load, and the travel at which the slider is caught that let go of a level after a travel.
 
     beside : travel beyond which the load is seen to fall; 0 where it fell at once
     """
@@ -131,5 +147,5 @@ def landing(pull: Pull, spring: float, after: float, level: float, beside: float
         curve = pull.curve(spring)
         y = curve.catches(after, level, beside)
         if np.isfinite(y):
-            return Landing(curve, y, float(curve.force(np.array([y]))[0]))
+            return curve, y
         travel = curve.end + pull.matter.life.grain

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,8 +25,8 @@ from master.outcome import Progress, outcome, unheard
 from master.soft.pull import Matter
 from master.soft.regime import Course, Regime, regime
 from master.soft.ride import Ride
-from master.soft.slips import Slips
-from origins import Contacts, InputError
+from master.soft.slips import Followed, Slips
+from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
 from origins.errors import refuse
@@ -88,38 +87,33 @@ class SoftSolution:
 
 
 def solution_of(
-    contacts: Contacts,
-    drive: Drive,
-    tolerance: float,
-    began: float,
-    reason: str,
-    over: str,
-    course: Course | None = None,
-    **found: Any,
+    contacts: Contacts, drive: Drive, tolerance: float, began: float, found: Followed
 ) -> SoftSolution:
-    """The solution up to where it ended, with its verdict and its message.
-
-    began : time.perf_counter() at the beginning
-    reason : why the error is no smaller
-    over : what ended the solution where that is before the path's end
-    found : what stands in a SoftSolution under the same names
-    """
-    end, error, slips = drive.path[: found["force"].size], found["force_error"], found["slips"]
-    success, message = outcome(contacts, error, tolerance, reason)
-    whole = end.size == drive.path.size
+    """The solution up to where it ended, with its verdict; `began` by time.perf_counter()."""
+    path, (drives, before, after, above, below) = drive.path[: found.force.size], found.slips
+    slips = Slips(drives, before, after, above, below, found.drive_error)
+    success, message = outcome(contacts, found.error, tolerance, found.reason)
+    whole = path.size == drive.path.size
     if not whole:
-        last = f"X_T = {end[-1]:.6g}" if end.size else "the first point"
-        success, message = False, f"stopped at {last} {over}; the path is cut there"
+        last = f"X_T = {path[-1]:.6g}" if path.size else "the first point"
+        success, message = False, f"stopped at {last} {found.over}; the path is cut there"
+    known = whole and bool(np.isfinite(found.error))
+    course = Course.of(drive, found.balance, found.force, found.position)
+    verdict = regime(contacts, drive, slips, tolerance, known, course)
     return SoftSolution(
-        path=end,
+        path=path,
+        balance=found.balance,
+        position=found.position,
+        force=found.force,
+        force_error=found.error,
+        holding=found.holding,
+        slips=slips,
         period=slips.period,
-        regime=regime(
-            contacts, drive, slips, tolerance, whole and bool(np.isfinite(error)), course
-        ),
+        regime=verdict,
         run_time=time.perf_counter() - began,
+        nodes=found.nodes,
         success=success,
         message=message,
-        **found,
     )
 
 
@@ -140,31 +134,25 @@ def solve_soft(
     Raises InputError for "reform-after" with contacts that re-form stretched.
     """
     began = time.perf_counter()
-    if drive.spring is None:
-        raise InputError("spring = None: a soft slider needs K/(N_c <k>), such as spring=0.5")
     if drive.slip == "reform-after" and contacts.reforming is not None:
         refuse("slip", drive.slip, AT_REST)
     until = np.inf if wall_time is None else time.monotonic() + wall_time
-    matter = Matter.of(contacts, tolerance, until)
-    ride = Ride(matter, drive.spring, drive.slip, drive.path)
+    ride = Ride(Matter.of(contacts, tolerance, until), drive)
     error, told = ride.error / contacts.mean_threshold, ride.told
     progress(error)
     over = "by wall_time" if time.monotonic() > until else "as slips ask for too much work"
     if ride.crowded:
         over = "as exact thresholds break together more often than can be followed"
-    drives, before, after, above, below = np.array(ride.slips).reshape(-1, 5).T
-    return solution_of(
-        contacts,
-        drive,
-        tolerance,
-        began,
+    found = Followed(
+        ride.balance,
+        ride.position[:told],
+        ride.force[:told],
+        np.ones(told),
+        np.array(ride.slips).reshape(-1, 5).T,
+        ride.drive_error,
+        error,
+        ride.nodes,
         f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}",
         over,
-        balance=ride.balance,
-        position=ride.position[:told],
-        force=ride.force[:told],
-        holding=np.ones(told),
-        slips=Slips(drives, before, after, above, below, ride.drive_error),
-        force_error=error,
-        nodes=ride.nodes,
     )
+    return solution_of(contacts, drive, tolerance, began, found)

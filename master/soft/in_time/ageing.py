@@ -39,7 +39,7 @@ class AgeingMemory(Memory):
         # the narrowest width
         shortest = 1e-3 * cells.width**2 / ageing.rate
         # length over which births change, in the narrowest widths of both laws
-        self.scales = Scales(2.0 * cells.width, shortest, fresh_rate(contacts), fuzzy=True)
+        self.scales = Scales(2.0 * cells.width, shortest, fresh_rate(contacts))
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""

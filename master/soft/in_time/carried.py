@@ -12,7 +12,6 @@ the step.
 from __future__ import annotations
 
 import time as clock
-from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -160,14 +159,6 @@ class Carried:
         # which it is not known how many of the births in between hold
         apart = np.where(held[:-1] < 0.5 * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
         self.unresolved = max(self.unresolved, float(apart @ np.abs(np.diff(self._births))))
-
-    def after(self, trial: Trial) -> Carried:
-        """These contacts as they would be after a step."""
-        out = copy(self)
-        out._times, out._breaks, out._births = self._times[:], self._breaks[:], self._births[:]
-        out.cohorts, out.force, out.now = trial.cohorts, trial.force, trial.now
-        out._add(trial.breaks, trial.births)
-        return out
 
     def _add(self, breaks: float, births: float) -> None:
         self._times.append(self.now)

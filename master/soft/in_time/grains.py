@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
 
 from master.lives.grains import GrainLife, pinned_hazard
 from master.lives.growing_thresholds import GrowingThresholds
@@ -92,9 +93,10 @@ class WarmGrainMemory(GrainMemory):
         rate = thermal.rates.scale
         self.scales = Scales(length, min(self.scales.time, 1.0 / rate), rate)
         self._thresholds = GrowingThresholds(self._grains, LONGEST * self._first)
-        self._times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
-        since = self._first * np.exp(self._times)[:, None]
-        self._table = self._thresholds.at(self._hazards, since)
+        # of contacts that pinned alike: by the logarithm of the time since then, over the pinning time
+        times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
+        since = self._first * np.exp(times)[:, None]
+        self._fresh = make_interp_spline(times, self._thresholds.at(self._hazards, since), k=1)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
@@ -103,25 +105,16 @@ class WarmGrainMemory(GrainMemory):
             return out
         since = kept[:, SINCE] + 0.5 * leg.duration
         middle = np.abs(0.5 * (leg.begin + leg.end))[:, None]
-        limit = np.empty((since.size, self._cells.size))
-        fresh = kept[:, FIRST] == 0.0
-        limit[fresh] = self._fresh_thresholds(since[fresh])
+        log_since, fresh = np.log(since / self._first), kept[:, FIRST] == 0.0
+        early, late = np.log(EARLIEST), np.log(LATEST)
+        limit = self._fresh(np.clip(log_since, early, late))
+        # right after pinning thresholds grow as the time
+        limit *= np.exp(np.minimum(log_since - early, 0.0))[:, None]
         own = kept[~fresh, FIRST, None] + self._hazards
         limit[~fresh] = self._thresholds.at(own, since[~fresh, None])
         spent = leg.duration * self._thermal.plain_rate(np.minimum(middle, limit), limit)
         out[:, SPENT:] = np.minimum(out[:, SPENT:] + spent, GONE)
         return out
-
-    def _fresh_thresholds(self, since: Array) -> Array:
-        """Thresholds of all quantiles of contacts that pinned so long ago, shape (n, cells)."""
-        log_since = np.log(since / self._first)
-        place = (log_since - self._times[0]) / (self._times[1] - self._times[0])
-        place = np.clip(place, 0.0, self._times.size - 1.001)
-        row = place.astype(int)
-        part = (place - row)[:, None]
-        limit = (1.0 - part) * self._table[row] + part * self._table[row + 1]
-        # right after pinning thresholds grow as the time
-        return limit * np.exp(np.minimum(log_since - self._times[0], 0.0))[:, None]
 
     def _held(self, kept: Array) -> Array:
         met = np.exp(kept[:, FIRST] - kept[:, WORST])[:, None]

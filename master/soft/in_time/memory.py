@@ -25,15 +25,14 @@ class Scales(NamedTuple):
     time : the shortest time over which they change on a slider that stands still; inf where nothing
         happens then
     rate : at which fresh contacts break (per time), 0 where steps need not resolve it
-    skin : stretch over which the rate of breaking changes by a factor e where few break by it, or 0
-    fuzzy : whether thresholds fluctuate, so that none stand right at a stretch
+    thin : whether heat breaks those that stand within a thin skin below their thresholds, and few
+        others
     """
 
     length: float
     time: float = np.inf
     rate: float = 0.0
-    skin: float = 0.0
-    fuzzy: bool = False
+    thin: bool = False
 
 
 class Leg(NamedTuple):

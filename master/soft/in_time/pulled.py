@@ -76,15 +76,18 @@ class Pulled:
     def __init__(
         self, cohorts: Cohorts, task: Task, level: int, plan: list[float], allowed: Allowed
     ) -> None:
-        self._task, self._level, self._plan = task, level, plan
+        self._task, self._finer, self._plan = task, 2**level, plan
+        self.stretches: list[float] = []
         self.contacts = Carried(cohorts, task.delay, allowed)
         self._steps = Steps(self.contacts, task.spring, task.unit, task.close)
         self.tracks: list[Track] = []
-        self.stretches: list[float] = []
         self.slips: list[Slip] = []
 
     def run(self) -> None:
         """Follow the drive to its end."""
+        if not self._task.pieces:
+            self.tracks.append(Track())
+            self._write(self.tracks[0], 0.0)
         for piece in self._task.pieces:
             self.contacts.mark_later(piece.begin)
             self._follow(piece, piece is self._task.pieces[-1])
@@ -98,37 +101,28 @@ class Pulled:
             if self._slide(end):
                 self.slips.append(self._slip())
                 since.append(len(self.tracks))
-                repeats = self._task.rule == "reset" and len(since) == 3
-                if repeats and self._repeat(last, since[1]):
-                    return
+                if last and self._task.rule == "reset" and len(since) == 3:
+                    return self._repeat(self.tracks[since[1] :])
             elif end < piece.end:
                 here.born_now()
             else:
-                return
+                return None
 
-    def _repeat(self, last: bool, since: int) -> bool:
-        """After a reset all is as after the one before, on the tracks since then, again and again.
-
-        Whether to the end of the path.
-        """
-        here, tracks, end = self.contacts, self.tracks[since:], self._steps.piece.end
-        slip, length = self.slips[-1], self.stretches[-1]
-        period = here.now - tracks[0].clock[0]
-        way = slip.after - tracks[0].place[0]
-        while last or here.now + period < end:
-            tracks = [track.later(period, way) for track in tracks]
+    def _repeat(self, tracks: list[Track]) -> None:
+        """After a reset all is as after the one before, on the tracks since then: to the end."""
+        here, before, slip = self.contacts, *self.slips[-2:]
+        period, way = here.now - tracks[0].clock[0], slip.after - before.after
+        while True:
+            tracks = [track.later(period) for track in tracks]
             self.tracks += tracks
-            self.stretches.append(length)
-            if here.now + period > end:
-                return True
+            if here.now + period > self._steps.piece.end:
+                return
             lengths = slip.drive + way, slip.before + way, slip.after + way
             slip = Slip(*lengths, slip.force_before, slip.force_after)
             self.slips.append(slip)
-            here.now, here.place = here.now + period, slip.after
+            here.now += period
             if len(self.slips) > MOST_SLIPS:
                 raise TooLongError
-        here.settle(self._task.again)
-        return False
 
     def _slide(self, end: float) -> bool:
         """Until `end`, or until the slider lets go: which of them."""
@@ -148,8 +142,8 @@ class Pulled:
                 trial = steps.to(end, trial.travel)
             if trial.now <= here.now or steps.past(trial, size):
                 let_go = True
-                # where none stand right at their thresholds the last step is halved, to be near
-                for _ in range(4 if steps.fuzzy else 0):
+                # the last step is halved, to be near
+                for _ in range(4):
                     half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
                     total += self._take(half, track, total)
                     trial = trial._replace(travel=trial.travel - half.travel)
@@ -164,6 +158,18 @@ class Pulled:
         self.stretches.append(total)
         return let_go
 
+    def _planned(self) -> tuple[float, float]:
+        """Steps of the next smooth stretch: how many, inf where that is not known, and their size.
+
+        They are as many times 2 as coarser steps found it to take, so that errors are even.
+        """
+        number = len(self.stretches)
+        length = self._plan[number] if number < len(self._plan) else 0.0
+        if not length:
+            return np.inf, 1.0 / self._finer
+        count = int(np.ceil(length)) * self._finer
+        return count, length / count
+
     def _take(self, trial: Trial, track: Track, total: float) -> float:
         """Take a step, the size of which is returned; none that goes nowhere in no time."""
         size = max(self._steps.size(trial), 0.0)
@@ -172,23 +178,10 @@ class Pulled:
             self._write(track, total + size)
         return size
 
-    def _planned(self) -> tuple[float, float]:
-        """Steps of the next smooth stretch, as many times 2 as coarser steps found it to take.
-
-        How many, inf where that is not known, and their size.
-        """
-        number, finer = len(self.stretches), 2**self._level
-        length = self._plan[number] if number < len(self._plan) else 0.0
-        if not length:
-            return np.inf, 1.0 / finer
-        count = int(np.ceil(length)) * finer
-        return count, length / count
-
     def _write(self, track: Track, total: float) -> None:
         here = self.contacts
         track.step.append(total)
         track.clock.append(here.now)
-        track.place.append(here.place)
         track.force.append(here.force)
         track.holding.append(here.holding)
 
@@ -213,7 +206,7 @@ class Pulled:
         here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
         # where heat has broken the weakest those that are left hold again when they are pushed
-        away = steps.scales.skin == 0.0
+        away = not steps.scales.thin
         for _ in range(MOST_SLIPS):
             trial = here.tried(travel + size, here.now, out)
             lack = steps.lack(trial)
@@ -237,7 +230,7 @@ class Pulled:
         here.take(here.tried(low, here.now, out))
         here.bend()
         if not out:
-            self.stretches.append(abs(here.place - begin) / self._steps.length)
+            self.stretches.append(abs(here.place - begin) / steps.length)
             return
         fresh = here.breaks - broken
         here.mark_later(here.now, fresh)

@@ -5,21 +5,16 @@ from __future__ import annotations
 import time as clock
 
 import numpy as np
-import numpy.typing as npt
 
 from master.outcome import Progress, outcome, unheard
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.make import memory_of
 from master.soft.in_time.refining import refined
-from master.soft.in_time.track import pieces, reached
-from master.soft.regime import Course
-from master.soft.slips import Slips
+from master.soft.in_time.track import reached
 from master.soft.solution import AT_REST, SoftSolution, solution_of
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
-
-Array = npt.NDArray[np.float64]
 
 # A start whose mean stretch is this near to nothing, over K, balances the drive where it begins; in
 # mean thresholds.
@@ -51,15 +46,14 @@ def solve_given(
         last = f"X = {end[-1]:.6g}" if end.size else "the first point"
         success, message = False, f"stopped at {last} by wall_time; the path is cut there"
     times = reached(drive, 0.0)[: end.size]
-    run_time = clock.perf_counter() - began
     return Solution(
         path=end,
         force=found.force,
         time=times,
         force_error=found.error,
         holding=found.holding,
-        run_time=run_time,
-        nodes=found.steps,
+        run_time=clock.perf_counter() - began,
+        nodes=found.nodes,
         success=success,
         message=message,
         _march=None,
@@ -86,13 +80,13 @@ def solve_in_time(
     many steps.
     """
     began = clock.perf_counter()
-    assert drive.spring is not None
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
-    unit, spring, waits = contacts.mean_threshold, drive.spring, contacts.delay is not None
+    unit, waits = contacts.mean_threshold, contacts.delay is not None
     out = drive.slip == "reform-after" or (waits and drive.slip == "instant")
     if contacts.reforming is not None and out:
         refuse("slip", drive.slip, AT_REST)
-    balance = float(Cohorts.of(contacts, memory_of(contacts, 0, 1.0), 0).left[1, 0]) / spring
+    held = Cohorts.of(contacts, memory_of(contacts, 0, 1.0), 0).left
+    balance = float(held[1, 0]) / float(drive.spring or 0.0)
     if abs(drive.path[0] - balance) <= SAME * unit:
         balance = float(drive.path[0])  # a start of no mean stretch is one of rounding
     late = drive.time is not None and drive.time[0] == 0.0
@@ -100,32 +94,4 @@ def solve_in_time(
         rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
         refuse("path[0]", drive.path[0], rule)
     found = refined(contacts, drive, balance, tolerance, progress, until)
-    position = drive.path[: found.force.size] - found.force / spring
-    drives, before, after, above, below = found.slips
-    return solution_of(
-        contacts,
-        drive,
-        tolerance,
-        began,
-        found.reason,
-        "by wall_time",
-        _course(drive, balance, found.force, position),
-        balance=balance,
-        position=position,
-        force=found.force,
-        holding=found.holding,
-        slips=Slips(drives, before, after, above, below, found.error * unit / spring),
-        force_error=found.error,
-        nodes=found.steps,
-    )
-
-
-def _course(drive: Drive, balance: float, force: Array, position: Array) -> Course | None:
-    """How the slider moved; None where it did not."""
-    moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
-    if not moving:
-        return None
-    way, lasts = (sum(getattr(one, name) for one in moving) for name in ("way", "duration"))
-    speed = drive.velocity if drive.time is None else way / lasts
-    times, last = reached(drive, balance)[: force.size], moving[-1]
-    return Course(times, force, position, last.begin, last.speed, speed)
+    return solution_of(contacts, drive, tolerance, began, found)

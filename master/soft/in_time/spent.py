@@ -1,8 +1,8 @@
-"""Contacts that break by heat at rates of any form, closure "exact": A of a strand at many thresholds.
+"""Contacts that break by heat at rates of any form, closure "exact": A of a strand in cells of thresholds.
 
-A(x_s) stands at nodes that are the same for all strands, and beside the largest |x| of a strand, m,
-at nodes of its own in (x_s - m)^(1/2), as the rate of stiff contacts has a root at the threshold.
-Where m grows, those are read from where they stood before.
+A, the integral of the rate h(|x|; x_s) over time, is kept at the ends of cells, between which e^-A is
+taken for straight. Where the largest |x| has come into a cell, only the thresholds above it still
+hold: there the line through the next cell goes on.
 """
 
 from __future__ import annotations
@@ -14,184 +14,92 @@ import numpy.typing as npt
 
 from master.lives.cold import TIE
 from master.lives.heat.replayed import rates_of
-from master.lives.heat.threshold_panels import Panels, law_edges, nodes
+from master.lives.heat.threshold_panels import law_edges
 from master.soft.in_time.heat import reach_of, replay_of, scales_of
-from master.soft.in_time.memory import Leg, Memory
+from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory
 from origins import Contacts
 from origins.errors import InputError
 from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
-Rows = npt.NDArray[np.intp]
 
-# Change of ln A over a panel that 16 nodes see through to ERROR, and shares of a threshold at which
-# it is looked at.
-SEEN, LOOKS = 5.0, np.array([0.0, 0.5, 0.9])
-ERROR = 1e-7
-# Share of the contacts beyond both ends of the panels.
-TAIL = 1e-14
-# Places nearer to a node than this share of a panel are the node.
-AT_NODE = 1e-14
-SIZE = 16
+# Cells of a panel of the law on the coarsest steps, and e-folds of the rate over one; shares of a
+# threshold at which the rate is looked at; and share of the contacts beyond both ends.
+CELLS, CHANGE, LOOKS, TAIL = 4, 1.25, np.array([0.0, 0.5, 0.9]), 1e-14
+# Cells on the coarsest steps at most: with those of colder contacts steps take too long.
+MOST_CELLS = 8_000
 
 
 class SpentMemory(Memory):
-    """What each strand keeps: m where its own nodes stand, A at the fixed ones, at single exact
-    thresholds, and at its own nodes.
+    """A at the ends of cells; these are halved with each level, their errors fall as the square.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With heat, closure "exact"; raises InputError where it is so cold that nodes are too many.
+    Raises InputError where it is so cold that cells are too many.
     """
 
-    starts, error = 32, ERROR
+    error = 0.0
 
-    def __init__(self, contacts: Contacts) -> None:
-        law, rates = contacts.thresholds, rates_of(contacts)
+    def __init__(self, contacts: Contacts, level: int) -> None:
+        self._law, self._rates = contacts.thresholds, rates_of(contacts)
         linked = contacts.stiffness == "linked"
-        self._law, self._rates = law, rates
         self._stiffness = contacts.relative_stiffness if linked else None
-        self._kappa = contacts.relative_stiffness
-        self._edges = _fine_edges(contacts, rates)
-        count = max(self._edges.size - 1, 0)
-        # nodes of a strand, at most: with those of colder contacts steps take too long
-        if count * SIZE > 30_000:
-            raise InputError(
-                f"thermal: contacts of {rates.name} rates that break within so thin a skin of "
-                "thresholds are not followed under a spring; take a higher temperature"
-            )
-        low, high = self._edges[:-1], self._edges[1:]
-        xi, weight = nodes(law, Panels(np.arange(count), low, high, low, low), None)
-        atoms, shares = law.atoms
-        self._fixed, weight = np.append(xi, atoms), np.append(weight, shares)
-        self._weights = np.stack([weight, weight * self._kappa(self._fixed)], axis=1)
-        self._atoms = atoms * (1.0 - TIE)
-        # own nodes end where the next panel but one begins, lest m be close to its end
-        bends = np.abs(self._edges[1:-1, None] - law.breakpoints).min(axis=1, initial=np.inf) > 0.0
-        self._last = np.arange(1, count + 1)
-        self._last[:-1] += bends
-        self._own_part = slice(1 + self._fixed.size, 1 + self._fixed.size + SIZE)
-        self.width, self.reach = self._own_part.stop, reach_of(contacts)
-        self.scales = scales_of(contacts)
-        # places of the nodes on a panel and in the root of the way, and barycentric weights
-        z = np.polynomial.legendre.leggauss(SIZE)[0]
-        self._places = 0.5 * (z + 1.0)
-        apart = 2.0 * (z[:, None] - z)
-        np.fill_diagonal(apart, 1.0)
-        self._barycentric = 1.0 / apart.prod(axis=1)
-
-    def start(self, stretch: Array) -> Array:
-        """See Memory."""
-        kept = np.zeros((stretch.size, self.width))
-        kept[:, 0] = np.abs(stretch)
-        return kept
+        self._edges = _cells(contacts, self._rates, level)
+        self._beyond, self._kappa = (
+            self._law.sf(self._edges),
+            contacts.relative_stiffness(self._edges),
+        )
+        self.width, self.starts = self._edges.size, FEW_STARTS + MORE_STARTS * level
+        self.reach, self.scales = reach_of(contacts), scales_of(contacts)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
         """See Memory."""
-        out, m = kept.copy(), leg.furthest
-        grown = np.flatnonzero(m > kept[:, 0])
-        out[grown, self._own_part] = self._moved(kept[grown], m[grown])
-        out[:, 0] = m
-        if leg.duration:
-            some = self._loud(leg)
-            fixed = np.broadcast_to(self._fixed[some], (m.size, some.size))
-            at = np.maximum(np.concatenate([fixed, self._own(m)[0]], axis=1), m[:, None])
-            replay = replay_of(leg, self._rates, self._stiffness)
-            spent = replay.spent(np.arange(m.size), at)
-            out[:, 1 + some] += spent[:, : some.size]
-            out[:, self._own_part] += spent[:, some.size :]
-        return out
-
-    def _loud(self, leg: Leg) -> Rows:
-        """The fixed nodes at which any strand spends anything on a leg: few where it is cold."""
-        far = np.maximum(np.abs(leg.begin), np.abs(leg.end)).max()
-        beyond = np.maximum(self._fixed, far)
-        with np.errstate(divide="ignore"):
-            most = self._rates.log_rate(far, beyond, self._kappa(beyond)) + np.log(leg.duration)
-        # stiff contacts right at their threshold hardly break: those beyond do
-        # ln A below which nothing is spent
-        loud = np.flatnonzero((most > -45.0) | (self._fixed <= far))
-        last = self._fixed[loud].max(initial=0.0)
-        met = self._fixed >= leg.furthest.min()
-        return np.flatnonzero(met & (self._fixed <= last))
+        if not leg.duration:
+            return kept
+        replay = replay_of(leg, self._rates, self._stiffness)
+        at = np.maximum(self._edges, leg.furthest[:, None])
+        return np.asarray(kept + replay.spent(np.arange(leg.end.size), at))
 
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        # what is beside m is summed by own nodes
-        beyond = SIZE * self._last[self._panel(furthest)] if self._edges.size else furthest
-        there = np.concatenate(
-            [
-                np.arange(self._fixed.size - self._atoms.size) >= beyond[:, None],
-                self._atoms > furthest[:, None],
-            ],
-            axis=1,
-        )
-        survived = np.exp(-kept[:, 1:])
-        held = (survived[:, : self._fixed.size] * there) @ self._weights
-        xi, weight = self._own(furthest)
-        beside = survived[:, self._fixed.size :] * weight
-        stiff = held[:, 1] + (beside * self._kappa(xi)).sum(axis=1)
-        return np.stack([held[:, 0] + beside.sum(axis=1), stretch * stiff])
-
-    def _panel(self, m: Array) -> Rows:
-        """The panel that holds m, the first or last where none does."""
-        found = np.searchsorted(self._edges, m, side="right") - 1
-        return np.clip(found, 0, max(self._edges.size - 2, 0))
-
-    def _own(self, m: Array) -> tuple[Array, Array]:
-        """Thresholds beside m and their weights by P_c, both of shape (n, SIZE)."""
-        if not self._edges.size:
-            return np.repeat(m[:, None], SIZE, axis=1), np.zeros((m.size, SIZE))
-        end = self._edges[self._last[self._panel(m)]]
-        # where all have been met what is left of the panel holds nothing
-        low = np.clip(m, self._edges[0], end * (1.0 - AT_NODE))
-        return nodes(self._law, Panels(np.arange(m.size), low, end, low, low), low)
-
-    def _moved(self, kept: Array, m: Array) -> Array:
-        """A at the nodes beside larger m, from where it stood before; shape (n, SIZE)."""
-        if not (self._edges.size and m.size):
-            return np.zeros((m.size, SIZE))
-        at = self._own(m)[0]
-        before = self._last[self._panel(kept[:, 0])]
-        end = self._edges[before]
-        low = np.clip(kept[:, 0], self._edges[0], end * (1.0 - AT_NODE))[:, None]
-        room = end[:, None] - low
-        beside = at < end[:, None]
-        panel = np.maximum(self._panel(at.ravel()).reshape(at.shape), before[:, None])
-        panel = np.minimum(panel, self._edges.size - 2)
-        width = self._edges[panel + 1] - self._edges[panel]
-        share = np.where(
-            beside,
-            np.sqrt(np.maximum(at - low, 0.0) / room),
-            (at - self._edges[panel]) / width,
-        )
-        apart = share[:, :, None] - self._places
-        rule = self._barycentric / np.where(np.abs(apart) < AT_NODE, AT_NODE, apart)
-        rule /= rule.sum(axis=-1, keepdims=True)
-        values = kept[:, self._own_part][:, None, :]
-        found = (rule * values).sum(axis=-1)
-        row, node = np.nonzero(~beside)
-        if row.size:
-            column = panel[row, node][:, None] * SIZE + np.arange(SIZE)
-            found[row, node] = (rule[row, node] * kept[:, 1:][row[:, None], column]).sum(axis=-1)
-        return np.maximum(found, 0.0)
+        edges, survived = self._edges, np.exp(-kept)
+        # the cell that the largest |x| has come into, and one that ends above it
+        cut = np.clip(np.searchsorted(edges, furthest, "right") - 1, 0, edges.size - 3)
+        inside, every = furthest > edges[cut], np.arange(cut.size)
+        # a cell that holds one exact threshold tells no slope
+        next_width = edges[cut + 2] - edges[cut + 1]
+        next_width[next_width < 1e-9 * edges[cut + 2]] = np.inf
+        weight = np.minimum(self._law.sf(furthest * (1.0 + TIE))[:, None], self._beyond[:-1])
+        weight = np.maximum(weight - self._beyond[1:], 0.0)
+        sums = []
+        for each in (survived, survived * self._kappa):
+            mean = 0.5 * (each[:, 1:] + each[:, :-1])
+            near, far = each[every, cut + 1], each[every, cut + 2]
+            slope = (far - near) / next_width
+            onward = np.clip(near - 0.5 * (edges[cut + 1] - furthest) * slope, 0.0, None)
+            mean[every, cut] = np.where(inside, onward, mean[every, cut])
+            sums.append((weight * mean).sum(axis=1))
+        return np.stack([sums[0], stretch * sums[1]])
 
 
-def _fine_edges(contacts: Contacts, rates: RateLaw) -> Array:
-    """The law's panels, cut where ln A may change too fast over them with the threshold."""
+def _cells(contacts: Contacts, rates: RateLaw, level: int) -> Array:
+    """Edges of the cells: the law's panels, cut so that ln h changes little over each cell."""
     law = contacts.thresholds
-    edges = law_edges(law)
-    if edges.size:
-        low, high = float(law.ppf(TAIL)), float(law.isf(TAIL))
-        edges = np.unique(np.clip(edges, low, high))
-    if edges.size < 2:
-        return np.empty(0)
+    ends = np.append(
+        np.clip(law_edges(law), float(law.ppf(TAIL)), float(law.isf(TAIL))), reach_of(contacts)
+    )
+    # a cell of next to no width for each exact threshold
+    ends = np.unique(
+        np.concatenate([ends, *(law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5))])
+    )
     pieces: list[Array] = []
-    for low, high in pairwise(edges.tolist()):
-        low = max(low, 1e-3 * high)
-        ends = np.array([[low], [high]])
-        levels = rates.log_rate(LOOKS * low, ends, contacts.relative_stiffness(ends))
-        count = max(1, int(np.ceil(np.abs(np.diff(levels, axis=0)).max() / SEEN)))
-        pieces.append(np.linspace(low if pieces else edges[0], high, count + 1)[:-1])
-    return np.append(np.concatenate(pieces), edges[-1])
+    for low, high in pairwise(ends.tolist()):
+        near = np.array([[max(low, 1e-3 * high)], [high]])
+        levels = rates.log_rate(LOOKS * near[0], near, contacts.relative_stiffness(near))
+        count = max(CELLS, int(np.ceil(np.abs(np.diff(levels, axis=0)).max() / CHANGE)))
+        pieces.append(np.linspace(low, high, count * 2**level + 1)[:-1])
+    edges = np.append(np.concatenate(pieces), ends[-1])
+    if edges.size > MOST_CELLS * 2**level:
+        raise InputError(
+            f"thermal: contacts of {rates.name} rates that break within so thin a skin of "
+            "thresholds are not followed under a spring; take a higher temperature"
+        )
+    return edges

@@ -2,19 +2,19 @@
 
 A step is so long in X and in time together, dX/length + d(count of the clock), that it is even where
 the slider creeps and where it runs ahead of a slip, in which dX/dt grows without end: there X_T is
-smooth in X. The slider lets go where the force falls faster than the spring's as it moves in no
-time, F'(X) = -K. Where thresholds fluctuate, or heat has broken the weakest, none stand right at a
-stretch, and motion in no time breaks none at first: there it lets go where X_T, as a function of X,
-has come furthest.
+smooth in X. The slider lets go where X_T, as a function of X, has come furthest: where the force
+falls as fast as the spring's.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Carried, TooLongError, Trial
-from master.soft.in_time.secants import secant
 from master.soft.in_time.track import Clock, Piece, Track
 
 # A step on the coarsest level, as a share of the length over which births change.
@@ -22,8 +22,8 @@ COARSEST = 0.5
 # What the way of the drive counts less than that of the slider in a step: it is the slider that must
 # be followed.
 LESS = 0.25
-# Where none stand right at their thresholds: share of a step from which on it is looked for where
-# the slider lets go, and nodes of the polynomial that tells how the drive goes on.
+# Share of a step from which on it is looked for where the slider lets go, and nodes of the polynomial
+# that tells how the drive goes on.
 LEAST_WAY, SLOPE_NODES = 0.01, 5
 # Share of a step's time to which a balance is found where the slider is about to let go.
 CLOSE = 1e-10
@@ -31,6 +31,8 @@ CLOSE = 1e-10
 BALANCED, DOUBLINGS = 1e-9, 60
 # A time that is none, as a share of a step: in truly none thresholds that fluctuate are not met.
 NO_TIME = 1e-11
+ITERATIONS = 40  # of secants
+Function = Callable[[float], float]
 
 
 class Steps:
@@ -51,7 +53,6 @@ class Steps:
         self.contacts, self._spring, self._unit, self._close = contacts, spring, unit, close
         self.scales = contacts.cohorts.memory.scales
         self.length = COARSEST * self.scales.length
-        self.fuzzy = self.scales.fuzzy or self.scales.skin > 0.0
         # how fast the spring's force less F grows with the count of the clock
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
         self._rise = (1.0 + spring) * self.length / LESS
@@ -63,16 +64,13 @@ class Steps:
 
     def start(self, end: float, track: Track) -> None:
         """A smooth stretch begins, the next bend being at `end`."""
-        self.clock, self._track = self._clock_to(end), track
-
-    def _clock_to(self, end: float) -> Clock:
-        """The clock between two bends."""
-        piece, spring = self.piece, self._spring
+        self._track, piece, spring = track, self.piece, self._spring
         # while contacts hold, the slider follows a soft spring's drive from far
         even = self.scales.rate / COARSEST
         even += LESS * piece.speed * spring / (self.length * (1.0 + spring))
         held = piece.travel == 0.0
-        return Clock(self.contacts.now, end, held, 0.0 if held else even, self.scales.time)
+        even = 0.0 if held else even
+        self.clock = Clock(self.contacts.now, end, held, even, self.scales.time)
 
     def size(self, trial: Trial) -> float:
         """Of a step."""
@@ -119,34 +117,14 @@ class Steps:
         # it runs ahead of its drive before
         time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
         # share of a step's usual time that it takes where the slider may be about to let go
-        return time < 0.3 * LESS * size and self._falls(trial) <= 0.0
-
-    def _falls(self, trial: Trial) -> float:
-        """Of the sign of K + F'(X) at the end of a step, in motion that takes no time."""
-        if self.fuzzy:
-            return self._drive_slope(trial)
-        # share of the length over which births change by which the slider moves to see how F
-        # changes
-        ahead, beside = self.contacts.after(trial), 1e-4 * self.scales.length
-        way = self.sign * beside
-        near, far = (ahead.tried(k * way, ahead.now).force for k in (1.0, 2.0))
-        return self._spring + (2.0 * near - 0.5 * far - 1.5 * ahead.force) / way
+        return time < 0.3 * LESS * size and self._drive_slope(trial) <= 0.0
 
     def _drive_slope(self, trial: Trial) -> float:
-        """How fast the drive goes on at the end of a step, by a polynomial through those before.
-
-        Where thresholds fluctuate, or heat has broken the weakest, none stand right at a stretch:
-        motion in no time breaks none at first, and X_T tells where the slider lets go.
-        """
-        track, clock = self._track, self.clock
-        now = clock.count(trial.now)
-        nodes = np.array(track.step[-SLOPE_NODES:])
-        counts = np.array([clock.count(one) for one in track.clock[-SLOPE_NODES:]])
-        last = track.step[-1] + self.size(trial)
-        apart = np.append(nodes, last)[:, None] - np.append(nodes, last)
-        np.fill_diagonal(apart, 1.0)
-        weights = 1.0 / apart.prod(axis=1)
-        return float(weights[:-1] / weights[-1] / (last - nodes) @ (counts - now))
+        """How fast the drive goes on at the end of a step, by a polynomial through those before."""
+        track, count = self._track, self.clock.count
+        steps = [*track.step[-SLOPE_NODES:], track.step[-1] + self.size(trial)]
+        counts = [*map(count, track.clock[-SLOPE_NODES:]), count(trial.now)]
+        return float(KroghInterpolator(steps, counts).derivative(steps[-1]))
 
     def onset(self, travel: float) -> Trial:
         """The step that ends where the slider lets go, within one that goes beyond."""
@@ -156,9 +134,9 @@ class Steps:
             trial = self.balanced(way)
             # else the drive would have to come back
             gone = self.clock.count(trial.now) - self.clock.count(here.now)
-            return -1.0 if self.fuzzy and gone < 2.0 * NO_TIME else self._falls(trial)
+            return -1.0 if gone < 2.0 * NO_TIME else self._drive_slope(trial)
 
-        way, low = travel, LEAST_WAY * travel if self.fuzzy else 0.0
+        way, low = travel, LEAST_WAY * travel
         if slope(travel) <= 0.0:
             way = low  # by rounding, or by what a coarse step before it has wrong
             if slope(low) > 0.0:
@@ -175,11 +153,10 @@ class Steps:
             found[:] = [here.tried(way, max(clock.time(begin + count), here.now))]
             return self.lack(found[0])
 
-        least = NO_TIME if self.fuzzy else 0.0
-        short = lack(least)
+        short = lack(NO_TIME)
         if short >= 0.0:
             return found[0]
-        rise = secant(lack, -short / self._rise, self._rise, CLOSE, least)
+        rise = secant(lack, -short / self._rise, self._rise, CLOSE, NO_TIME)
         if abs(self.lack(found[0])) <= BALANCED * self._unit:
             self._rise = rise
             return found[0]
@@ -187,7 +164,37 @@ class Steps:
         most = max(2.0 * CLOSE, -1.5 * short / self._rise)
         for _ in range(DOUBLINGS):
             if lack(most) >= 0.0:
-                brentq(lack, least, most, xtol=CLOSE)
+                brentq(lack, NO_TIME, most, xtol=CLOSE)
                 return found[0]
             most *= 2.0
         raise TooLongError
+
+
+def secant(
+    function: Function, guess: float, slope: float, close: float, least: float = -np.inf
+) -> float:
+    """Ask for the root by secants from guesses of it and of the slope there, which is returned.
+
+    Asked last is the root, or `least` where a function that rises has none above. Where the
+    function turns on the way secants may leave what is known to hold the root: then that is halved.
+    """
+    given, rises = slope, float(np.sign(slope))
+    low, high = -np.inf, np.inf
+    a, fa = guess, function(guess)
+    if abs(fa / slope) <= close and a >= least:
+        return slope
+    for _ in range(ITERATIONS):
+        low, high = (max(low, a), high) if rises * fa < 0.0 else (low, min(high, a))
+        b = max(a - fa / slope, least) if slope != 0.0 else np.inf
+        if not low < b < high and np.isfinite(high - low):
+            b = 0.5 * (low + high)
+        fb = function(b)
+        if abs(b - a) <= close or (b == least and fb >= 0.0) or fb == 0.0:
+            break
+        if fb != fa:
+            slope = (fb - fa) / (b - a)
+        # what is left is the error of the slope, not worth another step
+        if rises * slope > 0.0 and abs(fb / slope) <= close:
+            break
+        a, fa = b, fb
+    return slope if rises * slope > 0.0 else given

@@ -112,18 +112,16 @@ class Clock:
 
 @dataclass
 class Track:
-    """One smooth stretch: step parameter, time, X, force and holding at its nodes."""
+    """One smooth stretch: step parameter, time, force and holding at its nodes."""
 
     step: list[float] = field(default_factory=list)
     clock: list[float] = field(default_factory=list)
-    place: list[float] = field(default_factory=list)
     force: list[float] = field(default_factory=list)
     holding: list[float] = field(default_factory=list)
 
-    def later(self, time: float, way: float) -> Track:
-        """The same once more, after a time and a way."""
-        clock, place = [at + time for at in self.clock], [at + way for at in self.place]
-        return Track(self.step, clock, place, self.force, self.holding)
+    def later(self, time: float) -> Track:
+        """The same once more, after a time."""
+        return Track(self.step, [at + time for at in self.clock], self.force, self.holding)
 
     def read(self, at: Array) -> Array:
         """Force and holding at times (n,), shape (2, n), by the step parameter, in which all is smooth."""
