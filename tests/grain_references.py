@@ -11,7 +11,6 @@ import origins
 TAIL = 10.0 ** -np.array([0.01, 0.3, 1, 3, 8, 12, 14, 30, 100, 200, 270])
 LOW = 10.0 ** -np.array([0.05, 0.5, 1, 3, 8, 15, 30])
 BARELY = 2.0 / 3.0 * (1.0 + 1e-6)
-RHOS = [BARELY, 0.67, 0.7, 1.0, 2.0, 10.0, 1e3]
 
 
 def sizes(u: mp.mpf) -> mp.mpf:
@@ -50,11 +49,6 @@ def integral(f: Callable[[mp.mpf], mp.mpf], marks: list[mp.mpf]) -> mp.mpf:
     return mp.fsum(
         (b - a) * mp.fsum(w * f(a + t * (b - a)) for t, w in RULE) for a, b in pairwise(marks)
     )
-
-
-def exact_hazard(x: mp.mpf, rho: float, B: float) -> mp.mpf:
-    largest = mp.mpf(3) / 2 * mp.mpf(rho)
-    return psi(mp.sqrt(1 + mp.mpf(B) * x * x) / largest) - psi(1 / largest)
 
 
 def relative(found: np.ndarray, exact: list[mp.mpf]) -> float:

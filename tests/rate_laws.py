@@ -57,47 +57,6 @@ class Loose:
         self.rate = law.rate
 
 
-class Rounded(Tilted):
-    """The integral as a difference of two: cancels where near ~ far."""
-
-    def log_passed(self, near, far, threshold, stiffness):
-        whole = Tilted.log_passed(self, 0.0, far, threshold, stiffness)
-        with np.errstate(divide="ignore"):
-            return np.log(
-                np.exp(whole) - np.exp(Tilted.log_passed(self, 0.0, near, threshold, stiffness))
-            )
-
-
-class Careless(Tilted):
-    """The inverse from 0 on, wherever it starts."""
-
-    def reached(self, log_amount, near, threshold, stiffness):
-        return Tilted.reached(self, log_amount, 0.0 * near, threshold, stiffness)
-
-
-class Rooted(Tilted):
-    """Claims a root at the threshold."""
-
-    vanishes_at_threshold = True
-
-
-class Weak(Tilted):
-    """Its scale is that of relaxed contacts."""
-
-    @property
-    def scale(self) -> float:
-        return float(np.exp(-1.0 / self.alpha))
-
-
-class Half:
-    """Not all of a rate law."""
-
-    name, scale = "half", 1.0
-
-    def log_rate(self, x, threshold, stiffness):
-        return 0.0 * x
-
-
 def log_integral(
     law: RateLaw, near: float, far: float, threshold: float, stiffness: float
 ) -> float:

@@ -13,13 +13,7 @@ from scipy.integrate import quad
 from solving import gauss
 
 import master
-from origins import (
-    Contacts,
-    Delay,
-    Thermal,
-    gaussian,
-    identical,
-)
+from origins import Contacts, Delay, Thermal, gaussian, identical
 
 TABLE = Path(__file__).with_name("thermal_table.csv")
 WIDE = gaussian(1.0, 0.2)

@@ -7,7 +7,7 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from rate_laws import Careless, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
+from rate_laws import Loose, Tilted, faults
 from scipy import stats
 
 import origins
@@ -166,21 +166,6 @@ RATES = {
 @pytest.mark.parametrize("name", RATES)
 def test_rate_laws_conform(name: str) -> None:
     assert list(faults(RATES[name])) == []
-
-
-@pytest.mark.parametrize(
-    ("law", "fault"),
-    [
-        (Rounded(), "log_passed from"),
-        (Careless(), "reached from"),
-        (Rooted(), "vanishes_at_threshold"),
-        (Weak(), "a rate exceeds scale"),
-        (Half(), "is no RateLaw"),
-        (Thermal("soft", 0.1), "is no RateLaw"),
-    ],
-)
-def test_broken_rate_laws_do_not(law: object, fault: str) -> None:
-    assert any(told.startswith(fault) for told in faults(law))
 
 
 def test_laws_of_contacts_and_their_exchange() -> None:

@@ -11,15 +11,7 @@ from rate_laws import Tilted
 from solving import held_to_claim
 
 import master
-from origins import (
-    Ageing,
-    Contacts,
-    Delay,
-    Thermal,
-    gaussian,
-    gaussian_start,
-    growing_grains,
-)
+from origins import Ageing, Contacts, Delay, Thermal, gaussian, gaussian_start, growing_grains
 from origins.drive import SlipRule
 
 WIDE = gaussian(1.0, 0.2)
@@ -116,18 +108,6 @@ def test_slips_and_forces_are_those_of_contacts_one_by_one(name: str) -> None:
     assert far.sum() >= 7 and np.abs(z[far]).max() < 5.0, z
 
 
-FRESH, FINAL = gaussian(0.5, 0.1), gaussian(0.8, 0.08)
-
-
-@pytest.mark.slow
-def test_smooth_sliding_ends_in_the_steady_state() -> None:
-    contacts = Contacts(FRESH, ageing=Ageing(FINAL, 1e-3))
-    steady = master.steady_state(contacts, velocity=2.0)
-    solved = master.solve(contacts, [0.5, 4.0], 2e-2, velocity=2.0, spring=4.0)
-    assert solved.success and solved.regime.verdict == "smooth"
-    assert solved.force[1] == pytest.approx(steady.force, abs=5e-4)
-
-
 def test_contacts_that_break_in_a_slip_wait_out_their_delay() -> None:
     contacts = Contacts(WIDE, delay=Delay(0.2))
     path = np.linspace(2.4, 2.8, 25)
@@ -182,8 +162,7 @@ BOUNDED: dict[str, tuple[Contacts, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=[pytest.mark.slow] * (n != "own law")) for n in BOUNDED],
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n != "own law")) for n in BOUNDED]
 )
 def test_the_error_bounds_what_finer_steps_change(name: str) -> None:
     contacts, keywords = BOUNDED[name]
@@ -213,17 +192,3 @@ def test_a_solution_ends_with_what_it_has() -> None:
     assert cut.regime.verdict == "undecided"
     aged = Contacts(WIDE, ageing=Ageing(gaussian(1.2, 0.1), 1e-2))
     assert not master.solve(aged, path, 1e-3, spring=0.4, wall_time=1e-9).success
-
-
-@pytest.mark.slow
-def test_a_soft_slider_slips_a_little_before_it_would_without_temperature() -> None:
-    path = np.linspace(0.0, 2.8, 15)[1:]
-    plain = master.solve(Contacts(WIDE), path, 1e-8, spring=0.4)
-    thermal = Thermal("soft", 1e-5, 1e12)
-    solved = master.solve(Contacts(WIDE, thermal=thermal), path, 1e-3, spring=0.4)
-    assert solved.success and solved.slips.drive.size == 1
-    # each threshold counts as if less by what it takes to break on that way
-    sooner = thermal.temperature * np.log(thermal.attempt_frequency * thermal.temperature)
-    assert (
-        0.0 < (plain.slips.drive - solved.slips.drive)[0] < 10.0 * sooner + solved.slips.drive_error
-    )
