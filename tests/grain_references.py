@@ -6,8 +6,6 @@ from itertools import pairwise
 import numpy as np
 from references import mp
 
-import origins
-
 TAIL = 10.0 ** -np.array([0.01, 0.3, 1, 3, 8, 12, 14, 30, 100, 200, 270])
 LOW = 10.0 ** -np.array([0.05, 0.5, 1, 3, 8, 15, 30])
 BARELY = 2.0 / 3.0 * (1.0 + 1e-6)
@@ -57,9 +55,3 @@ def relative(found: np.ndarray, exact: list[mp.mpf]) -> float:
     )
 
 
-def distance(law: origins.Thresholds, draws: np.ndarray) -> float:
-    """Kolmogorov and Smirnov's, times the root of the number of draws: 1.95 is the 0.1 % level."""
-    draws = np.sort(draws)
-    cdf = np.concatenate([law.cdf(part) for part in np.array_split(draws, draws.size // 20_000)])
-    steps = np.arange(draws.size + 1) / draws.size
-    return max((cdf - steps[:-1]).max(), (steps[1:] - cdf).max()) * np.sqrt(draws.size)

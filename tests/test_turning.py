@@ -115,7 +115,6 @@ def test_the_mirror_image_of_a_path_is_the_mirror_image_of_its_force():
 
 
 WIDE = gaussian(1.0, 0.2)
-SOFT, STIFF = Thermal("soft", 0.1), Thermal("stiff", 0.1)
 
 
 def test_the_paper_closure_forgets_after_a_turn() -> None:
