@@ -53,5 +53,3 @@ def relative(found: np.ndarray, exact: list[mp.mpf]) -> float:
     return max(
         abs(float(mp.mpf(float(a)) / b - 1)) for a, b in zip(np.ravel(found), exact, strict=True)
     )
-
-
