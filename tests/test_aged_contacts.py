@@ -138,6 +138,7 @@ def test_nothing_breaks_before_the_wall() -> None:
     np.testing.assert_allclose(exact.force[:-1], path[:-1], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_wide_start_on_a_spring_with_a_final_law_that_is_not_normal() -> None:
     """Rules of more stretches than there are were once compared at other moments; here nothing breaks."""
     ageing = Ageing(origins.rectangular(0.4, 1.0), 1e-2)

@@ -196,7 +196,7 @@ def slips(name, rule, number, contacts_each, seed=1):
     [
         *(("gaussian", rule) for rule in ("instant", "reform-after", "reset")),
         ("linked", "reform-after"),
-        ("delayed", "reform-after"),
+        pytest.param("delayed", "reform-after", marks=pytest.mark.slow),
     ],
 )
 def test_the_first_slip_is_that_of_the_master_equation(name, rule):

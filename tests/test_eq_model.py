@@ -313,7 +313,7 @@ def test_gone_on_with_twice_it_is_the_uninterrupted_one(contacts: Contacts) -> N
 
 
 @pytest.mark.parametrize(("path", "time"), [(0.0, None), ([0.0, 0.0], [1.0, 2.0])])
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_a_slider_that_stays_where_it_is(path: Any, time: Any) -> None:
     run = eq_model.simulate(Contacts(NARROW), path, time=time, n_contacts=10)
     assert (run.force == 0.0).all() and run.breaks == 0

@@ -161,9 +161,8 @@ BOUNDED: dict[str, tuple[Contacts, dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n != "own law")) for n in BOUNDED]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BOUNDED)
 def test_the_error_bounds_what_finer_steps_change(name: str) -> None:
     contacts, keywords = BOUNDED[name]
     path = np.linspace(0.0, 5.0, 101)
