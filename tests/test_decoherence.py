@@ -81,25 +81,6 @@ def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
     assert found.roots.size == 0 or error[0] > error[-1]
 
 
-@pytest.mark.slow
-def test_two_narrow_peaks_are_the_sum_of_their_terms_at_once() -> None:
-    # Fig. delta12, right column: eighty terms give F where four fifths of its path are over
-    peaks = mixture([gaussian(0.95, 1e-3), gaussian(1.05, 1e-3)], [0.5, 0.5])
-    contacts = Contacts(peaks, gaussian_start(0.1, 0.025))
-    found = master.decoherence_spectrum(contacts, n_roots=80)
-    x = np.linspace(40.0, 50.0, 101)
-    solved = master.solve(contacts, x, 1e-10)
-    assert (
-        np.abs(found.force(x) - solved.force).max()
-        <= found.force_error(40.0) + solved.force_error
-        < 2e-11
-    )
-    # the slowest of all repeats in the divisor 0.05 that both values share, not in their mean
-    assert found.period[0] == pytest.approx(0.05, rel=1e-3)
-    # where both peaks are in phase what is left of the damping is their width's
-    assert found.decay_length[0] == pytest.approx(2.0 / (2.0 * np.pi * 20.0 * 1e-3) ** 2, rel=1e-3)
-
-
 @pytest.mark.parametrize("law", [stats.weibull_min(0.8), stats.lognorm(0.5), identical(1.0)])
 def test_tails_slower_than_any_exponential_have_no_length(law) -> None:
     told = master.propensity(Contacts(law), 1e-6)

@@ -12,12 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 import master
 import origins
-from origins import (
-    Contacts,
-    Delay,
-    Thermal,
-    growing_grains,
-)
+from origins import Contacts, Delay, Thermal, growing_grains
 
 
 @pytest.mark.parametrize("velocity", [0.3])
