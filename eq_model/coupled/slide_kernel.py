@@ -1,9 +1,8 @@
 """A slider pulled through a spring, from break to break.
 
 Between two breaks dF/dX is the stiffness k of the contacts that hold, so that K (X_T - X) = F gives
-dX_T/dX = (K + k)/K. While the slider sticks, X_T rises to the next break. In an avalanche X_T is
-constant, and the slider moves on to where K (X_T - X) = F again, or to the next break if that comes
-first.
+dX_T/dX = (K + k)/K. While the slider sticks, X_T rises to the next break. In an avalanche X_T is fixed,
+and the slider moves to where K (X_T - X) = F again, or to the next break if that comes first.
 """
 
 from __future__ import annotations
