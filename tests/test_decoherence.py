@@ -64,10 +64,11 @@ LATE = {
     ),
     "ageing": lambda: Contacts(gaussian(0.5, 0.1), ageing=Ageing(gaussian(1.0, 0.02), 5e-4)),
 }
+SLOW = {"re-forming", "warm, linked"}
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "re-forming")) for n in LATE]
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in LATE]
 )
 def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
     contacts = LATE[name]()

@@ -8,13 +8,12 @@ further off than it claims.
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import master
 from master.lives.cold import ColdLife
 from master.outcome import unheard
 from master.rigid import solve_rigid
-from origins import Contacts, Delay, Drive, gaussian, mixture, rectangular
+from origins import Contacts, Drive, gaussian
 
 LOOP = np.concatenate([np.linspace(0.0, 1.3, 27), np.linspace(1.28, -0.6, 40)])
 
@@ -49,29 +48,3 @@ def test_an_error_of_the_survival_is_in_the_error_of_the_force():
     assert apart(silent, right) > 10.0 * silent.force_error
     assert apart(honest, right) <= honest.force_error
     assert not honest.success
-
-
-TOLD = mixture([rectangular(0.6, 0.9), gaussian(0.75, 0.2)], [0.2, 0.8])
-
-
-class Untold(type(TOLD)):
-    """The same thresholds, that say nothing of where P_c jumps."""
-
-    breakpoints = np.array([0.0])
-
-
-def untold():
-    law = Untold.__new__(Untold)
-    law.__dict__.update(TOLD.__dict__)
-    return law
-
-
-@pytest.mark.parametrize(("delay", "tolerance"), [(0.6, 1e-6)])
-def test_errors_of_breaks_are_seen_again_a_delay_later(delay, tolerance):
-    """Panels that do not know where breaks bend err, and what they err by is born a delay later."""
-    path = np.concatenate([LOOP, np.linspace(-0.55, 1.1, 30)])
-    exact = master.solve(Contacts(TOLD, delay=Delay(delay)), path, 1e-10)
-    assert exact.success
-    found = master.solve(Contacts(untold(), delay=Delay(delay)), path, tolerance)
-    assert apart(found, exact) <= found.force_error + exact.force_error
-    assert found.success == (found.force_error <= tolerance)
