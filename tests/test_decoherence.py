@@ -16,6 +16,7 @@ from origins import (
     Thermal,
     gaussian,
     gaussian_start,
+    gw_plastic,
     identical,
     mixture,
     rectangular,
@@ -146,3 +147,11 @@ def test_propensity_takes_a_rate_law_of_this_test() -> None:
     held = (0.5 * (1.9 - x[:, None]) * weights * law.pdf(xi) * np.exp(-spent)).sum(axis=1)
     s = told.roots[0]
     assert abs((0.95 * weights * held * np.exp(-s * x)).sum()) < 1e-11
+
+
+def test_heat_that_leaves_nothing_to_transform_is_told_in_the_error():
+    """Left of where the transform overflows Newton's method once ended in a NaN, and a traceback."""
+    hot = Thermal("soft", 0.0304484, attempt_frequency=9342.79, closure="paper")
+    contacts = Contacts(gw_plastic(0.89166), gaussian_start(0.12153559, 0.09691892), thermal=hot)
+    found = master.propensity(contacts, velocity=3.0095672, tolerance=1e-5)
+    assert abs(found.decoherence_length - 0.0063846) < found.decoherence_length_error

@@ -226,6 +226,7 @@ def _polished(transform: Transform, wait: float, s: Complex, step: float, decay:
             break
         value, slope = conserved(transform, wait, s[open_])
         move = value / slope
+        move[~np.isfinite(move)] = 0.0  # left of where D is a number; such s are no roots below
         move *= np.minimum(step / np.maximum(np.abs(move), 1e-300), 1.0)
         s[open_] -= move
         s.real = np.maximum(s.real, -1.05 * decay)
