@@ -100,9 +100,9 @@ def test_gamma_thresholds_in_closed_form() -> None:
     assert abs(told.decoherence_length - 1.0) <= told.decoherence_length_error <= 0.12
 
 
-@pytest.mark.parametrize("wait", [100.0])
-def test_exponential_thresholds_that_wait(wait: float) -> None:
+def test_exponential_thresholds_that_wait() -> None:
     """(1 + s) e^(sd) = 1, each root with c = 2/(1 + s)^2/[d + 1/(1 + s)]."""
+    wait = 100.0
     found = master.decoherence_spectrum(Contacts(stats.expon(), delay=Delay(wait)), n_roots=4)
     exact = np.array(
         [
@@ -123,8 +123,8 @@ def test_exponential_thresholds_that_wait(wait: float) -> None:
     assert found.roots_error.max() < 1e-9
 
 
-@pytest.mark.parametrize("wait", [1e4])
-def test_long_waits_decay_as_the_variance_tells(wait: float) -> None:
+def test_long_waits_decay_as_the_variance_tells() -> None:
+    wait = 1e4
     exact = mp.mpf(1.0 + wait)
     root = 4j * mp.pi / (exact + mp.sqrt(exact**2 - 4j * mp.pi * mp.mpf(0.1) ** 2))
     told = master.propensity(Contacts(gaussian(1.0, 0.1), delay=Delay(wait)), 1e-4)
