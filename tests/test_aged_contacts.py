@@ -79,9 +79,8 @@ def test_far_on_with_delay_and_births_at_other_stretches(birth: float, wait: flo
     )
 
 
-@pytest.mark.parametrize("final", [origins.lubricated(1.0)])
-def test_far_on_with_other_final_laws(final: origins.Thresholds) -> None:
-    contacts = Contacts(FRESH, ageing=Ageing(final, 0.1))
+def test_far_on_with_another_final_law() -> None:
+    contacts = Contacts(FRESH, ageing=Ageing(origins.lubricated(1.0), 0.1))
     steady = master.steady_state(contacts, velocity=2.0)
     far = master.solve(contacts, np.linspace(28.0, 30.0, 41), 1e-6, velocity=2.0)
     assert 0.0 < steady.force_error < 1e-6 and np.abs(far.force - steady.force).max() < 1e-6

@@ -225,7 +225,8 @@ def _polished(transform: Transform, wait: float, s: Complex, step: float, decay:
         if not open_.size:
             break
         value, slope = conserved(transform, wait, s[open_])
-        move = value / slope
+        with np.errstate(invalid="ignore"):
+            move = value / slope
         move[~np.isfinite(move)] = 0.0  # left of where D is a number; such s are no roots below
         move *= np.minimum(step / np.maximum(np.abs(move), 1e-300), 1.0)
         s[open_] -= move
@@ -233,7 +234,8 @@ def _polished(transform: Transform, wait: float, s: Complex, step: float, decay:
         near = np.abs(s[open_] - start[open_]) < 3.0 * step
         open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(s[open_]))]
     value, slope = conserved(transform, wait, s)
-    s = s[(np.abs(value / slope) < ONE * np.abs(s)) & (s.imag > 0.0)]
+    with np.errstate(invalid="ignore"):
+        s = s[(np.abs(value / slope) < ONE * np.abs(s)) & (s.imag > 0.0)]
     s = s[np.lexsort([s.real, s.imag])]
     apart = np.abs(s[:, None] - s) > ONE * np.abs(s)
     first = np.array([apart[i, :i].all() for i in range(s.size)], dtype=bool)
