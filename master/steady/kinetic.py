@@ -102,7 +102,7 @@ def _along(contacts: Contacts, points: Points) -> Array:
     """Force, its error (lengths), the fraction that holds and its error, shape (4, n)."""
     speeds, heat, spread, wait = points.rows
     growing = contacts.grains is not None
-    if contacts.thermal is None and not growing:  # only D/v tells, or nothing does
+    if contacts.thermal is None and not growing:  # the state depends on D/v at most
         columns = np.ones(speeds.size), heat, spread / speeds
     else:
         own_rate = growing or points.temperature is None
