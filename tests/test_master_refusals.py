@@ -173,10 +173,6 @@ CALLS = [
         partial(solve, SKIN, [0.0, 2.0], 1e-3, spring=0.4),
         "thermal: contacts of stiff rates that break within so thin a skin",
     ),
-    (
-        lambda: solve(PLAIN.replace(thermal=Thermal("soft", 0.1, 1.0, "paper")), [2.0], spring=0.4),
-        'contacts.thermal: closure = "paper" is not followed under a spring',
-    ),
     # the paper's explicit scheme
     (partial(explicit, PLAIN, [0.0, 1.0], 0.0), r"step = 0\.0: must be above zero"),
     (partial(explicit, PLAIN, [0.0, 1.0], 1e-9), ".*write step="),

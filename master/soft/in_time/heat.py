@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from master.lives.cold import TIE
 from master.lives.heat.above import Above
+from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.replay import Replay
 from master.lives.heat.replayed import rates_of
 from master.lives.heat.threshold_panels import Stiffness
@@ -66,6 +67,51 @@ class ProportionalMemory(Memory):
             kept_share = np.exp(-np.exp(np.minimum(level, 7.0)))
             held += weight * (furthest < position * (1.0 - TIE)) * kept_share
         return np.stack([held, stretch * held])
+
+
+class MeanRateMemory(Memory):
+    """The paper's closure: all break at the mean rate H(x), and where |x| grows at their thresholds.
+
+    Kept are the logarithm of the share that holds, and |x| at birth. A contact forgets the thresholds
+    that it has survived: one that goes out again may break at all that it has passed before (App. C).
+    """
+
+    width = 2
+
+    def __init__(self, contacts: Contacts) -> None:
+        life = MeanRateLife(contacts)
+        self._table, self._law, self.reach = life.table, contacts.thresholds, life.reach
+        self.error = life.error + SUMS
+        fresh_rate = float(self._table.rate(np.zeros(1))[0])
+        self.scales = scales_of(contacts)._replace(rate=fresh_rate)
+
+    def start(self, stretch: Array) -> Array:
+        """See Memory."""
+        return np.stack([np.zeros(stretch.size), np.abs(stretch)], axis=1)
+
+    def advance(self, kept: Array, leg: Leg) -> Array:
+        """See Memory."""
+        first, last, born = np.abs(leg.begin), np.abs(leg.end), kept[:, 1]
+        across = (leg.begin < 0.0) != (leg.end < 0.0)
+        near = np.maximum(np.where(across, 0.0, first), born)
+        far = np.where(across | (last > first), np.maximum(last, born), near)
+        log_share = kept[:, 0] + np.minimum(self._log_survival(far) - self._log_survival(near), 0.0)
+        if leg.duration:
+            way = np.abs(leg.end - leg.begin)
+            mean = self._table.mean(leg.begin, leg.end)
+            moved = (way > 1e-3 * (first + last)) | across
+            grown = np.abs(self._table.grown(leg.end) - self._table.grown(leg.begin))
+            mean = np.where(moved, grown / np.where(moved, way, 1.0), mean)
+            log_share = log_share - mean * leg.duration
+        return np.stack([np.maximum(log_share, NONE_LEFT), born], axis=1)
+
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
+        """See Memory."""
+        held = np.where(kept[:, 0] > NONE_LEFT, np.exp(kept[:, 0]), 0.0)
+        return np.stack([held, stretch * held])
+
+    def _log_survival(self, x: Array) -> Array:
+        return np.maximum(self._law.logsf(x * (1.0 + TIE)), 2.0 * NONE_LEFT)
 
 
 def replay_of(leg: Leg, rates: RateLaw, stiffness: Stiffness | None = None) -> Replay:

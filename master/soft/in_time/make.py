@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from master.soft.in_time.ageing import AgeingMemory
 from master.soft.in_time.grains import GrainMemory, WarmGrainMemory
-from master.soft.in_time.heat import ProportionalMemory
+from master.soft.in_time.heat import MeanRateMemory, ProportionalMemory
 from master.soft.in_time.memory import Memory
 from master.soft.in_time.spent import SpentMemory
-from origins import Contacts, InputError
+from origins import Contacts
 
 
 def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
@@ -21,9 +21,7 @@ def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
     if thermal is None:
         return Memory(contacts)
     if thermal.closure == "paper":
-        raise InputError(
-            'contacts.thermal: closure = "paper" is not followed under a spring; use closure = "exact"'
-        )
+        return MeanRateMemory(contacts)
     if thermal.rates.separable and contacts.stiffness == "independent":
         return ProportionalMemory(contacts)
     return SpentMemory(contacts, level)
