@@ -25,9 +25,7 @@ from origins.thresholds.powered import Powered
 LAWS = ("paper", "amontons", "strength")
 MODELS = ("gw", "persson")
 _PATCHES = (1e-40, 1e20)
-_FURTHEST = (
-    1e12  # largest pressure over the width of the stresses; its root is the limit of persson()
-)
+_FURTHEST = 1e12  # largest pressure over the width of the stresses that persson() takes
 
 
 def from_topography(

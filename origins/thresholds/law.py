@@ -1,4 +1,4 @@
-"""Thresholds: the law P_c(x) of the stretch at which a contact breaks. What a new law states stands in the class."""
+"""Thresholds: the law P_c(x) of the stretch at which a contact breaks. The class says what a new law must define."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ _ROUNDING = 1e-9  # by which sums of a family's survival may leave [0, 1]
 class Thresholds:
     """Distribution of breaking thresholds x_s >= 0 (a length), with the names and meanings of a frozen scipy.stats one.
 
-    A family states, for arrays x inside its support:
+    A family defines, for arrays x inside its support:
 
     - required: `support()`, and one of `_log_weight(x)`, the log of the density up to a constant, or of
-      `_logpdf(x)` and `_pdf(x)`, which are normalised. Densities are also asked at finite ends of the support.
-      They owe a relative 1e-10, the logarithms 1e-10 of max(1, |log|), also where the density underflows.
-    - required where they are not what they are here: `breakpoints` inside the support, `onset_power`, `atoms`.
+      `_logpdf(x)` and `_pdf(x)`, which are normalised. Densities are also evaluated at finite ends of the support.
+      They must be accurate to a relative 1e-10, logarithms to 1e-10 of max(1, |log|), also where the density underflows.
+    - required where they differ from the defaults here: `breakpoints` inside the support, `onset_power`, `atoms`.
     - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
       `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other), `_logsf`
       (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or 1e-10 in the probability), `_moment`
-      and `_variance` (1e-10). A family with atoms states `_cdf` and `_sf`.
+      and `_variance` (1e-10). A family with atoms defines `_cdf` and `_sf`.
 
-    InputError, with the family's name, where its survival leaves [0, 1]: told when it is first asked, and by Contacts.
+    Raises InputError, with the family's name, where its survival leaves [0, 1]: at its first evaluation, and in Contacts.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Thresholds:
         m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any
         power, or where nothing continuous begins there.
     onset_power_error : float
-        Its error: 0 where the family states it, else that of the fit.
+        Its error: 0 where the family defines it, else that of the fit.
     domains : DomainSamples or None
         Barriers, angles and sizes of the islands, where the law comes from rotated domains.
     interface : Interface or None
@@ -51,7 +51,7 @@ class Thresholds:
     cut_weight : float
         Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
     knows_breakpoints : bool
-        Whether `breakpoints` are all there are; a foreign law may bend or jump elsewhere.
+        Whether `breakpoints` are complete; a law of the user may have other kinks or jumps.
     """
 
     onset_power: float = np.inf
@@ -64,7 +64,7 @@ class Thresholds:
     _lowest_atom: float = 0.0
     _survival_checked = False
 
-    # -- what a family states: x lies inside the support ------------------------------------------------
+    # -- methods that a family defines, for x inside the support ----------------------------------------
     def _log_weight(self, x: Array) -> Array:
         if type(self)._logpdf is Thresholds._logpdf and type(self)._pdf is Thresholds._pdf:
             raise NotImplementedError(f"{type(self).__name__}: state _log_weight, _logpdf or _pdf")

@@ -1,4 +1,4 @@
-"""Axes that can be read, and on them pictures of a law of thresholds, and of islands, whose barriers they come from."""
+"""Readable axes, and pictures of a law of thresholds and of the islands whose barriers it comes from."""
 
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,13 @@ from toolkit.results.records import Result, ThresholdCurve
 Array = npt.NDArray[np.float64]
 
 INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_SPIKE = 10.0  # times what 95 % of the contacts see: a higher end of a density is cut off
-_STEPS, _ISLANDS = 2000, 20_000  # as many as a picture can show
+_SPIKE = 10.0  # a density is cut off at this multiple of its largest value for 95 % of the contacts
+_STEPS, _ISLANDS = 2000, 20_000  # most points that a picture shows
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
 def plain(text: str) -> str:
-    """`text` as matplotlib shows it: what is no formula, though it has dollars, letter by letter."""
+    """`text` for matplotlib; dollars are escaped where they do not enclose a valid formula."""
     from matplotlib.mathtext import MathTextParser
 
     try:

@@ -273,9 +273,7 @@ class StrandSurvival:
         share = 1.0
         for begin, end in pairwise(marks):
             times, shares = [0.0], [share]
-            strands.torn = (
-                True  # thresholds may have gathered at the place that the level now reaches
-            )
+            strands.torn = True  # thresholds may have gathered right above the new level
             for time in np.diff(strands.steps_of(speed, end - begin)):
                 strands.advance(speed, time)
                 strands.torn = False
