@@ -3,9 +3,7 @@
 import sys
 from typing import TYPE_CHECKING, Any
 
-if (
-    TYPE_CHECKING
-):  # else imported in functions, so that `main` catches an interrupt during an import
+if TYPE_CHECKING:  # else imported in functions, so that `main` catches an interrupt
     import argparse
     from collections.abc import Sequence
 

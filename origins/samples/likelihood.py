@@ -29,10 +29,7 @@ _LEAST_POWER = -0.95  # closer to 1/x nearly all weight would be at x that under
 _QUARTERS = 20  # factors of 4 below the first sample down to which integrals have panels
 _ENDS = 16  # extreme samples at either end that are edges of panels: far ones may raise the density between them
 _CHUNK = 1 << 14  # samples whose rows are in memory at once
-_STEPS, _DONE = (
-    100,
-    1e-13,
-)  # Newton steps at most; they end below this possible gain in log-likelihood
+_STEPS, _DONE = 100, 1e-13  # Newton steps at most; gain in log-likelihood at which they end
 _NODES, _WEIGHTS = legendre.leggauss(8)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 # along an exponential tail all rows are linear: two nodes are exact for value, gradient and curvature

@@ -66,7 +66,7 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
 def _follows(law: Thresholds, x: Array, shares: Array, size: float) -> bool:
     """Whether the law has the samples' mean and cdf, the latter up to a tenth beyond the sampling error.
 
-    It may not: the integrals of the likelihood may miss a peak between far samples, or the polynomial cannot follow one.
+    It may not: the integrals of the likelihood may miss a peak between far samples, or no polynomial follows a peak.
     """
     mean = float(shares @ x)
     error = float(np.sqrt(shares @ (x - mean) ** 2 / size))

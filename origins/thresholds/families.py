@@ -9,10 +9,7 @@ from origins.errors import finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.numerical import NumericalLaw
 
-_STEEPEST, _SLOWEST = (
-    100.0,
-    0.1,
-)  # limits of powers and decays, within which floats resolve quantiles
+_STEEPEST, _SLOWEST = 100.0, 0.1  # limits of powers and decays, for quantiles in floats
 _FURTHEST = 1e6  # largest centre over width of Persson's law
 _HEAVY = 40.0  # (centre/width)^2 above which the weight near x = 0 is negligible
 

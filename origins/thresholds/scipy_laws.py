@@ -9,9 +9,9 @@ import numpy as np
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array, Thresholds
 
-_BELOW_ZERO = 1e-15  # weight at or below x = 0 that rounding alone leaves
-_CUT_LIMIT = 1e-6  # weight there that may be cut off, as of starts beyond every threshold
-_LOOSE = 1e-9  # relative error of a distribution's own quantiles, from where on they are found anew
+_BELOW_ZERO = 1e-15  # weight at or below x = 0 that may be due to rounding
+_CUT_LIMIT = 1e-6  # largest weight there that is cut off, the same as for starts
+_LOOSE = 1e-9  # relative error of a distribution's own quantiles above which they are recomputed
 _FROZEN = ("pdf", "logpdf", "cdf", "sf", "logsf", "ppf", "isf", "moment", "support")
 _NEWER = ("pdf", "logpdf", "cdf", "ccdf", "icdf", "iccdf", "mean", "support", "sample")
 
@@ -19,8 +19,8 @@ _NEWER = ("pdf", "logpdf", "cdf", "ccdf", "icdf", "iccdf", "mean", "support", "s
 def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     """`law` itself if it is a Thresholds, else the continuous scipy.stats distribution, wrapped.
 
-    A weight of up to 1e-6 at or below x = 0 is cut off: it stands in `cut_weight`, and solvers tell it.
-    Raises InputError, which says `name`, for anything else, for more weight there and for an infinite mean.
+    A weight of up to 1e-6 at or below x = 0 is cut off: it is stored in `cut_weight`, and solvers report it.
+    Raises InputError, which names `name`, for anything else, for more weight there and for an infinite mean.
     """
     if isinstance(law, Thresholds):
         return law
@@ -75,7 +75,7 @@ def single_mean(name: str, frozen: Any) -> float:
 class ScipyDensity(Thresholds):
     """The density of a distribution where x > 0, normalised; cut_weight lay at or below 0.
 
-    A distribution tells the ends of its support, and no other breakpoints; its onset is fitted.
+    A distribution gives the ends of its support, but no other breakpoints; its onset is fitted.
     """
 
     knows_breakpoints = False

@@ -24,7 +24,7 @@ class Verdict:
     `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) for a surface only.
     `conditions` give the speed, temperature and more on which they depend; `cautions` say why K* is infinite, where
     samples, surface or load are at the limits of the law, and which errors are not shown; `sampled` is whether the
-    thresholds come from samples. `evidence` is from the ensemble: its force over the exact F_k, with one standard error,
+    thresholds come from samples. `evidence` is the ensemble's: its force over the exact F_k, with one standard error,
     where the master equation's force is largest (its own, without [master]), the master's there, and the largest
     difference of both over the path in standard errors, or why there is none; None without [eq].
     """

@@ -101,7 +101,7 @@ def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> l
 
 
 def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[str]:
-    """The speed, temperature and laws of contacts for which F_k and the propensity are given, where they depend on them."""
+    """The speed, temperature and laws of contacts on which F_k and the propensity depend, in words."""
     surface, thermal, said = contacts.interface, contacts.thermal, list[str]()
     length, square, clock, per = (" m", " m²", " s", "/s") if surface is not None else ("",) * 4
     if thermal is not None:

@@ -20,10 +20,7 @@ Array = npt.NDArray[np.float64]
 Work = Callable[[float], tuple[Array, float | None]]
 """Force, and the error that the method claims (both lengths), at a rung of its ladder."""
 
-_RUNS, _LONG = (
-    5,
-    1.0,
-)  # number of runs, the fastest of which counts; s above which a run is not repeated
+_RUNS, _LONG = 5, 1.0  # runs, of which the fastest counts; s of a run that is not repeated
 _ROUND_OFF = 2.0**-53
 _NEGLIGIBLE = 1e-16  # of the mean threshold: allowed effect of the cut at 0 on a closed form
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)

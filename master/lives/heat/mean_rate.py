@@ -37,9 +37,7 @@ _EPSILON = float(np.finfo(float).eps)
 _CHUNK = 400  # stretches at which H is summed at once
 # Relative distance from an exact threshold within which rounding may put a contact on the wrong side.
 _TOLD = 1e-9
-_LARGEST_SLOPE = (
-    1.0 / np.e
-)  # largest |d e^-A/d ln A|: error of the survival per relative error of A
+_LARGEST_SLOPE = 1.0 / np.e  # of e^-A over ln A: bounds the error of E by that of ln A
 
 
 class MeanRateLife(ReplayedLife):
