@@ -234,7 +234,7 @@ class Thresholds:
         above: float,
         at_lower: float | None = None,
     ) -> Array:
-        """inner(x) inside the support, else its limits; a density has no `at_lower` and is evaluated at the ends too."""
+        """inner(x) inside the support, else limits; a density has no `at_lower` and is evaluated at the ends too."""
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
         if at_lower is None:

@@ -75,7 +75,7 @@ def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
 
 
 class Speed(NamedTuple):
-    """A speed of smooth sliding, length per time; `chosen` says which of the scene's speeds it is, if there are more."""
+    """A speed of smooth sliding, length per time; `chosen` says which of the scene's speeds it is, if it has more."""
 
     value: float
     chosen: str = ""

@@ -158,7 +158,7 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
 def read_file(
     key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
 ) -> T:
-    """What `read` makes of the file in this folder, the same on all ranks, which must all call.
+    """The result of `read` for the file in this folder, the same on all ranks, which must all call.
 
     `key` is the scene's key that names it. Raises InputError for what is no plain file: a pipe or a device might never
     end.
@@ -187,5 +187,5 @@ def read_file(
 
 
 def read_text(path: Path) -> str:
-    """The text of a file, without the mark that some programs put first."""
+    """The text of a file, without the byte order mark that some programs put first."""
     return path.read_text(encoding="utf-8-sig")
