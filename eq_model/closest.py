@@ -1,6 +1,6 @@
-"""The paper's own algorithm, kept as plain twin: find the contact closest to breaking, shift all by what it lacks.
+"""The paper's own algorithm (Sec. II): find the contact closest to breaking, shift all by the distance to its break.
 
-Paper, Sec. II. It costs a pass over all contacts for every break; the ensemble gives the same statistics.
+It is the plain twin of the ensemble, with the same statistics; every break costs a pass over all contacts.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ Array = npt.NDArray[np.float64]
 def closest(
     contacts: Contacts, path: npt.ArrayLike, *, n_contacts: int, seed: int = 0
 ) -> tuple[Array, int]:
-    """Mean stretch at each point of `path` (lengths, shape (n,)) and the number of breaks, of n_contacts contacts.
+    """Mean stretch of n_contacts contacts at each point of `path` (lengths, shape (n,)), and the number of breaks.
 
     Raises InputError for a path that does not go forward from 0 and for n_contacts below 1.
     """
@@ -50,6 +50,6 @@ def closest(
 
 
 def draw_start(contacts: Contacts, n: int, generator: np.random.Generator) -> tuple[Array, Array]:
-    """Starting stretches and what each contact lacks to its threshold, P_c conditional on x_s > |x|; shape (n,)."""
+    """Starting stretches x, and distances to the threshold, drawn from P_c conditional on x_s > |x|; shape (n,)."""
     x, threshold = Births("start", contacts.start, contacts.thresholds).draw(n, generator)
     return x, threshold - x

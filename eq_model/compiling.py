@@ -1,4 +1,4 @@
-"""How kernels are compiled: by numba when first called, kept on disk, and with numpy's rules for division."""
+"""Compilation of kernels: by numba when first called, cached on disk, with numpy's rules for division."""
 
 from collections.abc import Callable
 from functools import cache
@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 
 
 def compiled(function: Callable[..., Any], **more: bool) -> Any:
-    """`function` compiled when first called and kept on disk, or in memory where no folder is.
+    """`function` compiled when first called and cached on disk, or in memory if no folder can be written.
 
     It releases the interpreter's lock, so that blocks may run in threads. more : further options of numba.
     """
@@ -20,9 +20,9 @@ def compiled(function: Callable[..., Any], **more: bool) -> Any:
         made: Any = njit(**{"cache": True} | options)(function)
     except RuntimeError:  # numba found no folder for its cache
         return njit(**options)(function)
-    if hasattr(made._cache, "_cache_file"):  # not of inlined ones
-        # numba compares a kernel's own file alone with what is on disk; it calls others, in other files,
-        # so each version of them all has files of its own
+    if hasattr(made._cache, "_cache_file"):  # inlined functions have none
+        # numba checks only a kernel's own file for changes, but kernels call functions of other files: so
+        # each version of all sources has cache files of its own
         file: Any = made._cache._cache_file
         base = file._index_name.removesuffix(".nbi")
         file.__init__(file._cache_path, f"{base}-{sources()[:12]}", file._source_stamp)
@@ -30,9 +30,9 @@ def compiled(function: Callable[..., Any], **more: bool) -> Any:
 
 
 def bare(function: Callable[..., Any]) -> Any:
-    """As `compiled`, for functions that allocate nothing: references are not counted.
+    """As `compiled`, without reference counting, for functions that allocate nothing.
 
-    Counting them for each array in a NamedTuple takes 5 ns at each use.
+    Counting takes 5 ns at each use of an array in a NamedTuple.
     """
     return compiled(function, _nrt=False)
 
@@ -44,7 +44,7 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 @cache
 def sources() -> str:
-    """What tells these kernels from those of another version."""
+    """Hash of all sources of kernels, which identifies their version."""
     here = Path(__file__).parent
     folders = here, here.parent / "origins" / "laws"
     files = [file for folder in folders for file in sorted(folder.rglob("*.py"))]

@@ -1,7 +1,7 @@
-"""Compiled: one contact, where it breaks by a law that leaves its threshold as it is, and where it is counted.
+"""Compiled functions of one contact: its break under laws that do not change its threshold, and its sums.
 
-A law is known to the loops by the type of its settings: LIVES holds the function that breaks a contact,
-SEEN the one that tells its threshold later on.
+The loops select a law by the type of its settings: LIVES holds the function that breaks a contact, SEEN the
+one that returns its threshold at a later moment.
 """
 
 from collections.abc import Callable
@@ -22,31 +22,31 @@ _NOTHING = 1e-300
 
 
 class Contact(NamedTuple):
-    """One that holds at a stretch (whole) at a moment of the clock."""
+    """A contact that holds at a stretch (in whole units) at a moment of the clock."""
 
     clock: np.int64
     leg: np.int64
     stretch: np.int64
     threshold: np.int64
-    exposure: float  # ln of the integral of its rate that it bears
+    exposure: float  # ln of the integral of its rate at which it breaks
     stiffness: float  # over the mean one
-    fresh: bool  # is not one of those at X = 0
+    fresh: bool  # False for contacts of the start
     lane: np.int64
-    drawn: np.int64  # steps that its lane has drawn words for
+    drawn: np.int64  # steps for which its lane has drawn words
     stream: Stream
 
 
 class Break(NamedTuple):
-    """Where a contact breaks; a clock beyond the drive's end where it holds so long."""
+    """Moment at which a contact breaks; a clock beyond the drive's end if it holds until then."""
 
     clock: np.int64
     leg: np.int64
     drawn: np.int64
-    held: bool  # False of one that did not hold at all
+    held: bool  # False if the contact never held
 
 
 class Work(NamedTuple):
-    """What a block of contacts is followed with."""
+    """All that is needed to follow a block of contacts."""
 
     stream: Any  # Stream of the block
     starts: Births  # at X = 0
@@ -56,27 +56,27 @@ class Work(NamedTuple):
     way: Way
     mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
-    bears: bool  # whether the law asks what contacts bear
-    linked: bool  # stiffness to the threshold
-    measured: bool  # squares count for the variance
+    bears: bool  # whether the law needs exposures
+    linked: bool  # whether stiffness is proportional to the threshold
+    measured: bool  # whether squares are summed for the variance
 
 
 class Cold(NamedTuple):
-    """Breaks at its threshold alone; which counts as met within `tie` units where the slider turns or stops."""
+    """Breaks at the threshold only, which counts as reached within `tie` units where the slider turns or stops."""
 
     tie: np.int64
 
 
 class Warm(NamedTuple):
-    """Breaks at the rate of a law, its lengths and times those of the drive."""
+    """Breaks at the rate of a law, in the drive's units of length and time."""
 
     rates: Any
     unit: float  # a length
-    log_slow: Any  # (m,): ln of the time for a length, of each leg
+    log_slow: Any  # (m,): ln of the time per length, of each leg
 
 
 def by_law(choose: Callable[[type], Any]) -> Any:
-    """A function for kernels, a part of them, which `choose` finds by the class of its first argument's law."""
+    """A function for kernels that calls the one which `choose` returns for the class of its first argument."""
 
     def function(law, *rest):  # type: ignore[no-untyped-def]
         raise NotImplementedError
@@ -97,7 +97,7 @@ RATES: dict[
 ] = {}  # by the class of their law; arguments are those of CompiledRates
 # life(law, contact, way, counts): the break of a contact
 life = by_law(LIVES.__getitem__)
-# seen(law, contact, way, moment): its threshold at a later moment; below 0 where `life` counts it
+# seen(law, contact, way, moment): its threshold at a later moment; below 0 if `life` counts it itself
 seen = by_law(SEEN.__getitem__)
 rate = by_law(lambda law: RATES[law].rate)
 passed = by_law(lambda law: RATES[law].passed)
@@ -107,7 +107,7 @@ most = by_law(lambda law: RATES[law].most)
 
 @inlined
 def bin_of(clock, way):  # type: ignore[no-untyped-def]
-    """The first point at or after a moment of the clock, which is not after the end."""
+    """Index of the first point at or after a moment of the clock; the moment is not after the end."""
     if way.even:
         return max((clock + way.offset) >> way.shift, _I(0))
     j = _I(way.first[_U(clock >> way.shift)])
@@ -118,14 +118,14 @@ def bin_of(clock, way):  # type: ignore[no-untyped-def]
 
 @inlined
 def place_of(clock, leg, way):  # type: ignore[no-untyped-def]
-    """The slider's position (whole)."""
+    """The slider's position at a moment of a leg (in whole units)."""
     k = _U(leg)
     return way.positions[k] + way.directions[k] * (clock - way.begins[k])
 
 
 @bare
 def later(clock, leg, time, way):  # type: ignore[no-untyped-def]
-    """The clock when `time` has passed, and the leg; beyond the drive's end where it is over by then."""
+    """Clock and leg after `time` has passed; a clock beyond the drive's end if that comes first."""
     while leg < way.directions.size:
         pace = way.paces[leg]
         left = (way.begins[leg + 1] - clock) * pace
@@ -140,11 +140,11 @@ def later(clock, leg, time, way):  # type: ignore[no-untyped-def]
 
 @inlined
 def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyped-def]
-    """Add to bin j a contact that is born (sign 1) or breaks (-1); birth: slider where it is relaxed.
+    """Add to bin j a contact that is born (sign 1) or breaks (-1).
 
-    sums : (bins + 1, 6), of all the number, k y and k, of measured blocks besides k² y², k² y and k²;
-    y : the contact's stretch when its bin ends, with the other sign. Stiffnesses of 1 are not
-    summed. The last row is of no use.
+    birth : the slider's position at which the contact is relaxed
+    sums : (bins + 1, 6), of the number, k y and k, in measured blocks also of k² y², k² y and k², with y minus
+    the stretch at the bin's end. Stiffnesses of 1 are not summed. Ignore the last row: breaks beyond the path.
     """
     j = _U(j)
     y, k, square = birth - work.way.places[j], stiffness * stiffness, work.way.square
@@ -166,8 +166,8 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
 def look_at(k, birth, threshold, way, counts):  # type: ignore[no-untyped-def]
     """Count a contact at the k-th watched point.
 
-    birth : slider where the contact is relaxed (whole). counts : (points, 2, bins), of stretches of
-    either sign and of thresholds.
+    birth : the slider's position at which the contact is relaxed (whole units). counts : (points, 2, bins),
+    of stretches of either sign and of thresholds.
     """
     many = counts.shape[2]
     x = _F(way.spots[k] - birth) * way.per_stretch + 0.5 * many
@@ -183,7 +183,7 @@ def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
     while leg < legs:
         beyond = abs(way.positions[leg + 1] - birth) - contact.threshold
         if beyond >= 0 or (beyond >= -law.tie and leg + 1 < legs):
-            # met on the way out; within the tie of a turn at the turn itself
+            # the threshold is reached on this leg; within `tie` of a turn it counts as reached at the turn
             then = max(way.begins[leg + 1] - max(beyond, 0), clock)
             return Break(then, leg, contact.drawn, True)
         leg += 1
@@ -191,14 +191,14 @@ def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
 
 
 def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact that bears the integral of its rate up to e^exposure.
+    """The break of a contact, where the integral of its rate over time reaches e^exposure.
 
-    On a leg the integral over lengths from 0 to the stretch, odd in it, has to come to a goal.
+    On a leg the integral of the rate over the stretch from 0 on, an odd function, has to reach a goal.
     """
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
     rates, unit, per, legs = law.rates, law.unit, 1.0 / law.unit, way.directions.size
     threshold = _F(contact.threshold) * unit
-    # the integral at x, and what is left to bear, found when it is needed
+    # the integral at x, and the remaining exposure (-1: not computed yet)
     here, bears = 0.0, -1.0
     if x != 0:
         here = np.copysign(passed(rates, min(abs(_F(x)) * unit, threshold), threshold, k), x)
@@ -219,7 +219,7 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
                 log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
             place = sign * min(reached(rates, log_goal, threshold, k), threshold)
             moved = max(_I(np.floor(place * per + 0.5)) - d * x, _I(0))
-            # at the end of the drive there is no branch, which could not be foreseen
+            # on the last leg no test is made, as its branch could not be predicted
             if leg + 1 == legs or moved <= room:
                 return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
             x += d * room
@@ -234,7 +234,7 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
 
 
 def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
-    """Put the stretches at which n contacts break in the place of their thresholds x: steadily forward from r on."""
+    """Replace the thresholds x of n contacts by the stretches at which they break, moving steadily forward from r."""
     rates, unit, per, slow = law.rates, law.unit, 1.0 / law.unit, law.log_slow[0]
     for i in range(_U(n)):
         threshold, log_goal, sign = _F(x[i]) * unit, _F(e[i]) * LEVEL_UNIT - slow, 1.0
@@ -248,5 +248,5 @@ def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
 
 LIVES |= {Cold: _at_threshold, Warm: _by_rate}
 SEEN |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: _F(contact.threshold))
-# break_row(law, n, x, e, r): of contacts that move steadily forward; cold ones break at their thresholds
+# break_row(law, n, x, e, r): breaks in steady forward motion; cold contacts break at their thresholds x
 break_row = by_law({Cold: lambda law, n, x, e, r: None, Warm: _row_by_rates}.__getitem__)

@@ -1,4 +1,4 @@
-"""What blocks of independent contacts do, as sums of whole numbers, and what these say of the force."""
+"""Blocks of independent contacts: their events as sums of whole numbers, and the force from these sums."""
 
 from typing import Any, NamedTuple
 
@@ -18,13 +18,13 @@ Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 _LIMB = 32  # bits of the low one of the two numbers that hold a sum of all blocks
-# one in EACH contacts of a block is followed once more in steps COARSER times longer, whose force tells
-# the error of the steps
+# with ageing, one in EACH contacts of a block is followed once more in steps COARSER times longer, to
+# estimate the error of the steps
 COARSER, EACH = 8, 8
-# breaks expected: a threshold so rare is the largest that n contacts are thought to meet
+# expected number of contacts with a larger threshold than the largest that n contacts are assumed to have
 _RARE = 0.01
-_NEVER = 1e-9  # breaks expected that need not be thought of
-_TOLD = 256  # units in which half of the contacts break again: their mean is told to 1e-5
+_NEVER = 1e-9  # expected number of breaks that counts as none
+_TOLD = 256  # fewest units within which half of the contacts may break again: their mean is then good to 1e-5
 
 
 class Moments(NamedTuple):
@@ -36,14 +36,14 @@ class Moments(NamedTuple):
 
 
 def _split(sums: Whole) -> Whole:
-    """Whole sums as two limbs, shape (2, ...), high and low; limbs of many blocks and ranks may be added up."""
+    """Whole sums as two limbs, high and low, shape (2, ...), which can be added over many blocks and ranks."""
     return np.stack([sums >> _LIMB, sums & ((1 << _LIMB) - 1)])
 
 
 class Engine:
-    """The blocks of one ensemble; `seconds`: about what a contact takes."""
+    """Follows the blocks of one ensemble; `seconds`: estimated time for one contact."""
 
-    MOST = 1 << 37  # contacts of all replicas
+    MOST = 1 << 37  # largest number of contacts of all replicas
 
     def __init__(
         self, contacts: Contacts, drive: Drive, seed: int, histograms: npt.ArrayLike, total: int
@@ -60,7 +60,7 @@ class Engine:
         from eq_model.draws.births import LEVEL_UNIT, births_of, exposures
 
         self.contacts, self._seed, self._total = contacts, seed, total
-        # alike all along the path: without laws contacts know no time
+        # the same law all along the path: without laws nothing depends on time
         steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
         self._plain, scale = drive.forward and steady, contacts.mean_threshold
         self._reach = reach = Reach(contacts, drive)
@@ -73,7 +73,7 @@ class Engine:
         _check_excess(contacts, unit)
         law = law_of(contacts, way, TIE * exact)
         self.seconds = seconds_of(contacts, drive, law)
-        # what is counted, in the order of the clock
+        # the points of histograms, in the order of the clock
         self._points = chosen_points(histograms, drive.path.size)
         own = way.place[self._points]
         self._order = np.argsort(own, kind="stable")
@@ -94,18 +94,18 @@ class Engine:
         )
 
     def nothing(self) -> State:
-        """What no block found."""
+        """The state of no blocks."""
         counts = no_counts(self._points.size, self._total)
         return State(np.zeros(self._shape, np.int64).reshape(2, -1), counts)
 
     @property
     def _shape(self) -> tuple[int, ...]:
-        """Of the sums: limbs; of all blocks, of measured ones, with ageing of those in coarser steps; bins; columns."""
+        """Shape of the sums: limbs; kinds (all blocks, measured ones, with ageing coarser steps); bins; columns."""
         kinds = 2 if self.contacts.ageing is None else 3
         return 2, kinds, self._work.way.points.size, COLUMNS
 
     def follow(self, blocks: Blocks, block: int) -> State:
-        """Follow a block of contacts to the drive's end; -1 does nothing, compiled."""
+        """Follow a block of contacts to the drive's end; -1 only compiles."""
         from eq_model.draws.streams import make_stream
         from eq_model.lanes import follow_lives, forward
 
@@ -113,7 +113,7 @@ class Engine:
         counts = np.zeros((self._points.size, 2, BINS), np.uint32)
         out, kernel = np.zeros(self._shape, np.int64), forward if self._plain else follow_lives
         work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)
-        # each column by itself: what is summed into most stays in the L1 cache
+        # column by column, so that the column that is used most stays in the L1 cache
         sums = np.zeros((self._shape[2] + 1, COLUMNS), np.int64, order="F")
         breaks, steps = kernel(work, count, sums, counts)
         out[:, 0] = _split(sums[:-1])
@@ -130,7 +130,7 @@ class Engine:
         """Fields of the result."""
         n, sums = state.contacts, state.sums.reshape(self._shape)
         found = self._all_moments(blocks, state.done, sums)
-        # where contacts may wait, or not pin, one that might have been is in the error
+        # where contacts may be out, the error includes one that happened not to be
         waits = self.contacts.delay is not None or self.contacts.grains is not None
         varies = np.maximum(found.holding * (1.0 - found.holding), 1.0 / n if waits else 0.0)
         order = np.argsort(self._order)[: len(state.counts)]  # none where they are not wanted
@@ -146,10 +146,10 @@ class Engine:
         }
 
     def _moments(self, n: int, limbs: Whole) -> Moments:
-        """Of n contacts, from limbs of their sums; whole numbers, so nothing cancels.
+        """Moments of n contacts from limbs of their sums, in whole numbers, so that nothing is lost by cancellation.
 
-        y is minus a contact's stretch when its bin ends, at `places`; k y sums are whole lengths, k sums
-        parts of STIFFNESS_UNIT.
+        y is minus a contact's stretch at the end of its bin, at `places`; sums of k y are whole lengths,
+        sums of k are in units of 1/STIFFNESS_UNIT.
         """
         way, part, unit = self._work.way, int(STIFFNESS_UNIT), self._work.way.unit
         whole = limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)
@@ -161,7 +161,7 @@ class Engine:
         born, squares_born = ky * part + k * places, kky * part + kk * places
         changes = np.cumsum([count, k, born, kk, squares_born, far], axis=1)
         holds, held, born, squares, squares_born, far = changes[:, way.place]
-        # of a single start what its rounding leaves is told of the slider
+        # the rounding of a single starting stretch is corrected as a displacement of the slider
         start = self.contacts.start
         lost = (start.mean() - round(start.mean() / unit) * unit) * start.is_single
         told = self._drive.path + lost
@@ -176,7 +176,7 @@ class Engine:
         return Moments(holds.astype(float) / n, mean, np.maximum(variance, 0.0))
 
     def _all_moments(self, blocks: Blocks, done: list[range], sums: Whole) -> Moments:
-        """Of these blocks, sums of all and of measured ones; the variance is no less than what could not be seen."""
+        """Moments of these blocks; the variance, from measured blocks, has a lower limit for unseen breaks."""
         n, measured = blocks.contacts(done), blocks.measured(done)
         mean = self._moments(n, sums[:, 0])
         if measured < 2:
@@ -185,7 +185,7 @@ class Engine:
         return mean._replace(variance=self._no_less(seen, mean.force, n))
 
     def _no_less(self, seen: Array, force: Array, n: int) -> Array:
-        """At least what one break more or less makes of the mean of n contacts."""
+        """The variance, at least that which one break more or less would make in n contacts."""
         contacts, reach, start = self.contacts, self._reach, self.contacts.start
         stretch = np.minimum(reach.span + reach.furthest, reach.longest)
         law, again, mean = contacts.thresholds, contacts.reforming, contacts.mean_threshold
@@ -193,8 +193,8 @@ class Engine:
         cold = constant and contacts.thermal is None
         alike = start.is_single and not np.diff(law.support())[0]
         if cold and alike and (again is None or again.law.is_single):
-            return np.zeros(force.size)  # but for rounding
-        # of so many contacts one break has been seen, where any can have been
+            return np.zeros(force.size)  # all contacts do the same
+        # one break among n contacts, wherever breaks are possible
         share = np.full(force.size, 1.0 / n)
         if cold:
             held = law.sf(abs(start.mean()) if start.is_single else 0.0)
@@ -204,20 +204,20 @@ class Engine:
             stretch = np.minimum(stretch, max(float(law.isf(_RARE / n)), reach.furthest))
         reached, differ = stretch, 0.0
         if contacts.stiffness == "linked":
-            # what breaks first is weak; but no contact is weaker than it is stretched
+            # the first contacts to break are weak, but no contact's threshold is below its stretch
             usual, rare = float(np.sqrt(law.moment(2))) / mean, float(law.isf(_RARE / n)) / mean
             reached = stretch * np.maximum(stretch / mean, min(usual, rare))
             differ = min(usual**2, rare) - 1.0
         least = np.maximum(reached**2 * share, differ * force**2)
-        rounded = self._work.way.unit**2 / self._work.way.square  # squares of stretches are
+        rounded = self._work.way.unit**2 / self._work.way.square  # rounding of squares of stretches
         if start.is_single:
             return np.maximum(np.where(seen < rounded, 0.0, seen), least)
         return np.maximum(seen, np.maximum(least, rounded))
 
     def _step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
-        """What the inner steps of ageing may add to the force at the points (a length); 0 without ageing.
+        """Bound on the error of the force by the inner steps of ageing, at the points (a length); 0 without ageing.
 
-        The error grows faster than in proportion to the step, so this is more than it is.
+        It assumes that the error is proportional to the step, while it grows faster.
         """
         if sums.shape[1] == 2:
             return np.zeros(self._drive.path.size)
@@ -231,7 +231,7 @@ class Engine:
 
 
 def _check_excess(contacts: Contacts, unit: float) -> None:
-    """InputError where contacts all form again too near to the last thresholds for lengths of `unit`."""
+    """Raise InputError where all contacts re-form so near to the largest thresholds that `unit` is too coarse."""
     again = contacts.reforming
     if again is None or not again.law.is_single:
         return

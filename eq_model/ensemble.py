@@ -1,4 +1,4 @@
-"""The ensemble under way: blocks of independent contacts, or replicas of coupled ones, over threads and ranks."""
+"""A running ensemble: blocks of independent contacts, or replicas of coupled ones, over threads and ranks."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from origins.errors import InputError, positive, refuse, whole
 from origins.streams import key_of
 
 _MOST_REPLICAS = 1 << 28
-_AT_ONCE = 8  # blocks that each thread is given before all are waited for
+_AT_ONCE = 8  # blocks that are handed to each thread before waiting for all of them
 
 
 class Ensemble:
-    """An ensemble under way: iterate to work through it block by block, then ask for the result.
+    """A running ensemble: iterate to work through it block by block, then call `result`.
 
         ensemble = Ensemble(contacts, path, n_contacts=100_000)
         for done, total in ensemble:
@@ -35,12 +35,12 @@ class Ensemble:
         result = ensemble.result()    # all ranks together
 
     Parameters and errors as for `simulate`; besides, `earlier` are the states of all ranks of an ensemble of the same
-    parameters that was cut short: what these did is not done again, and the result is the same to the last bit.
+    parameters that was stopped: their blocks are not repeated, and the result is the same to the last bit.
 
-    Attributes: `total`, contacts in all; `expected`, how many of them will be followed, which with a tolerance is known
-    better after each round; `blocks`, how they are divided: with a spring each replica is one; `state`, what this rank
-    has found so far, to go on from in another run; `clock`, which returns seconds: the wall time and the run time go
-    by it. Another clock may take its place, on the class or before the first block, so that work is counted instead.
+    Attributes: `total`, number of all contacts; `expected`, the number that will be followed, which with a tolerance
+    is estimated after each round; `blocks`, their division, with a spring one block for each replica; `state`, the
+    results of this rank so far, from which another run can continue; `clock`, a function that returns seconds, for
+    wall time and run time. It may be replaced, on the class or before the first block, to count work instead.
     """
 
     clock: Callable[[], float] = staticmethod(perf_counter)
@@ -64,7 +64,7 @@ class Ensemble:
     ) -> None:
         """Check the arguments, make tables and blocks, and compile what will be needed.
 
-        drive : velocity, time, spring and slip, as of origins.Drive.
+        drive : velocity, time, spring and slip, as for origins.Drive.
         """
         started = self.clock()
         if comm is not None and not hasattr(comm, "Get_rank"):
@@ -108,15 +108,15 @@ class Ensemble:
         self.compile_time = self.clock() - started
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
-        # what was found before counts on one rank
+        # the earlier states are added on one rank only
         first = layout.rank_and_size(comm)[0] == 0
         self.state = reduce(State.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
-        """Do this rank's share, once; after each block (contacts done, contacts in the share), and while it waits for
-        the others.
+        """Do this rank's share of the work, once. Yields (contacts done, contacts in the share) after each block, and
+        while it waits for the other ranks.
 
-        With a tolerance the shares of further rounds follow while it is not reached. All ranks must go on to the end.
+        With a tolerance, further rounds follow until it is reached. All ranks must iterate to the end.
         """
         rank, ranks = layout.rank_and_size(self.comm)
         begun, done = self.clock(), 0
@@ -124,7 +124,7 @@ class Ensemble:
             mine = layout.share(layout.left(one_round, self._before), rank, ranks)
             total, late, started = done + self.blocks.contacts(mine), False, self.clock()
             for block, found in self._each([block for part in mine for block in part]):
-                # one assignment: whatever interrupts, the state is that of whole blocks
+                # a single assignment, so that after any interrupt the state is that of whole blocks
                 size = self.blocks.size(block)
                 found = replace(found, contacts=size, done=[range(block, block + 1)])
                 seconds = self.state.run_time + self.clock() - started
@@ -140,7 +140,7 @@ class Ensemble:
                 return
 
     def _each(self, blocks: Sequence[int]) -> Iterator[tuple[int, State]]:
-        """The blocks in order, each followed; in threads several at once."""
+        """Follow the blocks, several at once with threads; yields them in order."""
 
         def follow(block: int) -> State:
             return self._work.follow(self.blocks, block)
@@ -154,16 +154,16 @@ class Ensemble:
                 yield from zip(some, pool.map(follow, some), strict=True)
 
     def stop(self) -> None:
-        """Begin no further block of this rank's share: the result will be that of what is finished."""
+        """Begin no further block of this rank's share: the result will be that of the finished blocks."""
         self._stopped = True
 
     def _enough(self, one_round: range, late: bool) -> bool:
-        """Whether no further round is wanted; every rank must call."""
+        """Whether no further round is needed; every rank must call."""
         if self._tolerance is None:
             return late
         if self.comm is not None:
             late = any(self.comm.allgather(late))
-        # what was done beyond this round says that it was not enough then
+        # if an earlier run went beyond this round, the round was not enough
         if late or any(part.stop > one_round.stop for part in self._before):
             return late
         found = self._result(histograms=False)
@@ -173,23 +173,23 @@ class Ensemble:
         return found.success
 
     def _wanted(self, found: EnsembleResult) -> float:
-        """How many contacts reach the tolerance, as the error of these tells."""
+        """Number of contacts that would reach the tolerance, estimated from the present error."""
         largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
         ratio = largest / (self._tolerance or np.inf)
         return found.contacts * ratio * ratio  # not as a power, which may overflow
 
     def result(self) -> EnsembleResult:
-        """What all ranks found; every rank must call, and gets the same bits."""
+        """The result of all ranks; every rank must call, and gets the same bits."""
         return self._result(histograms=True)
 
     def _result(self, histograms: bool) -> EnsembleResult:
-        """With the histograms, or without any."""
+        """The result, with or without histograms."""
         started, own, comm = self.clock(), self.state, self.comm
         sums, counts = own.sums, own.counts if histograms else own.counts[:0]
         states = [own]
         if comm is not None:
             states = comm.allgather(own if own.rows.size else own.without_sums())
-            # whole numbers: the order does not matter
+            # sums of whole numbers do not depend on the order
             sums, counts = (_sum_over(comm, array) for array in (sums, counts))
         rest: dict[str, Any] = {name: sum(getattr(one, name) for one in states) for name in NUMBERS}
         rest |= {name: stacked([getattr(one, name) for one in states]) for name in TABLES}
@@ -215,7 +215,7 @@ class Ensemble:
         return replace(found, success=success, message=message)
 
     def _judge(self, found: EnsembleResult) -> tuple[bool, str]:
-        """Whether that is what was asked for, and in words."""
+        """Success and message of a result."""
         largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
         told = f"largest standard error {largest:.2e} with {found.contacts} contacts"
         if self._tolerance is None:
@@ -235,7 +235,7 @@ class Ensemble:
 
 
 def _sum_over(comm: Any, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """The sum of all ranks' arrays, each of which must call."""
+    """The sum of the arrays of all ranks; every rank must call."""
     out = np.empty_like(array)
     if array.size:
         comm.Allreduce(array, out)

@@ -1,4 +1,4 @@
-"""What stretches and thresholds the contacts have that hold: counted where asked for, the contacts not kept."""
+"""Histograms of stretches and thresholds of the contacts that hold, at chosen points of the path."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,22 +13,21 @@ Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.unsignedinteger[Any]]
 
 BINS = 4096
-MOST = 2000  # points at which contacts are counted: the counts of all then take 65 MB, and 131 MB from 2^32 contacts on
-_WIDE = 64.0  # typical lengths that bins alike are spread over: they are at most 1/32 of one wide
+MOST = 2000  # largest number of points: their counts take 65 MB, and 131 MB from 2^32 contacts on
+_WIDE = 64.0  # typical lengths over which equal bins extend, each at most 1/32 of one wide
 
 
 @dataclass(frozen=True)
 class Histogram:
-    """Contacts that hold at one point of the path; all arrays of shape (4096,) but for edges, of one more.
+    """Contacts that hold at one point of the path; arrays of shape (4096,), edges of shape (4097,).
 
-    Stretches are counted as far as path, start and re-forming can bring them, thresholds as far as the law is drawn, to
-    2^-54 of its weight. Bins are alike, but for laws of wide tails: beyond 64 times the mean threshold (or the mean
-    stretch of start or re-forming, or the mean of the thresholds in the end) all that is left is counted in the first
-    and last bin of the stretches and the last one of the thresholds, which reach to the ends: a density is then the
-    mean over such a bin, and the sum over bins of density times width is still all contacts.
+    The bins of stretches extend to the largest |x| that path, start and re-forming allow, those of thresholds to 2^-54
+    of the law's weight. They have equal widths, except for laws with wide tails: beyond 64 times the mean threshold (or
+    the mean stretch of start or re-forming, or the mean of the final thresholds) all contacts are counted in the wide
+    outermost bins. A density is the mean over its bin, so that the sum of density times width is that of all contacts.
 
     point : index into the path; position : X there, a length.
-    stretch_edges, threshold_edges : lengths, rising.
+    stretch_edges, threshold_edges : lengths, increasing.
     stretches : Q(x; X), fraction of all contacts per length in each bin of stretches; stretch_error : its standard
     error. thresholds : P_xs(x), density of the thresholds of those contacts that hold, per length; threshold_error.
     count : contacts that hold there.
@@ -46,7 +45,7 @@ class Histogram:
 
 
 def no_counts(points: int, contacts: int) -> Counts:
-    """Zeros, shape (points, 2, BINS), that hold the counts of so many contacts."""
+    """Zeros, shape (points, 2, BINS), of a type that can count so many contacts."""
     return np.zeros((points, 2, BINS), np.uint32 if contacts < 1 << 32 else np.uint64)
 
 
@@ -67,11 +66,11 @@ def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
 def make_edges(reach: float, largest: float, contacts: Contacts) -> tuple[Array, Array]:
     """Edges of bins for stretches that cannot exceed `reach` and thresholds that cannot exceed `largest` (lengths)."""
     typical = largest
-    if not isinstance(contacts.grains, GrainContact):  # whose thresholds grow
+    if not isinstance(contacts.grains, GrainContact):  # where thresholds grow, all are typical
         laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
         typical = max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
-    # a little more: contacts that have all come as far as that lie within a bin, not at its edge
+    # 1 % more, so that stretches of exactly `reach` lie within a bin, not at its edge
     reach, wide = min(1.01 * reach, largest) or largest, _WIDE * typical
     stretch = np.linspace(-min(reach, wide), min(reach, wide), BINS + 1)
     threshold = np.linspace(0.0, min(largest, wide), BINS + 1)
@@ -82,7 +81,7 @@ def make_edges(reach: float, largest: float, contacts: Contacts) -> tuple[Array,
 def histogram(
     point: int, position: float, edges: tuple[Array, Array], counts: npt.NDArray[Any], n: int
 ) -> Histogram:
-    """From counts (2, bins) of n contacts."""
+    """The histogram with counts (2, bins) of n contacts."""
     held = int(counts[0].sum())
     told: list[Any] = [point, position]
     for own, seen, total in zip(edges, counts, (n, max(held, 1)), strict=True):

@@ -1,12 +1,12 @@
 """Contacts of one block in lanes: drawn, followed until they break, and drawn again.
 
-forward : in steady forward motion, cold or warm, where a break is a sum. A contact that breaks at x1, x2, ...
-stands relaxed where these add up to; released stretch is summed in the bin where it is released. The stages are
-loops over the lanes, most of which the compiler turns into vector code.
+forward : steady forward motion, cold or warm. A contact that breaks at the stretches x1, x2, ... is relaxed again at
+x1, x1 + x2, ... of the slider; the released stretches are summed in the bins of the breaks. The stages are loops over
+the lanes, most of which the compiler turns into vector code.
 
-follow_lives : with laws of their own, or on any path in time. A contact holds until its law breaks it (`life`, found
-by the type of the law's settings), waits where there is a delay, and is drawn again. The loop is compiled anew for
-each type of law, so that other laws cost nothing, and kept on disk, which closures are not.
+follow_lives : any laws, on any path in time. A contact holds until its law breaks it (`life`, selected by the type of
+the law's settings), is out for the delay if there is one, and is drawn again. The loop is compiled for each type of
+law, so that other laws cost nothing, and cached on disk, which closures cannot be.
 """
 
 from typing import NamedTuple
@@ -31,16 +31,16 @@ from eq_model.draws.quantiles import draw_values, make_room
 from eq_model.draws.streams import EXPOSURES, LANES, ROW, THRESHOLDS, draw
 
 _U, _I, _F = np.uint64, np.int64, np.float64
-_STARTS = np.int64(12)  # of a purpose: words of the contacts at X = 0
-_REST = 4  # rounds after which lanes without contacts leave
+_STARTS = np.int64(12)  # added to a purpose: words of the contacts at X = 0
+_REST = 4  # rounds between removals of lanes without contacts
 
 
 @inlined
 def _advance(n, x, birth, at, since, drawn, work, found, change, sums, counts):  # type: ignore[no-untyped-def]
-    """Move n contacts from where they are relaxed, birth, by their stretches x to where they break, at; how many broke.
+    """Move n contacts from positions `birth`, where they are relaxed, by stretches x to their breaks `at`.
 
-    What they release is summed in the bins of the breaks, `found`; contacts of thresholds `drawn` that hold at watched
-    points from `since` on are counted.
+    Returns the number of breaks. The released stretches are summed in the bins of the breaks, `found`; contacts of
+    thresholds `drawn` that hold at watched points from `since` on are counted.
     """
     way, measured, breaks = work.way, work.measured, _I(0)
     top, end, last = way.points.size, way.end, way.points.size - 1
@@ -72,9 +72,9 @@ def _advance(n, x, birth, at, since, drawn, work, found, change, sums, counts): 
 
 @inlined
 def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
-    """Lanes whose contact holds to the end take the next one, where it broke first."""
+    """Lanes whose contact holds to the end continue with the next contact, from its first break."""
     last, many = firsts.size - 1, _U(0)
-    for i in range(_U(n)):  # no branch: which contacts end cannot be foreseen
+    for i in range(_U(n)):  # without a branch, which could not be predicted
         ends[many] = np.int32(i)
         many += _U(at[i] > end)
     for lane in ends[:many]:
@@ -85,15 +85,15 @@ def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
 
 @compiled
 def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
-    """Follow one block of contacts to the path's end: how many breaks, and no steps.
+    """Follow one block of contacts to the path's end. Returns the number of breaks, and 0 steps.
 
-    sums : increased, as of contact.count_event. counts : as of contact.look_at.
+    sums : increased, as in contact.count_event. counts : increased, as in contact.look_at.
     """
     stream, again, way = work.stream, work.again, work.way
     room, end, place = make_room(), way.end, way.places[0]
     x, at, birth = np.empty(LANES, _I), np.empty(LANES, _I), np.empty(LANES, _I)
     zeros, found, change = np.zeros(LANES, _I), np.empty(LANES, np.int32), room.place
-    # all contacts as they begin, up to their first break; those that break go on in the lanes
+    # all contacts up to their first break; those that break before the end continue in the lanes
     warm, table = work.bears, work.exposures
     e, words = np.zeros(LANES, _I), np.empty(4 * ROW, np.uint32)
     begun, breaks = form_all(count, stream, work.starts, room), _I(0)
@@ -139,7 +139,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
         turn += 1
         if turn % _REST == 0:
             m = 0
-            for i in range(n):  # lanes that have no more contacts leave
+            for i in range(n):  # lanes without further contacts are removed
                 if number[i] < many:
                     at[m], number[m] = at[i], number[i]
                     m += 1
@@ -152,14 +152,14 @@ class Lanes(NamedTuple):
 
     clock: npt.NDArray[np.int64]
     leg: npt.NDArray[np.int64]
-    again: npt.NDArray[np.int64]  # 0 of a contact as it is at X = 0
-    number: npt.NDArray[np.int64]  # of those of the block; the lane's next one is LANES further
-    drawn: npt.NDArray[np.int64]
+    again: npt.NDArray[np.int64]  # 0 for a contact of the start that has not broken
+    number: npt.NDArray[np.int64]  # index in the block; the lane's next contact is LANES further
+    drawn: npt.NDArray[np.int64]  # steps for which the lane has drawn words
 
 
 @bare
 def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
-    """One life in each of n lanes, with a row of draws, and where the next one begins: breaks and steps."""
+    """Follow one life in each of n lanes with a row of draws. Returns the numbers of breaks and steps."""
     breaks, steps, count = _I(0), _I(0), first.shape[1]
     way, law, wait = work.way, work.law, work.wait
     for i in range(_U(n)):
@@ -208,9 +208,9 @@ def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[n
 
 @compiled
 def follow_lives(work, count, sums, counts):  # type: ignore[no-untyped-def]
-    """Follow one block of contacts to the drive's end: breaks, and steps of those that take any.
+    """Follow one block of contacts to the drive's end. Returns the numbers of breaks and of steps.
 
-    sums : increased, as of contact.count_event. counts : as of contact.look_at.
+    sums : increased, as in contact.count_event. counts : increased, as in contact.look_at.
     """
     n, stream, room = min(LANES, count), work.stream, make_room()
     x, r, e = np.empty(LANES, _I), np.empty(LANES, _I), np.zeros(LANES, _I)
@@ -232,7 +232,7 @@ def follow_lives(work, count, sums, counts):  # type: ignore[no-untyped-def]
             steps += stepped
         turn += 1
         m = 0
-        for i in range(n):  # lanes that have no more contacts leave
+        for i in range(n):  # lanes without further contacts are removed
             if lanes.number[i] < count:
                 for one in lanes:
                     one[m] = one[i]

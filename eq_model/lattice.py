@@ -1,8 +1,8 @@
 """The drive in whole numbers, and the bins in which births and breaks are summed along it.
 
 Every length is a whole number of `unit`, far below the mean threshold, so that sums are exact and do
-not depend on their order. While the slider moves the clock counts its travel; while it stands the
-clock takes a mean threshold for each stand, however long. A path that moves forward is its own clock.
+not depend on their order. While the slider moves, the clock counts its travel; each hold, however
+long, takes one mean threshold of the clock. On a path that only moves forward the clock is X.
 """
 
 from typing import NamedTuple
@@ -17,47 +17,47 @@ from origins.errors import InputError
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-# Breaks within so many units of a path point or a turn fall on it where thresholds are exact values: so
-# far may rounding have carried them after some 1e6 breaks.
+# With exact thresholds, breaks within this many units of a path point or a turn count as falling on it:
+# rounding may have moved them as far after some 1e6 breaks.
 TIE = 1 << 10
 
 COLUMNS = 6  # of sums in each bin, see contact.count_event
-STIFFNESS_UNIT = 2.0**36  # stiffnesses are summed in parts of this, squares of them too
-SUM_BITS = 61  # of a block's sum in one bin; the sign and a bit to spare are left
-_PATH_BITS = 57  # of the clock: positions beyond it, with a threshold added, stay in 64 bits
+STIFFNESS_UNIT = 2.0**36  # k and k² are summed as whole multiples of 1/STIFFNESS_UNIT
+SUM_BITS = 61  # of a block's sum in one bin, which leaves the sign and a spare bit
+_PATH_BITS = 57  # of the clock, so that positions beyond the end plus a threshold stay in 64 bits
 _MOST_BITS, _LEAST_BITS = 44, 24  # of a mean threshold: finer than the tables; too coarse for them
-_FINEST = 2.0**-20  # of a mean threshold: the shortest cell
-_LEAST_BINS = 1024  # of a long path: second moments are told relative to the ends of bins
-_SAME_SPEED = 1e-12  # relative difference of two legs that are one
+_FINEST = 2.0**-20  # shortest cell, in mean thresholds
+_LEAST_BINS = 1024  # of a long path: second moments, relative to the ends of bins, need short bins
+_SAME_SPEED = 1e-12  # relative difference of speeds below which two legs are merged
 _NOTHING = np.zeros(0, np.int64)
 
 
 class Way(NamedTuple):
-    """The drive in whole units as kernels take it: m legs of one speed each, n points of the path in the order of the
-    clock, at each of which a bin ends, and points at which contacts are counted."""
+    """The drive in whole units, for kernels: m legs of one speed each, n points in the order of the clock, at each of
+    which a bin ends, and the points at which contacts are counted."""
 
     unit: float  # a length
-    place: npt.NDArray[np.intp]  # of each point of the drive's path its bin
+    place: npt.NDArray[np.intp]  # bin of each point of the drive's path
     begins: Whole  # (m + 1,): clock at the ends of legs
-    positions: Whole  # (m + 1,): slider there
-    directions: Whole  # (m,): of the motion, 0 where the slider stands
+    positions: Whole  # (m + 1,): the slider's position there
+    directions: Whole  # (m,): of the motion, 0 in a hold
     paces: Array  # (m,): time that passes in one unit of the clock
-    points: Whole  # (n,): the last moment that counts before each point
-    places: Whole  # (n,): slider there; stretches of the bin's events are told as of then
-    first: npt.NDArray[np.int32]  # of each cell of the clock the first point not before it
+    points: Whole  # (n,): the last moment that belongs to each point's bin
+    places: Whole  # (n,): the slider's position there, to which stretches of the bin's events refer
+    first: npt.NDArray[np.int32]  # for each cell of the clock, the first point not before it
     shift: np.int64  # cells are 2^shift long
     even: bool  # each cell ends at a point
-    offset: np.int64  # so that (clock + offset) >> shift is the point, where even
-    end: np.int64  # the last moment that counts
+    offset: np.int64  # so that (clock + offset) >> shift is the point, if even
+    end: np.int64  # the last moment of the drive
     square: float  # whole second moments are this times unit^-2
-    before: Whole = _NOTHING  # (n + 2,): how many watched points lie before each point
-    moments: Whole = _NOTHING  # (k,): the last moments that count before watched points
-    spots: Whole = _NOTHING  # (k,): slider there
+    before: Whole = _NOTHING  # (n + 2,): number of watched points before each point
+    moments: Whole = _NOTHING  # (k,): the last moments that belong to watched points
+    spots: Whole = _NOTHING  # (k,): the slider's positions there
     per_stretch: float = 1.0  # histogram bins per unit of |x|
     per_threshold: float = 1.0
 
     def watched(self, own: npt.NDArray[np.intp], per_stretch: float, per_threshold: float) -> "Way":
-        """With contacts counted at the ends of these bins, in their order."""
+        """This way, with contacts counted at the ends of these bins, in their order."""
         before = np.searchsorted(own, np.arange(self.points.size + 2))
         moments, spots = self.points[own], self.places[own]
         counted = self._replace(before=before, moments=moments, spots=spots)
@@ -67,8 +67,8 @@ class Way(NamedTuple):
 def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
     """The way of a rigid slider.
 
-    scale : the mean threshold's size; reach : the largest force that counts, in stretches of contacts
-    of mean stiffness; exact : whether thresholds hold exact values, so that breaks fall on points.
+    scale : the mean threshold; reach : the largest force of a contact over <k>, a length; exact : whether
+    thresholds have exact values, so that breaks fall on points.
     Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^21 times.
     """
     legs, clock = _legs(drive, scale)
@@ -129,13 +129,13 @@ def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
 
 
 def _bits(number: float) -> int:
-    """Of a number, which may be infinite, then more than there are, or zero, where nothing moves."""
+    """Bits of a number >= 0, which may be infinite (then more than there are)."""
     return int(np.ceil(np.log2(min(max(number, 1e-300), 1e300))))
 
 
 def _points(clock: Array, widest: float) -> tuple[Array, float]:
-    """The ends of bins of the clock: at all points of the path, and in between where these are more than `widest` apart
-    (lengths). And their spacing, if to rounding it is one; else 0."""
+    """The ends of bins of the clock: all points of the path, and more in between where these are more than `widest`
+    apart (lengths); and their spacing if it is constant to rounding, else 0."""
     points = np.unique(clock)
     end, apart = float(points[-1]), max(points.size - 1, 1)
     spacing = float(end - points[0]) / apart if points.size > 1 else end
@@ -153,7 +153,7 @@ def _points(clock: Array, widest: float) -> tuple[Array, float]:
 
 
 def durations(drive: Drive) -> Array:
-    """Times of the ways to each point of the path from the one before, of shape (n,)."""
+    """Durations of the motion to each point of the path from the one before, shape (n,)."""
     if drive.time is not None:
         return np.diff(drive.time, prepend=0.0)
     return np.abs(np.diff(drive.path, prepend=0.0)) / drive.velocity
@@ -162,7 +162,7 @@ def durations(drive: Drive) -> Array:
 def _legs(drive: Drive, stand: float) -> tuple[Array, Array]:
     """Travel (lengths, signed) and duration of each leg, shape (2, m), and the clock at each point of the path.
 
-    The clock takes `stand` for each leg on which the slider stands.
+    The clock advances by `stand` in each hold.
     """
     step, lasts = np.diff(drive.path, prepend=0.0), durations(drive)
     taken = np.flatnonzero(lasts > 0.0)

@@ -1,8 +1,8 @@
-"""Blocks of contacts of fixed sizes, and who does which of them.
+"""Blocks of contacts of fixed sizes, and their distribution over ranks.
 
-All replicas' blocks stand in one row. Their sizes follow from the contacts asked for and from an
-estimate of the work each takes, never from how fast anything went, so that the same blocks with the
-same streams are run on any number of ranks and threads, and after a restart.
+The blocks of all replicas are numbered in one sequence. Their sizes follow from the number of contacts
+and an estimate of the work, never from measured times, so that the same blocks with the same streams
+are run on any number of ranks and threads, and after a restart.
 """
 
 import time as clock
@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-BLOCK = 1 << 14  # contacts of a block at most: their rows and sums stay in the cache
-_LONGEST = 0.25  # s that a block should take at most, going by the estimate
-_ALL_MEASURED, _EACH = 4, 8  # blocks that count for the variance: the first ones, then one in eight
-_NAP = 0.001  # seconds
+BLOCK = 1 << 14  # most contacts of a block: their rows and sums stay in the cache
+_LONGEST = 0.25  # s, longest estimated time of a block
+_ALL_MEASURED, _EACH = 4, 8  # blocks measured for the variance: the first 4, then every eighth
+_NAP = 0.001  # s between two looks at whether all ranks have arrived
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """`each` blocks in each of n_replicas of n_contacts."""
+    """The division into blocks: n_replicas, each of n_contacts in `each` blocks."""
 
     n_contacts: int
     n_replicas: int
@@ -31,7 +31,7 @@ class Blocks:
         return self.each * self.n_replicas
 
     def size(self, block: int) -> int:
-        """Contacts of a block; those of one replica differ by one at most."""
+        """Number of contacts of a block; within a replica they differ by one at most."""
         whole, rest = divmod(self.n_contacts, self.each)
         return whole + (block % self.each < rest)
 
@@ -46,11 +46,11 @@ class Blocks:
         return sum(self.before(part.stop) - self.before(part.start) for part in done)
 
     def measured(self, done: list[range]) -> int:
-        """Contacts of those of these blocks that count for the variance."""
+        """Contacts in those of these blocks that are measured for the variance."""
         return sum(self.size(block) for part in done for block in part if is_measured(block))
 
     def rounds(self, several: bool) -> list[range]:
-        """Blocks one round after the other, each as long as all before it; one for all unless `several`."""
+        """Rounds of blocks, each as many as all before it; a single round of all unless `several`."""
         ends = [self.total]
         while several and ends[0] > 1:
             ends.insert(0, (ends[0] + 1) // 2)
@@ -58,13 +58,13 @@ class Blocks:
 
 
 def make_blocks(n_contacts: int, n_replicas: int, seconds: float = 0.0) -> Blocks:
-    """Blocks for contacts of which each takes about so many seconds."""
+    """Blocks for contacts that take about `seconds` each."""
     most = int(min(max(_LONGEST / max(seconds, 1e-12), 1.0), BLOCK))
     return Blocks(n_contacts, n_replicas, -(-n_contacts // most))
 
 
 def is_measured(block: int) -> bool:
-    """Whether a block's contacts count for the variance."""
+    """Whether a block's contacts are measured for the variance."""
     return block < _ALL_MEASURED or block % _EACH == 0
 
 
@@ -77,7 +77,7 @@ def left(blocks: range, done: list[range]) -> list[range]:
 
 
 def joined(done: list[range]) -> list[range]:
-    """All of these blocks in order; those that follow each other are one."""
+    """These ranges of blocks in order, adjacent ones merged."""
     out: list[range] = []
     for part in sorted(done, key=lambda part: part.start):
         if out and out[-1].stop == part.start:
@@ -113,9 +113,9 @@ def in_turn(comm: Any, work: Any) -> None:
 
 
 def meeting(comm: Any) -> Iterator[None]:
-    """Wait for all ranks, which must call; an item a millisecond, to do something else meanwhile.
+    """Wait until all ranks have called this; yields every millisecond, so that the caller can do other work.
 
-    MPI's own waits keep a core busy, and hear no signal.
+    MPI's own waits keep a core busy and block signals.
     """
     if rank_and_size(comm)[1] > 1:
         request = comm.Ibarrier()

@@ -1,4 +1,4 @@
-"""The law by which a contact breaks, as the lane loop takes it; how far it may be stretched, and what it takes."""
+"""The law by which contacts break, as settings for the lane loop; their largest stretches; the time they take."""
 
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -14,17 +14,17 @@ from origins.laws.compiled import CompiledRates, called
 
 Array = npt.NDArray[np.float64]
 
-# of the time in which old thresholds forget: the bridge within a step is that of free diffusion
+# longest step, over the relaxation time of a normal final law: within a step diffusion is taken as free
 STEP = 0.04
-STEP_ELSE = 0.01  # of the squared width of another final law's middle half: a step's variance
+STEP_ELSE = 0.01  # with other final laws: variance of a step over the squared width of the law's middle half
 
-_SPREAD = 9.0  # standard deviations beyond which no threshold of 1e17 diffuses
-_MOST = 3e7  # breaks or steps of one contact, which is followed in one go: some ten seconds
+_SPREAD = 9.0  # standard deviations beyond which less than one threshold in 1e17 diffuses
+_MOST = 3e7  # most breaks or steps of one contact, which take some ten seconds without interruption
 _CALLED: WeakKeyDictionary[object, CompiledRates] = WeakKeyDictionary()
 
 
 def _compiled(rates: RateLaw) -> CompiledRates:
-    """What a law brings for compiled loops; of one that brings nothing, made once, calls of its methods."""
+    """A law's own functions for compiled loops; for a law without any, calls of its methods, made once."""
     own = getattr(rates, "compiled", None)
     if own is not None:
         return own()
@@ -34,10 +34,10 @@ def _compiled(rates: RateLaw) -> CompiledRates:
 
 
 def law_of(contacts: Contacts, way: Way, tie: int) -> Any:
-    """The settings of these contacts' law in whole units; `tie` as of contact.Cold."""
+    """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
     from eq_model import contact
 
-    # without rates, those of some law: kernels do not ask for them then
+    # without a thermal law, the rates of any law stand in: kernels do not use them then
     found, unit = _compiled((contacts.thermal or Thermal("soft", 1.0)).rates), way.unit
     contact.RATES.setdefault(type(found.law), found)
     heat = contacts.thermal is not None, found.law, unit
@@ -61,7 +61,7 @@ def law_of(contacts: Contacts, way: Way, tie: int) -> Any:
         return Growing(first, root, (grains.age - first) / first, *heat)
     if contacts.thermal is None:
         return contact.Cold(np.int64(tie))
-    # of a stand any number
+    # in holds, where the value is not used, only the logarithm of 0 is avoided
     log_slow = np.log(np.maximum(way.paces / unit, 1e-300))
     return contact.Warm(found.law, unit, log_slow)
 
@@ -69,13 +69,13 @@ def law_of(contacts: Contacts, way: Way, tie: int) -> Any:
 class Reach:
     """How far contacts may be stretched on a drive, lengths.
 
-    furthest : the largest stretch at which contacts form; largest : the largest threshold there may come to be;
-    longest : the largest stretch; span : shape (n,), how far the slider's places until the path's points lie apart;
-    begun : shape (n,), the largest stretch until there of contacts that have not broken.
+    furthest : the largest stretch at which contacts form; largest : the largest threshold at any time; longest : the
+    largest stretch; span : shape (n,), the range of slider positions up to each point of the path; begun : shape (n,),
+    the largest stretch up to there of contacts of the start that have not broken.
     """
 
     def __init__(self, contacts: Contacts, drive: Drive) -> None:
-        """From the laws' ends and the path's."""
+        """Compute the limits from the supports of the laws and from the path."""
         from eq_model.draws.births import laws_of, tables_of
 
         path, ends = np.append(0.0, drive.path), contacts.start.span
@@ -87,7 +87,7 @@ class Reach:
         self.furthest = min(born, self.largest)
         grains, ageing = contacts.grains, contacts.ageing
         if grains is not None and grains.age is not None:
-            # in the end, when no contact is older than those at X = 0
+            # at the end of the drive, for contacts of the start, the oldest
             oldest = grains.age + float(durations(drive).sum())
             self.largest = max(self.largest, float(grains.quantile(1.0, oldest)))
         elif ageing is not None and (normal := ageing.normal) is not None:
@@ -98,9 +98,9 @@ class Reach:
 
 
 def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
-    """About what a contact takes.
+    """Estimated seconds for one contact.
 
-    Raises InputError where it breaks, pins anew or ages in steps more than 3e7 times.
+    Raises InputError where it breaks, pins again or takes steps of ageing more than 3e7 times.
     """
     lasts, moved = durations(drive), np.abs(np.diff(drive.path, prepend=0.0))
     total, often, thermal = float(lasts.sum()), 0.0, contacts.thermal
@@ -110,7 +110,7 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
         if contacts.grains is None:
             thresholds = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
             stiffness = contacts.relative_stiffness(thresholds)
-            # relaxed contacts bear most: the others do not hold as long
+            # contacts hold longest while they are relaxed, so the number of breaks may be underestimated
             with np.errstate(over="ignore"):
                 holds = np.exp(-thermal.log_rate(0.0, thresholds, stiffness))
             often = total / (float(np.minimum(holds, total).mean()) + contacts.waiting_time)

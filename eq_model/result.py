@@ -1,4 +1,4 @@
-"""What an ensemble measured: of independent contacts, and of replicas of coupled ones."""
+"""Results of an ensemble: of independent contacts, and of replicas of coupled ones."""
 
 from __future__ import annotations
 
@@ -16,30 +16,29 @@ Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 SIZES = 40  # classes of avalanches: up to 2^40 breaks
-# of a replica's row: its number, breaks, X_T = F(0)/K and avalanches by class, then X, F and the share that holds
+# columns of a replica's row before X, F and the share that holds: its number, breaks, X_T = F(0)/K, avalanches by class
 CURVES = 3 + SIZES
 
 
 @dataclass(frozen=True, kw_only=True)
 class EnsembleResult:
-    """What the ensemble measured.
+    """Results of the ensemble.
 
-    path : the path asked for, shape (n,), lengths.
+    path : the path, shape (n,), lengths.
     force : mean force over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
-    force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for
-        one contact. Of large ensembles it is that of the first 4 blocks of contacts, and of every eighth of
-        the others. Where breaks are too rare to be seen, before the first ones and where many come to an end
-        or begin together, it is at least what one break more or less would make. What happens to less than
-        one contact in all of them later on is in no ensemble and not in its error: one contact's stretch
-        divided by their number.
-    step_error : what the inner steps of ageing may add to the force, shape (n,), a length; 0 without ageing, whose
-        contacts need none. An eighth of the contacts is followed in 8 times longer steps besides to tell.
+    force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
+        In large ensembles the variance is that of the first 4 blocks, and of every eighth of the others. Where breaks
+        are too rare to be seen, as before the first ones, it is at least what one break more or less would make.
+        It does not include events expected far less than once in the whole ensemble; one such event would change
+        the force by one contact's stretch divided by the number of contacts.
+    step_error : bound on the error by the inner steps of ageing, shape (n,), a length; 0 without ageing, which alone
+        needs steps. It is estimated by following an eighth of the contacts in 8 times longer steps.
     holding : fraction of contacts that hold, shape (n,).
-    holding_standard_error : of that, shape (n,); where contacts may wait, at least that of one contact.
-    histograms : of stretches and thresholds, at the points asked for, in their order.
-    contacts : followed in all; breaks : breaks in all; breaks_per_rank : of each rank.
-    success, message : whether the tolerance is reached, or all contacts followed, and in words.
-    run_time : s, of the slowest rank, tables included, compilation not; compile_time : s, imports included.
+    holding_standard_error : of that fraction, shape (n,); with delay or grains at least that of one contact.
+    histograms : of stretches and thresholds, at the points requested, in their order.
+    contacts : number followed; breaks : number of all breaks; breaks_per_rank : of each rank.
+    success, message : whether the tolerance is reached, or else all contacts followed, and a sentence about it.
+    run_time : s, of the slowest rank, with tables but without compilation; compile_time : s, with imports.
     """
 
     path: Array
@@ -62,15 +61,15 @@ class EnsembleResult:
 
 @dataclass(frozen=True)
 class CoupledSlips:
-    """Slips of all replicas, replica by replica in the order in which they come; arrays of shape (m,).
+    """Slips of all replicas, replica by replica in the order of time; arrays of shape (m,).
 
     Attributes
     ----------
-    replica, number : whole numbers, from 0: whose slip it is, and which of its slips
+    replica, number : whole numbers from 0, of the replica and of the slip in it
     drive : X_T (lengths)
     before, after : X at the beginning and at the end (lengths)
     force_before, force_after : F/(N_c <k>) (lengths)
-    breaks : how many contacts broke; of a reset, until all were drawn anew
+    breaks : number of contacts that broke; with "reset", until all contacts were replaced
     """
 
     replica: Whole
@@ -86,7 +85,7 @@ class CoupledSlips:
 
     @property
     def drop(self) -> Array:
-        """How far the force falls (lengths), which is K times the slip."""
+        """Drop of the force (lengths), which is K times the slip of X."""
         return self.force_before - self.force_after
 
     def mean(self, name: str, number: int) -> tuple[float, float]:
@@ -99,10 +98,10 @@ class CoupledSlips:
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledResult(EnsembleResult):
-    """Contacts on a soft slider as the drive moves; `path` is X_T.
+    """Results for contacts on a soft slider; `path` is X_T.
 
-    Other fields as of EnsembleResult, but that standard errors are those between replicas, inf for one. Near a slip F
-    is not normal: replicas have slipped or not. Compare `slips`, not the mean force across a drop.
+    Other fields as in EnsembleResult, but standard errors are those between replicas, inf for one. Near a slip F is not
+    normally distributed, as some replicas have slipped: compare `slips`, not the mean force across a drop.
 
     Attributes
     ----------
@@ -113,10 +112,10 @@ class CoupledResult(EnsembleResult):
     slips : CoupledSlips
         Avalanches that broke at least `slip_fraction` of a replica's contacts.
     avalanches : array of shape (replicas, 40)
-        How many smaller ones broke 1, 2 to 3, 4 to 7, 8 to 15, ... contacts.
+        Numbers of smaller avalanches that broke 1, 2 to 3, 4 to 7, 8 to 15, ... contacts.
     slip_fraction : float
     balance : float
-        X_T = F(0)/K, where the drive stands at t = 0, mean over the replicas (a length).
+        X_T = F(0)/K, the drive's position at t = 0, mean over the replicas (a length).
     """
 
     position: Array
@@ -132,7 +131,7 @@ class CoupledResult(EnsembleResult):
 
 
 def fields_of(rows: Array, slips: Array) -> dict[str, Any]:
-    """The fields of a CoupledResult that these rows tell, one of each replica, with those of all slips."""
+    """Fields of a CoupledResult from the replicas' rows and the table of all slips."""
     slips = slips.reshape(-1, 8)
     rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in (rows, slips))
     curves = rows[:, CURVES:].reshape(len(rows), 3, -1)

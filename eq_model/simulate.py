@@ -1,4 +1,4 @@
-"""The face of the ensemble: discrete contacts on a rigid slider, or on one that a spring pulls."""
+"""`simulate`: discrete contacts on a rigid slider, or on one that a spring pulls."""
 
 from __future__ import annotations
 
@@ -28,51 +28,51 @@ def simulate(
     histograms: npt.ArrayLike = (),
     comm: Any = None,
     threads: int = 1,
-) -> Any:  # a union would be asked which it is at each use
+) -> Any:  # with a union, every caller would have to test which it is
     """Follow n_contacts * n_replicas discrete contacts along the path of a slider, rigid or pulled through a spring.
 
-    A contact breaks where its stretch reaches its threshold, or before where its breaking rate says so, waits where
-    there is a delay, and starts again with a fresh threshold (paper, Secs. II and IV). The contacts are independent,
-    so the mean is unbiased at every number of them, and each is sampled exactly, without a time step; only a threshold
-    that diffuses takes steps, exact but for how the way between two of them bends (`step_error`).
+    A contact breaks where its stretch reaches its threshold, or earlier at its breaking rate, is out for the delay if
+    there is one, and re-forms with a fresh threshold (paper, Secs. II and IV). The contacts are independent, so the
+    mean is unbiased at every number of them, and each is sampled exactly, without a time step; only a threshold that
+    diffuses takes steps, with the error `step_error`.
 
     With a `spring` the contacts of one replica are coupled: the path is that of the drive, X_T, and one slider has
-    K (X_T - X) = sum of k_i x_i. Every break moves it on, more may break at the same X_T, and what breaks there is one
-    avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Delay and linked stiffness are taken, and
-    contacts that form again stretched with slip "instant"; T = 0, thresholds do not change, and the drive never turns.
+    K (X_T - X) = sum of k_i x_i. Every break moves the slider, so that more contacts may break; all that break at one
+    X_T make an avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Then of the laws only delay and
+    linked stiffness are possible, with slip "instant" also re-forming stretched; and the drive never turns.
 
     Parameters
     ----------
     contacts : origins.Contacts
-        With temperature and ageing (closure "exact"), delay, re-forming, linked stiffness and thresholds that grow with
-        their age, each where it is there.
+        With any of temperature and ageing (closure "exact"), delay, re-forming, linked stiffness and thresholds that
+        grow with age.
     path : array of shape (n,)
         Positions X (lengths, in the unit of the thresholds), from X = 0 on; it may turn round. See origins.Drive.
     velocity : float
-        Speed along the path (length per time), of which only rates and delay tell.
+        Speed along the path (length per time); only rates, ageing, grains and delay depend on it.
     time : array of shape (n,), optional
         When each point is reached, instead of the velocity: for holds and velocity steps.
     spring : float, optional
         K/(N_c <k>) of a soft slider; None: it is rigid.
     slip : "reset", "reform-after" or "instant"
-        With a spring, when broken contacts form again. "instant": at once. "reform-after": when the avalanche ends, or
-        the delay after it. "reset": as that, but once an avalanche has broken `slip_fraction` of the contacts all are
-        drawn anew, those that are out too, and the slider moves to X_T.
+        With a spring, when broken contacts re-form. "instant": at once. "reform-after": when the avalanche ends, or one
+        delay later. "reset": the same, but once an avalanche has broken `slip_fraction` of the contacts, all contacts,
+        those that are out too, are replaced by fresh ones, and the slider moves to X_T.
     slip_fraction : float, optional
-        Share of a replica's contacts that an avalanche breaks at least to be told as a slip; None: 0.2. Before a slip
-        avalanches break up to 2 N^(-1/3) of them, at N = 4,000 0.13.
+        Smallest share of a replica's contacts that breaks in an avalanche that counts as a slip; None: 0.2. Before a
+        slip avalanches break up to 2 N^(-1/3) of them, 0.13 at N = 4,000.
     n_contacts, n_replicas : int
         Replicas differ in their random numbers only. Standard errors of coupled contacts are those between replicas.
     seed : int
         0 <= seed < 2^64. The result depends on these arguments alone, bit by bit, not on the number of ranks.
     tolerance : float, optional
-        Largest standard error of the force wanted, in units of the mean threshold: contacts are added, twice as many
-        each time, until it is reached or all n_contacts * n_replicas are followed.
+        Largest standard error of the force, in units of the mean threshold: the number of contacts is doubled until it
+        is reached or all n_contacts * n_replicas are followed.
     wall_time : float, optional
-        Seconds after which no further block is begun: then the result does depend on the machine.
+        Seconds after which no further block is begun; the result then depends on the machine.
     histograms : array of int
-        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted, at most
-        2,000 of them, of 32 kB each.
+        Indices of points of the path at which stretches and thresholds of the contacts that hold are counted; at most
+        2,000, of 32 kB each.
     comm : mpi4py communicator, optional
         Its ranks share the work, and all must call; None: this process alone, mpi4py not needed.
     threads : int
@@ -82,9 +82,9 @@ def simulate(
 
     Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
 
-    In plain Python: tests/plain_life.py follows one life, eq_model/closest.py is the paper's own algorithm (Sec. II).
+    Plain Python twins: tests/plain_life.py follows one life, eq_model/closest.py is the paper's algorithm (Sec. II).
     """
-    arguments = locals()  # all of them are those of Ensemble
+    arguments = locals()  # the same as those of Ensemble
     ensemble = Ensemble(**arguments)
     for _ in ensemble:
         pass

@@ -1,4 +1,4 @@
-"""What some contacts of an ensemble did: kept after each block, written down, and gone on from."""
+"""The state of an ensemble: results of its finished blocks, which can be saved and continued."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ TABLES, NUMBERS = ("rows", "slips"), ("contacts", "breaks", "steps")  # of a Sta
 
 
 def stacked(tables: list[Array]) -> Array:
-    """The rows of all tables in one, which without any has no columns."""
+    """The rows of all tables in one table, which has no columns if there are no rows."""
     return np.concatenate([table for table in tables if table.size] or [NO_ROWS])
 
 
 @dataclass(frozen=True)
 class State:
-    """What the contacts of some blocks did, so that states may be joined in any order.
+    """Results of the contacts of some blocks; states may be joined in any order.
 
-    sums : shape (2, m), whole numbers; counts : of the histograms; rows, slips : of coupled replicas,
-    a row for each; contacts, breaks, steps : their numbers; done : the blocks; run_time : s;
-    course : a number that tells drives apart, 0 of a block, which does not say.
+    sums : shape (2, m), whole numbers; counts : of the histograms; rows, slips : a row for each coupled
+    replica, and for each slip; contacts, breaks, steps : their numbers; done : the blocks; run_time : s;
+    course : a checksum that identifies the drive, 0 for a single block.
     """
 
     sums: Whole = field(default_factory=lambda: np.zeros((2, 0), np.int64))
@@ -45,7 +45,7 @@ class State:
     course: int = 0
 
     def joined(self, other: State) -> State:
-        """Of both; the run time is the longer one."""
+        """The state of both together; the run time is the longer one."""
         courses = {self.course, other.course} - {0}
         shapes = [(one.sums.shape, one.counts.shape) for one in (self, other)]
         if len(courses) > 1 or shapes[0] != shapes[1]:
@@ -60,19 +60,19 @@ class State:
         return State(**told, done=layout.joined(self.done + other.done), run_time=longest)
 
     def without_sums(self) -> State:
-        """The rest alone."""
+        """This state with the numbers, blocks and run time only."""
         rest = {name: getattr(self, name) for name in (*NUMBERS, "done", "run_time")}
         return State(**rest)
 
     def arrays(self) -> dict[str, Any]:
-        """All of it, for a file."""
+        """All fields as arrays, for a file."""
         done = np.array([(part.start, part.stop) for part in self.done], np.int64)
         told = {name: np.asarray(value) for name, value in vars(self).items() if name != "done"}
         return told | {"done": done.reshape(-1, 2)}
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> State:
-        """The state that has these arrays; KeyError, TypeError or ValueError where there is none."""
+        """The state with these arrays; raises KeyError, TypeError or ValueError if they do not make one."""
         found = {name: arrays[name] for name in vars(cls())}
         values: dict[str, Any] = {
             name: one if one.ndim else one.item() for name, one in found.items()

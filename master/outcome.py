@@ -1,4 +1,4 @@
-"""Whether a solution is as good as was asked, in words; and who hears of its error on the way."""
+"""Whether a solution meets its tolerance, as a flag and a message; and the progress callback."""
 
 from collections.abc import Callable
 
@@ -7,18 +7,18 @@ import numpy.typing as npt
 
 from origins import Contacts
 
-WELL = 1e-3  # of a force that is known well enough to be used, where no tolerance is asked
+WELL = 1e-3  # largest relative error of a force that counts as success, where there is no tolerance
 Progress = Callable[[float], None]
 """Called with the error estimate, in mean thresholds, that a solution has after each refinement."""
 
 
 def unheard(error: float) -> None:
-    """Nobody is told."""
+    """The default progress callback: do nothing."""
 
 
 def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> tuple[bool, str]:
-    """Success and message of a solution with an error estimate, both in mean thresholds; `reason` says why it stopped
-    short of the tolerance."""
+    """Success and message of a solution; error and tolerance are in mean thresholds, and `reason`
+    says why the tolerance was missed, where it was."""
     success = bool(error <= tolerance)
     message = (
         f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}" if success else reason
@@ -33,8 +33,8 @@ def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> 
 
 
 def judged(what: str, errors: npt.ArrayLike, tolerance: float) -> tuple[npt.NDArray[np.bool_], str]:
-    """Whether each error is within the tolerance, both of one unit, and a message: what is known to how much, and at
-    how many points not as asked."""
+    """Whether each error is within the tolerance (in the same unit), and a message with the largest
+    error and the number of points that miss the tolerance."""
     each = np.asarray(errors, dtype=float)
     good, worst = each <= tolerance, float(each.max(initial=0.0))
     if good.all():

@@ -1,4 +1,4 @@
-"""A rigid slider on any path: from contacts and drive to the march, and back to force and error."""
+"""A rigid slider on any path: sets up the march for contacts and drive, reads force and error."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-# Mean thresholds: the square of a longer path is no number any more.
+# Longest path, in mean thresholds: the square of a longer one would overflow.
 FURTHEST = 1e100
-# Mean thresholds, of paths that turn round: contacts of one leg are stretched on the next by the
-# difference of positions, which are rounded.
+# Longest path that turns round, in mean thresholds: stretches on later legs are differences of
+# positions, which lose digits to rounding far from 0.
 FURTHEST_TURN = 1e6
-# How far beyond the path's end the motion goes on, in mean thresholds: contacts that reach an exact
-# threshold at the end have broken there.
+# The motion continues this far beyond the path's end (mean thresholds), so that contacts that reach
+# an exact threshold just at the end have broken there.
 BEYOND = 1e-9
-# Panels' tolerance is never below this: conservation itself rounds at some 1e-15.
+# Smallest tolerance of a panel: conservation itself is rounded at about 1e-15.
 FINEST = 1e-14
-# Error of an integral over births, in units of the tolerance: a panel is the sum of some hundred.
+# Error of one integral over births, in units of the tolerance: a panel sums some hundred of them.
 ACCURACY = 3e-3
-# Lives on a path on which the speed changes: births of each leg are followed on the next.
+# Most lives of a contact during a path of several speeds: each leg's births are followed on the next.
 MOST_LIVES = 1e7
-# Life over delay: positions at which contacts form again know no shorter ones.
+# Smallest ratio of life to delay: shorter lives are lost in the rounding of the times of re-forming.
 SHORTEST_LIFE = 1e-12
-# Share of the tolerance that is left to panels where what is left of contacts is not exact.
+# Share of the tolerance allotted to panels where the survival itself comes from a table.
 OF_PANELS = 0.8
-# First guess of a panel's width, in units of the length over which the survival is resolved, at a
-# tolerance of 1e-8; a polynomial of degree 16 on wider panels errs by the power 16 more.
+# First guess of a panel's width at a tolerance of 1e-8, in units of the life's grain (the length over
+# which the survival is resolved); the error grows with the width to the power DEGREE.
 GRAINS = 6.0
-# Round-off of the force, in mean thresholds, for each mean threshold of the way.
+# Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 
 
@@ -94,17 +94,17 @@ def solve_rigid(
 
 
 def times_of(drive: Drive) -> Array:
-    """When the path's points are reached."""
+    """Times at which the path's points are reached."""
     if drive.time is not None:
         return drive.time
     return np.asarray(np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity)
 
 
 def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:
-    """The slider's motion to just beyond the path's end, and when the path's points are reached.
+    """The slider's motion to just beyond the path's end, and the times of the path's points.
 
-    t is the time, or the way where that alone counts. Where the path turns round positions have to
-    keep their digits: it may not reach far.
+    With `timeless`, distance travelled takes the place of time. Raises InputError for a path that
+    is too long: one that turns round is limited by the rounding of its positions.
     """
     most = FURTHEST if drive.forward else FURTHEST_TURN
     away = np.abs(drive.path) / mean
@@ -128,10 +128,8 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
 
 
 def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
-    """Refuse contacts that heat ends too soon for positions, or for turns, to be told.
-
-    Raises InputError.
-    """
+    """Raise InputError where heat breaks contacts so fast that positions or times lose their digits,
+    or that too many lives would have to be followed."""
     if life.timeless or contacts.thermal is None:
         return
     again, mean, scale = births_of(contacts), contacts.mean_threshold, contacts.thermal.rates.scale
@@ -169,11 +167,11 @@ def march_of(
 ) -> March:
     """The march along a motion, with panels that end where the number of breaks may bend.
 
-    most : the longest |x| that any contact that holds has, where that is known
+    most : upper limit of |x| of contacts that hold, where the caller knows one
     """
     again = births_of(contacts)
     stretch = min(longest_stretch(contacts, motion, life), most)
-    # what rounding and the life take of the tolerance is not the panels' any more
+    # panels get the part of the tolerance that rounding and the life's own error leave
     taken = round_off(motion, contacts.mean_threshold)
     taken += life.error * stretch / contacts.mean_threshold
     left = max(tolerance - taken, 0.4 * tolerance)
@@ -192,7 +190,7 @@ def march_of(
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
-    """The longest |x| that a contact may have on the way: what an error of the number weighs."""
+    """The longest |x| that a contact may have: turns an error of the number into one of the force."""
     first = max(abs(end) for end in contacts.start.span)
     most = max(first, *(abs(end) for end in births_of(contacts).span)) + float(
         np.ptp(motion.positions)

@@ -18,13 +18,13 @@ from origins.errors import finite, refuse
 
 Array = npt.NDArray[np.float64]
 
-# Positions on a path that differ by less than this share of it are one.
+# Positions on a path that differ by less than this share of its extent count as equal.
 SLACK = 1e-12
 
 
 @dataclass(frozen=True)
 class StretchDistribution:
-    """Density of stretches at one moment, and the exact single values beside it.
+    """Density of stretches at one moment, and the delta functions beside it.
 
     Attributes
     ----------
@@ -38,14 +38,14 @@ class StretchDistribution:
     _time: float = field(repr=False)
 
     def density(self, x: npt.ArrayLike) -> Array:
-        """Q(x;X) per length at stretches x (lengths), delta parts left out; same shape as x."""
+        """Q(x;X) per length at stretches x (lengths), without the deltas; same shape as x."""
         at = np.asarray(x, dtype=float)
         return reading.density(self._march, self._time, at.ravel()).reshape(at.shape)[()]
 
 
 @dataclass(frozen=True)
 class Solution:
-    """F along the path of a rigid slider, with the error it is good to.
+    """F along the path of a rigid slider, with a bound on its error.
 
     Attributes
     ----------
@@ -58,15 +58,15 @@ class Solution:
     force_error : float
         Bound on the largest error of `force` over the path, in units of the mean threshold.
     holding : array of shape (n,)
-        Fraction of contacts that hold: 1 but with a delay.
+        Fraction of contacts that hold: 1 unless there is a delay.
     run_time : float
-        Seconds that the solution took.
+        Seconds that the solver took.
     nodes : int
         Moments at which number conservation was solved.
     success : bool
-        Whether force_error is at or below the tolerance asked for.
+        Whether force_error is at or below the requested tolerance.
     message : str
-        In words: what was reached, or why not; what was cut off from the start.
+        The accuracy reached, or why the tolerance was missed; any weight cut off the start.
     """
 
     path: Array
@@ -85,15 +85,15 @@ class Solution:
     __repr__ = brief
 
     def distribution(self, where: float, leg: int | None = None) -> StretchDistribution:
-        """Q(x;X) somewhere on the path.
+        """Q(x;X) at one point of the path.
 
-        where : X (a length), between 0 and the path's end; on a path in time of contacts that have
-            laws, where X may stand still, the index of a point of the path
-        leg : which straight leg of a path that turns round, counted from 0; may be left out where
-            the path comes to X once
+        where : X (a length), between 0 and the path's end; the index of a point of the path where
+            X alone does not fix the moment: with `time`, or where contacts with laws turn round
+        leg : which straight leg of a path that turns round, counted from 0; may be omitted where
+            the path passes X only once
 
-        Raises InputError where the path does not come there, and where contacts re-form at many
-        stretches: these are not followed one by one.
+        Raises InputError where the path does not pass X; and where contacts re-form at many
+        stretches, age or have growing thresholds, for which Q is not computed on such a path.
         """
         march = self._march
         if march is None or (isinstance(march.life, GrainLife) and not march.motion.one_leg):
@@ -113,14 +113,14 @@ class Solution:
         return StretchDistribution(found.positions, found.weights, march, time)
 
     def _point(self, point: float) -> float:
-        """When the path is at its point of this index."""
+        """Time at which the path reaches the point with this index."""
         whole = isinstance(point, int | np.integer) and not isinstance(point, bool)
         if not whole or not 0 <= point < self.path.size:
             refuse("point", point, f"must be the index of a point, from 0 to {self.path.size - 1}")
         return float(self._moments[int(point)])
 
     def _passing(self, motion: Motion, position: float, leg: int | None) -> float:
-        """When the slider passes X = position, on the given leg if there are several."""
+        """Time at which the slider passes X = position, on the given leg if there are several."""
         position = finite("position", position)
         slack = SLACK * (1.0 + np.abs(motion.positions).max())
         low, high = np.sort([motion.positions[:-1], motion.positions[1:]], axis=0)

@@ -36,46 +36,45 @@ def solve(
 ) -> Solution | SoftSolution | AgeingTransient:
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
-    Solved by number conservation, written with survivals, on panels. In the order in which they
-    work: `rigid` turns contacts and drive into a motion (motion.motion) and a life (lives.cold, ...:
-    what is left of contacts born together); renewal.edges says where panels end, renewal.march
-    solves them one after the other with what renewal.births and renewal.kernels say of earlier
-    births, by the polynomials of renewal.rule; renewal.reading reads force and holding share. With
-    heat renewal.past keeps what was born on earlier legs of the path. Under a spring soft.solution
-    follows the same march from slip to slip, and soft.in_time contacts whose laws tell time, step by
-    step. How that equation follows from (Q5a) stands in docs/equations.md; the paper's own scheme is
-    master.paper.explicit.
+    The equation is number conservation, written with survivals and solved panel by panel. The
+    modules in the order in which they work: `rigid` turns contacts and drive into a motion
+    (motion.motion) and a life (lives.cold, ...: the survival and force of contacts born together);
+    renewal.edges finds where panels end; renewal.march solves the panels one after the other, as
+    polynomials (renewal.rule), with the contributions of earlier births (renewal.births, .kernels);
+    renewal.reading evaluates force and holding share. With heat, renewal.past sums the births on
+    earlier legs of the path. Under a spring, soft.solution follows the same march from slip to slip,
+    or soft.in_time steps in time where the contacts' laws depend on time. docs/equations.md derives
+    the equation from (Q5a); the paper's own scheme is master.paper.explicit.
 
     Parameters
     ----------
     contacts : Contacts
         Thresholds, starting stretches and any laws of a contact. The paper's closure of ageing is
-        taken alone and where a rigid slider moves forward at one speed.
+        solved only without other laws, for a rigid slider that moves forward at one speed.
     path : array of shape (n,)
-        Slider positions X (lengths), any spacing, straight between points; where they turn round
-        contacts break at -x_s as well. With a spring, positions X_T of the drive, which begins
-        where it balances the start.
+        Slider positions X (lengths), any spacing, straight between points; where the path turns
+        round, contacts break at -x_s as well. With a spring: positions X_T of the drive, which
+        begins where the spring balances the starting force.
     tolerance : float
-        Largest error of the force wanted, in units of the mean threshold.
+        Largest allowed error of the force, in units of the mean threshold.
     velocity : float
-        Speed along the path (length per time); at T = 0 nothing depends on it but ageing, delay and
-        thresholds that grow.
+        Speed along the path (length per time); at T = 0 only ageing, delay and growing thresholds
+        depend on it.
     time : array of shape (n,), optional
         When each point is reached, instead of the velocity: for holds and velocity steps.
     spring : float, optional
         K/(N_c <k>) of a soft slider; None: rigid.
     slip : "reset", "reform-after" or "instant"
         What a slip of a soft slider does. At the instability F'(X) = -K:
-        "reset": all contacts are drawn anew, relaxed, and X jumps to where K (X_T - X) = F (the
-        paper's); where thresholds grow with age they have just pinned;
-        "reform-after": broken contacts stay out until the slip ends, those that hold stretch and
-        may break;
+        "reset" (the paper's): all contacts are replaced by fresh relaxed ones of age 0, and X jumps
+        to where K (X_T - X) = F;
+        "reform-after": broken contacts re-form when the slip ends; those that hold stretch and may
+        break;
         "instant": contacts re-form at once, and X goes to the first X' with F(X') + K X' = K X_T.
     progress : callable, optional
-        Called as progress(error), in mean thresholds, with the error estimate.
+        Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional
-        Seconds after which the solution ends with what it has, success being False: the path is cut
-        there.
+        Seconds after which the solver stops: the path is cut at the point reached, success is False.
 
     Returns
     -------
@@ -85,8 +84,8 @@ def solve(
     Raises
     ------
     InputError
-        For a path that is not finite, for keywords that are not as said above, and for laws of the
-        contacts that are not taken on that path yet.
+        For a path that is not finite, for keywords outside the ranges above, and for laws of the
+        contacts that cannot be solved on such a path yet.
     """
     tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
@@ -114,10 +113,10 @@ def solve(
 
 
 def _by_steps(contacts: Contacts, drive: Drive) -> bool:
-    """Whether a soft slider is followed in steps of time, and not by panels of its way.
+    """Whether a soft slider is followed in steps of time, instead of panels of its position X.
 
-    As where contacts have laws that tell time; and where they re-form stretched backward and the
-    drive turns, since each of them then comes back to its largest |x| at a place of its own.
+    It is where the contacts' laws depend on time; and where contacts re-form stretched backward and
+    the drive turns, since each then comes back to its largest |x| at a different X.
     """
     if {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws):
         return True

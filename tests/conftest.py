@@ -47,12 +47,6 @@ def _compiled(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedPro
 
 
 @pytest.fixture
-def whole_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No block of an ensemble takes long, so that each has as many contacts as a block may have."""
-    monkeypatch.setattr("eq_model.Ensemble.clock", staticmethod(lambda: 0.0))
-
-
-@pytest.fixture
 def python(tmp_path: Path) -> Runner:
     """python(code, *words, **environment): run code in a fresh interpreter, in an empty folder."""
 

@@ -6,12 +6,9 @@ from itertools import pairwise
 import numpy as np
 from references import mp
 
-import origins
-
 TAIL = 10.0 ** -np.array([0.01, 0.3, 1, 3, 8, 12, 14, 30, 100, 200, 270])
 LOW = 10.0 ** -np.array([0.05, 0.5, 1, 3, 8, 15, 30])
 BARELY = 2.0 / 3.0 * (1.0 + 1e-6)
-RHOS = [BARELY, 0.67, 0.7, 1.0, 2.0, 10.0, 1e3]
 
 
 def sizes(u: mp.mpf) -> mp.mpf:
@@ -52,20 +49,7 @@ def integral(f: Callable[[mp.mpf], mp.mpf], marks: list[mp.mpf]) -> mp.mpf:
     )
 
 
-def exact_hazard(x: mp.mpf, rho: float, B: float) -> mp.mpf:
-    largest = mp.mpf(3) / 2 * mp.mpf(rho)
-    return psi(mp.sqrt(1 + mp.mpf(B) * x * x) / largest) - psi(1 / largest)
-
-
 def relative(found: np.ndarray, exact: list[mp.mpf]) -> float:
     return max(
         abs(float(mp.mpf(float(a)) / b - 1)) for a, b in zip(np.ravel(found), exact, strict=True)
     )
-
-
-def distance(law: origins.Thresholds, draws: np.ndarray) -> float:
-    """Kolmogorov and Smirnov's, times the root of the number of draws: 1.95 is the 0.1 % level."""
-    draws = np.sort(draws)
-    cdf = np.concatenate([law.cdf(part) for part in np.array_split(draws, draws.size // 20_000)])
-    steps = np.arange(draws.size + 1) / draws.size
-    return max((cdf - steps[:-1]).max(), (steps[1:] - cdf).max()) * np.sqrt(draws.size)

@@ -12,7 +12,7 @@ GAUSS, WEIGHTS = 0.5 * (GAUSS + 1.0), 0.5 * WEIGHTS
 # tanh-sinh on (0, 1): the distances of nodes from both ends, without cancellation
 STEP = 0.08
 SINH = 0.5 * np.pi * np.sinh(STEP * np.arange(-44, 45))
-FROM_0, FROM_1 = 1.0 / (1.0 + np.exp(-2.0 * SINH)), 1.0 / (1.0 + np.exp(2.0 * SINH))
+FROM_1 = 1.0 / (1.0 + np.exp(2.0 * SINH))
 TANH_SINH = STEP * 0.25 * np.pi * np.cosh(STEP * np.arange(-44, 45)) / np.cosh(SINH) ** 2
 LAWS = {
     "gaussian": gaussian(1.0, 0.2),

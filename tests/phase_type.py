@@ -8,9 +8,7 @@ begins in phase j with probability a_j. With p(X) the fractions of contacts in e
 linear, so a matrix exponential. Everything below is in the unit of the rates.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -52,19 +50,6 @@ class PhaseType:
             state = state @ step
             force[i] = state[size:].sum()
         return np.where(moved > 0.0, force, start + path)
-
-    def force_from(
-        self, path: Array, density: Callable[[Array], Array], edges: list[float]
-    ) -> Array:
-        """F(X) from a density of starts, smooth between the edges, by 20 Gauss nodes in each piece."""
-        nodes, weights = np.polynomial.legendre.leggauss(20)
-        force = np.zeros(path.size)
-        for low, high in pairwise(edges):
-            starts = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-            shares = 0.5 * (high - low) * weights * density(starts)
-            for begin, share in zip(starts, shares, strict=True):
-                force += share * self.force(path, float(begin))
-        return force
 
 
 def _exponentials(block: Array, lengths: Array) -> Array:

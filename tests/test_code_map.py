@@ -2,16 +2,7 @@
 
 from collections import Counter
 
-from code_map import LABELS, NOWHERE, PAGE, labels_of, page, places
-
-
-def test_docstrings_name_equations_by_their_first_lines() -> None:
-    assert labels_of("One (paper, Eq. Q5a; App. C)\nand (paper, Eqs. L and\nB).") == [
-        "Q5a",
-        "L",
-        "B",
-    ]
-    assert labels_of("One (Q15).\n\nMore (paper, Eq. Q6).") == []
+from code_map import LABELS, NOWHERE, PAGE, page, places
 
 
 def test_each_equation_stands_in_one_place() -> None:

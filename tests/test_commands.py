@@ -217,15 +217,6 @@ def test_thresholds_print_moments_within_their_errors_and_draw(capsys: Any) -> N
         assert abs(numbers[name]["value"] - value) <= numbers[name]["error"] < 1e-6, name
 
 
-@pytest.mark.slow  # K* of resampled laws; test_samples.py has sampling errors of quick numbers
-def test_errors_of_few_samples_are_sampling_errors(capsys: Any) -> None:
-    samples = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
-    law = {"kind": "from-samples", "x_s": samples.tolist()}
-    said(capsys, "thresholds", write(thresholds=law))
-    mean = read("mine-output/thresholds.json")["numbers"]["mean"]
-    assert 0.3 < mean["error"] / (samples.std(ddof=1) / 10.0) < 2.0
-
-
 def test_the_speed_that_numbers_are_of_is_said(capsys: Any) -> None:
     contacts = {"thresholds": GAUSSIAN, "delay": {"time": 0.5}}
     drive = {"turns": [0.0, 1.0], "times": [1.0, 5.0], "points": 3}

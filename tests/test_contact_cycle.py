@@ -5,9 +5,6 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
-import scipy.special
-import scipy.stats
-from scipy.special import gamma as gamma_function
 from solving import held_to_claim
 
 import master
@@ -60,20 +57,6 @@ def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with
     solved = master.solve(contacts, [20.0, 25.0], 1e-9, velocity=0.01)
     assert solved.success and solved.force_error < 1e-9
     assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
-
-
-@pytest.mark.parametrize("shape", [0.7, 4.0 / 3.0])
-def test_weibull_thresholds(shape: float) -> None:
-    """F_k = <x_s^2>/(2 <x_s>), linked <x_s^3>/(2 <x_s>^2), the moments being gamma functions."""
-    law = scipy.stats.weibull_min(shape)
-    first, second, third = (gamma_function(1.0 + n / shape) for n in (1, 2, 3))
-    for stiffness, force in (
-        ("independent", second / (2.0 * first)),
-        ("linked", third / (2.0 * first**2)),
-    ):
-        state = master.steady_state(Contacts(law, stiffness=stiffness))  # type: ignore[arg-type]
-        assert abs(state.force - force) <= state.force_error * first + 4e-16 * force
-        assert state.force_error < 1e-11
 
 
 BOX = rectangular(0.5, 1.5)

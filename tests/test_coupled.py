@@ -100,6 +100,16 @@ def test_identical_thresholds_are_a_sawtooth(slip):
     assert (result.slips.breaks == (200 if slip == "reset" else 1000)).all()
 
 
+def test_contacts_that_form_again_stretched_are_the_rigid_ones_on_a_stiff_spring():
+    """On a spring far above K* the force is that of a rigid slider at X."""
+    contacts = origins.Contacts(NARROW, reforming=origins.gaussian_start(0.1, 0.2))
+    path = np.linspace(1.0, 5.0, 9)
+    coupled = pulled(contacts, path, spring=1e4, slip="instant", n=20_000, replicas=10)
+    rigid = eq_model.simulate(contacts, coupled.position, n_contacts=200_000)
+    error = np.hypot(coupled.force_standard_error, rigid.force_standard_error)
+    assert np.abs((coupled.force - rigid.force) / error).max() < 5.0 and error.max() < 2e-3
+
+
 def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
     path, contacts = np.linspace(0.0, 6.0, 61), CONTACTS["narrow"]
     asked = {"spring": 0.7, "slip": "reform-after", "n_contacts": 500, "n_replicas": 7, "seed": 11}
@@ -186,20 +196,13 @@ def slips(name, rule, number, contacts_each, seed=1):
     [
         *(("gaussian", rule) for rule in ("instant", "reform-after", "reset")),
         ("linked", "reform-after"),
-        ("delayed", "reform-after"),
+        pytest.param("delayed", "reform-after", marks=pytest.mark.slow),
     ],
 )
 def test_the_first_slip_is_that_of_the_master_equation(name, rule):
     exact, found = slips(name, rule, 1, 4_000_000)
     assert abs(found[0].deviation(exact[0])) < 4.0
     assert found[0].error < 3e-4 and found[0].systematic < 2e-4 and found[0].chi_square < 12.0
-
-
-def test_the_judge_finds_a_spring_that_is_wrong_by_a_thousandth():
-    contacts, spring = SLIPS["gaussian"]
-    _, found = slips("gaussian", "reset", 1, 8_000_000)
-    wrong = master.solve(contacts, [0.0, 3.0], 1e-8, spring=0.999 * spring, slip="reset")
-    assert abs(found[0].deviation(wrong.slips.drive[0])) > 5.0
 
 
 def largest(spring, size, replicas=16):

@@ -152,13 +152,6 @@ def test_what_it_means_for_sliding(island_law: origins.Thresholds) -> None:
     assert steady.force == pytest.approx((exact**2).mean() / (2.0 * exact.mean()), rel=1e-7)
 
 
-@pytest.mark.slow  # test_run.py has the same of a run's notes
-def test_no_spring_is_stiff_enough(island_law: origins.Thresholds) -> None:
-    """The force drops with a vertical slope where P_c diverges."""
-    found = master.propensity(origins.Contacts(island_law), velocity=1.0, tolerance=1e-3)
-    assert found.critical_spring == np.inf
-
-
 # -- in scenes -------------------------------------------------------------------------------------
 
 

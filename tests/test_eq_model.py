@@ -313,7 +313,7 @@ def test_gone_on_with_twice_it_is_the_uninterrupted_one(contacts: Contacts) -> N
 
 
 @pytest.mark.parametrize(("path", "time"), [(0.0, None), ([0.0, 0.0], [1.0, 2.0])])
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_a_slider_that_stays_where_it_is(path: Any, time: Any) -> None:
     run = eq_model.simulate(Contacts(NARROW), path, time=time, n_contacts=10)
     assert (run.force == 0.0).all() and run.breaks == 0
@@ -342,3 +342,15 @@ def test_no_block_begins_after_the_wall_time() -> None:
     assert found.contacts == first and not found.success and "stopped before all" in found.message
     hot = Contacts(NARROW, thermal=Thermal("soft", 0.5, 1e7))
     assert eq_model.simulate(hot, 0.2, n_contacts=1000, wall_time=1e-9).contacts <= 4
+
+
+def test_compilation_is_not_in_the_run_time(python: Any) -> None:
+    """In a process of its own, by a clock that only moves while something is compiled, or read back as it was."""
+    done = python("""
+import eq_model, origins
+from eq_model import lanes
+eq_model.Ensemble.clock = staticmethod(lambda: float(len(lanes.forward.signatures)))
+run = eq_model.simulate(origins.Contacts(origins.gaussian(1.0, 0.05)), 2.0, n_contacts=100)
+print(run.breaks > 0, run.compile_time, run.run_time)
+""")
+    assert done.stdout.split() == ["True", "1.0", "0.0"], (done.stdout, done.stderr)

@@ -96,9 +96,7 @@ def spread(start: tuple[float, float] | None) -> object:
 SCENES = {
     "one value inside a rectangle": ([1.0], [0.4], 0.5, 1.5),
     "one value off the lattice": ([0.8371], [0.25], 0.4, 1.9),
-    "a narrow rectangle": ([0.7, 1.5], [0.3, 0.4], 0.3, 0.31),
     "a value above the rectangle": ([1.7], [0.5], 0.5, 1.0),
-    "three values": ([0.5, 0.77, 1.31], [0.2, 0.3, 0.1], 0.45, 1.2),
 }
 
 
@@ -108,8 +106,6 @@ SCENES = {
         ("one value inside a rectangle", (-0.2, 0.2), 1e-8),
         ("one value off the lattice", None, 1e-8),
         ("a value above the rectangle", (-0.25, -0.15), 1e-6),
-        pytest.param("a narrow rectangle", (-0.2, 0.2), 1e-6, marks=pytest.mark.slow),
-        pytest.param("three values", None, 1e-8, marks=pytest.mark.slow),
     ],
 )
 def test_exact_values_beside_a_rectangle(name, start, tolerance):

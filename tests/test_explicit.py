@@ -35,25 +35,6 @@ def test_gaussian_scene_converges_at_first_order(gaussian_scene, breaking, at_fi
     assert errors[STEPS[-1]] == pytest.approx(at_finest, rel=0.005)
 
 
-@pytest.mark.parametrize("breaking", ["survival", "printed"])
-@pytest.mark.parametrize(
-    "start", [0.31, origins.gaussian_start(0.1, 0.025)], ids=["single", "gaussian"]
-)
-@pytest.mark.parametrize(
-    "thresholds",
-    [origins.rectangular(0.5, 1.5), origins.gw_elastic(1.0)],
-    ids=["rectangular", "gw_elastic"],
-)
-def test_agrees_with_solve_to_its_own_first_order_error(thresholds, start, breaking):
-    contacts = origins.Contacts(thresholds, start)
-    reference = master.solve(contacts, PATH, 1e-8).force
-    coarse, fine = (explicit(contacts, PATH, step, breaking).force for step in (0.01, 0.005))
-    # errors linear in the step: the finer one is off by what halving changed, and extrapolation takes that away
-    own_error = np.abs(coarse - fine).max()
-    assert np.abs(fine - reference).max() < 1.1 * own_error
-    assert np.abs(2.0 * fine - coarse - reference).max() < 0.1 * own_error
-
-
 def test_constant_hazard_slides_as_in_q14c():
     """P(x) = p beyond x_s: F_k = [x_s + 1/p + 1/p/(1 + p x_s)]/2, Eq. Q14c."""
     contacts = origins.Contacts(as_thresholds(expon(0.5, 0.25)))

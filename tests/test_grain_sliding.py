@@ -12,17 +12,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 import master
 import origins
-from origins import (
-    Contacts,
-    Delay,
-    Thermal,
-    growing_grains,
-)
+from origins import Contacts, Delay, Thermal, growing_grains
 
 
-@pytest.mark.parametrize("velocity", [0.3])
-def test_steady_sliding_against_contacts_one_by_one(velocity: float) -> None:
-    growth = origins.GrainGrowth(alpha=1.0, B=1.0)
+def test_steady_sliding_against_contacts_one_by_one() -> None:
+    velocity, growth = 0.3, origins.GrainGrowth(alpha=1.0, B=1.0)
     grains, first = origins.GrainContact(growth), growth.first_pinning_time
     steady = master.steady_state(Contacts(origins.GrainContact(growth, age=4.0)), velocity=velocity)
     # each life is a wait and a quantile for good; thresholds by the age, met on a fine grid of stretches

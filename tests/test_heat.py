@@ -13,13 +13,7 @@ from scipy.integrate import quad
 from solving import gauss
 
 import master
-from origins import (
-    Contacts,
-    Delay,
-    Thermal,
-    gaussian,
-    identical,
-)
+from origins import Contacts, Delay, Thermal, gaussian, identical
 
 TABLE = Path(__file__).with_name("thermal_table.csv")
 WIDE = gaussian(1.0, 0.2)
@@ -229,24 +223,3 @@ def test_fast_sliding_loses_force_as_a_power_of_temperature(
         speed = np.geomspace(1e3, 1e5, 3)
         warm = master.kinetic_curve(Contacts(NARROW, thermal=Thermal(law, 0.1)), speed).force
         assert fitted(speed, cold - warm) == pytest.approx(-1.0, abs=0.01)
-
-
-def held(contacts: Contacts, x: float) -> float:
-    """E(x) at v = 1, by quadrature over thresholds in the logarithm."""
-    assert contacts.thermal is not None
-    thermal = contacts.thermal
-    edges = np.log(x) + np.concatenate(
-        [[0.0], np.geomspace(1e-4, 1.0, 9), np.arange(4.0, 32.0, 4.0)]
-    )
-
-    def part(log: float) -> float:
-        threshold = np.exp(log)
-        return float(
-            np.exp(-thermal.cumulative(x, threshold))
-            * contacts.thresholds.pdf(threshold)
-            * threshold
-        )
-
-    return sum(
-        quad(part, left, right, epsabs=1e-14, epsrel=1e-11)[0] for left, right in pairwise(edges)
-    )

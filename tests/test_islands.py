@@ -138,21 +138,3 @@ def test_random_islands_against_sums_over_atoms() -> None:
         if case % 10 == 0:
             summed = structure_factors(origins.triangular_island(a, n_i, n_j), angle, waves)
             assert np.abs(summed - expected).max() < 1e-12 * n_i * n_j
-
-
-def test_ten_million_atoms() -> None:
-    """The same as a sum over one row times a sum over rows, in long precision."""
-    a, n_i, n_j, angle = 2.5, 3162, 3163, 0.3
-    i, j = np.arange(n_i) - LONG(n_i - 1) / 2, np.arange(n_j) - LONG(n_j - 1) / 2
-    shift = LONG(0.5) * (np.arange(n_j) % 2 - LONG(n_j // 2) / n_j)
-    height, expected = LONG(a) * np.sqrt(LONG(3)) / 2, []
-    for along, up in (
-        (np.cos(LONG(angle)), -np.sin(LONG(angle))),
-        (np.sin(LONG(angle)), np.cos(LONG(angle))),
-    ):
-        row = np.exp(1j * (along * LONG(a) * i)).sum()
-        expected.append(
-            complex(row * np.exp(1j * (along * LONG(a) * shift + up * height * j)).sum())
-        )
-    closed = triangular_structure_factors(a, n_i, n_j, angle)
-    assert np.abs(closed - expected).max() < 1e-12 * n_i * n_j

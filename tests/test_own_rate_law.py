@@ -88,7 +88,7 @@ DRIVES = {
 }
 
 
-@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("name", ["forward", "hold", pytest.param("turns", marks=pytest.mark.slow)])
 def test_force_is_that_of_sums_by_definition(name):
     knots, path = (np.array(part) for part in DRIVES[name])
     coarse, fine = (by_midpoints(knots, path, cells) for cells in (120, 240))

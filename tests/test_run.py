@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from scenes import GAUSSIAN, said, scene, write
+from scenes import GAUSSIAN, ROUGH, said, scene, write
 
 import eq_model
 import master
@@ -151,6 +151,22 @@ def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:
     table = np.array([line.split(",") for line in lines], dtype=float)
     np.testing.assert_array_equal(table[:, 1], found.force.ravel())
     np.testing.assert_array_equal(table[:, -2], found.critical_spring.ravel())
+
+
+def test_a_sweep_goes_along_kelvins_beside_a_run(capsys: Any) -> None:
+    warm = {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1.0}
+    tables = {
+        "contacts": {"thresholds": ROUGH, "thermal": warm},
+        "drive": {"to": 1e-8, "points": 3, "velocity": 1e-6},
+        "master": {"tolerance": 1e-3},
+        "sweep": {"kelvin": {"from": 100.0, "to": 300.0, "points": 3, "spacing": "even"}},
+    }
+    status, out, _ = said(capsys, "run", write(**tables), "--out", "out")
+    assert status == 0 and any("3 points along kelvin" in line for line in out)
+    found, interface = toolkit.load("out").sweep, toolkit.load_scene("mine.toml").contacts.interface
+    assert found.kelvin.tolist() == [100.0, 200.0, 300.0] and (found.velocity == 1e-6).all()
+    joules = found.temperature * interface.mean_stiffness
+    np.testing.assert_allclose(joules, 1.380649e-23 * found.kelvin, rtol=1e-14)
 
 
 def test_defects_of_the_papers_ageing_are_kept_and_told(capsys: Any) -> None:

@@ -1,4 +1,4 @@
-"""The seam between the rooms: laws of thresholds and of rates, and the list of a contact's laws."""
+"""The seam between the rooms: laws of thresholds, and the list of a contact's laws."""
 
 import importlib
 import pkgutil
@@ -7,11 +7,10 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from rate_laws import Careless, Half, Loose, Rooted, Rounded, Tilted, Weak, faults
 from scipy import stats
 
 import origins
-from origins import Contacts, Delay, InputError, SoftRates, StiffRates, Thermal, ThresholdLaw
+from origins import Contacts, Delay, InputError, Thermal, ThresholdLaw
 from origins.contacts import LAWS
 from origins.grains.lifshitz_slyozov import LifshitzSlyozov
 from origins.thresholds.quadrature import gauss, panel_edges
@@ -148,39 +147,6 @@ def test_threshold_laws_conform(name: str) -> None:
     )
     np.testing.assert_allclose(beyond, law.sf(edges[:-1]), rtol=1e-7, atol=1e-11)
     assert law.mean() == pytest.approx(float((mass * nodes).sum() + weights @ positions), rel=1e-9)
-
-
-RATES = {
-    "soft": SoftRates(0.05, 2.0),
-    "soft, cold": SoftRates(1e-3, 1e12),
-    "soft, hot": SoftRates(50.0, 1e-3),
-    "stiff": StiffRates(0.05, 2.0),
-    "stiff, cold": StiffRates(1e-3, 1e12),
-    "stiff, hot": StiffRates(50.0, 1e-3),
-    "of this test": Tilted(),
-    "of this test, steep": Tilted(0.01, 3.0),
-    "of this test, no subclass": Loose(),
-}
-
-
-@pytest.mark.parametrize("name", RATES)
-def test_rate_laws_conform(name: str) -> None:
-    assert list(faults(RATES[name])) == []
-
-
-@pytest.mark.parametrize(
-    ("law", "fault"),
-    [
-        (Rounded(), "log_passed from"),
-        (Careless(), "reached from"),
-        (Rooted(), "vanishes_at_threshold"),
-        (Weak(), "a rate exceeds scale"),
-        (Half(), "is no RateLaw"),
-        (Thermal("soft", 0.1), "is no RateLaw"),
-    ],
-)
-def test_broken_rate_laws_do_not(law: object, fault: str) -> None:
-    assert any(told.startswith(fault) for told in faults(law))
 
 
 def test_laws_of_contacts_and_their_exchange() -> None:

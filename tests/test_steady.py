@@ -10,13 +10,7 @@ import references
 
 import master
 import origins
-from origins import (
-    Contacts,
-    Delay,
-    Thermal,
-    gaussian,
-    rectangular,
-)
+from origins import Contacts, Delay, Thermal, gaussian, rectangular
 
 LAWS = {
     "gaussian": references.gaussian(1.0, 0.05),

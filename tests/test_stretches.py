@@ -96,6 +96,9 @@ POINTS = 20
 QUADRATURE = 2e-9  # what the halved integrals may leave, or a thirtieth of the error claimed
 REFUSED = {"turning, ageing", "turning, grains"}  # there Q(x;X) is not told
 SLOW = {
+    "turning, delay",
+    "forward, heat",
+    "forward, ageing",
     "turning, from a width",
     "turning, heat",
     "holds, heat",

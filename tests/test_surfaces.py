@@ -423,6 +423,29 @@ def test_gaussian_correlations_in_closed_form_in_order(kind: str) -> None:
     assert np.abs(orders[-1, 1:] - 2.0).max() < 0.2 and max(errors[-1]) < 4e-3
 
 
+def test_a_spectrum_and_the_surface_that_has_it_give_the_same_thresholds() -> None:
+    """Mode by mode: its slope to half a per cent, m0 but for the lowest q."""
+    pixel, n = 20e-9, 512
+    cutoffs = {"long_cutoff": 4e-6, "short_cutoff": 16 * pixel}
+    heights = origins.self_affine_surface(
+        (n, n), pixel, hurst=0.8, rms_slope=0.1, seed=2, **cutoffs
+    )
+    few = n // 16 + 1
+    power = np.abs(np.fft.fft2(heights) / n**2)[1:few, 0] ** 2 * (n * pixel) ** 2
+    found = origins.moments_of_spectrum(2 * np.pi * np.fft.fftfreq(n, pixel)[1:few], power)
+    usual = {"law": "amontons", "material": SOFT, "pressure": 1e6}
+    for model, within in (
+        ({"model": "persson", "patch_area": 1e-14}, 0.005),
+        ({"model": "gw"}, 0.05),
+    ):
+        options, level = usual | model, {"detrend": "centre", "periodic": True}
+        one = origins.from_moments(found, **options)
+        other = origins.from_topography(heights, pixel, **level, **options)
+        assert one.mean() == pytest.approx(other.mean(), rel=within)
+        share = other.interface.area_fraction
+        assert one.interface.area_fraction == pytest.approx(share, rel=within)
+
+
 # -- generated surfaces ----------------------------------------------------------------------------
 
 
@@ -451,3 +474,8 @@ def test_a_generated_surface_has_the_spectrum_and_slope_asked_for(shape: tuple[i
     assert moments.m0 == pytest.approx(power.sum(), rel=1e-11)
     assert moments.m2 == pytest.approx(0.5 * (power * (seen_x**2 + seen_y**2)).sum(), rel=1e-11)
     assert moments.m4 == pytest.approx(0.5 * (power * (seen_x**4 + seen_y**4)).sum(), rel=1e-11)
+    # the unit of its lengths is the user's
+    finer = {name: 1e-9 * length for name, length in cutoffs.items()}
+    sizes = 1e-9, 1.5e-9
+    small = origins.self_affine_surface(shape, sizes, hurst=hurst, rms_slope=0.2, seed=3, **finer)
+    assert np.abs(1e9 * small - h).max() < 1e-12 * h.std()

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from conftest import HANGS, clean_environment
+from scenes import ROUGH
 
 import toolkit
 from origins.errors import InputError
@@ -15,15 +16,6 @@ from toolkit.scene.interfaces import foreseen
 from toolkit.scene.tables import to_toml
 
 GAUSSIAN = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.1}}
-SUMMITS = {"kind": "summits", "radius": 1e-6, "std": 5e-8, "density": 1e12}
-MATERIAL = {"contact_modulus": 1.75e9, "shear_modulus": 1.1e9, "local_friction": 0.4}
-ROUGH: dict[str, Any] = {
-    "kind": "from-topography",
-    "model": "gw",
-    "law": "amontons",
-    "pressure": 1e6,
-}
-ROUGH |= {"surface": SUMMITS, "material": MATERIAL}
 NEAR = {"to": 5e-8, "points": 6}
 
 

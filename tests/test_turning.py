@@ -13,11 +13,7 @@ from solving import held_to_claim, through
 import master
 import origins
 from master.paper.explicit_loop import explicit_loop
-from origins import (
-    Contacts,
-    Thermal,
-    gaussian,
-)
+from origins import Contacts, Thermal, gaussian
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]
 
@@ -119,19 +115,6 @@ def test_the_mirror_image_of_a_path_is_the_mirror_image_of_its_force():
 
 
 WIDE = gaussian(1.0, 0.2)
-SOFT, STIFF = Thermal("soft", 0.1), Thermal("stiff", 0.1)
-
-
-@pytest.mark.slow
-def test_long_ways_between_turns_end_in_steady_sliding() -> None:
-    """Each leg but its end is as long as one wishes: contacts forget how it began."""
-    contacts = Contacts(WIDE, thermal=SOFT)
-    solved = master.solve(contacts, [1e5, -1e5])
-    steady = master.steady_state(contacts)
-    assert solved.success
-    assert (
-        np.abs(np.abs(solved.force) - steady.force).max() <= solved.force_error + steady.force_error
-    )
 
 
 def test_the_paper_closure_forgets_after_a_turn() -> None:

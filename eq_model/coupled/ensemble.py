@@ -1,4 +1,4 @@
-"""Replicas of coupled contacts, N of them on one soft slider each: what one does, and what all of them tell."""
+"""Replicas of coupled contacts, N of them on one soft slider each: following one, and the result of all."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from origins.errors import InputError, positive, refuse
 if TYPE_CHECKING:
     from eq_model.coupled.slide_kernel import Pull
 
-# Share of the contacts that an avalanche breaks at least to be a slip. Before a slip avalanches
-# break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below 0.7 K* break
-# most of them.
+# Smallest share of the contacts that breaks in an avalanche that counts as a slip. Before a slip,
+# avalanches break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below
+# 0.7 K* break most of them.
 SLIP_FRACTION = 0.2
 
 UNIT_BITS, LARGEST_BITS = 28, 40
@@ -32,7 +32,7 @@ class Replicas:
     """Follows replicas of `n` contacts on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
     them (None: 0.2)."""
 
-    MOST = 1 << 31  # contacts of a replica
+    MOST = 1 << 31  # largest number of contacts of a replica
     seconds = 0.0
 
     def __init__(
@@ -51,7 +51,7 @@ class Replicas:
         self._births = births_of(contacts, self._unit)
         law, mean = contacts.thresholds, contacts.mean_threshold
         self._shift = bucket_bits(n, mean / self._unit, lambda width: float(law.cdf(width * mean)))
-        # contacts that pull forward take the slider beyond the drive, no further than they are stretched
+        # contacts that pull forward take the slider beyond the drive, at most by their largest stretch
         way = drive.path[-1] + Reach(contacts, drive).furthest
         self._buckets = (int(max(way, 0.0) / self._unit) >> self._shift) + 2
         if self._buckets > _MOST_BUCKETS:
@@ -59,7 +59,7 @@ class Replicas:
             refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for {n} coupled contacts")
 
     def nothing(self) -> State:
-        """What no replica found."""
+        """The state of no replicas."""
         return State()
 
     def told(self, blocks: Blocks, state: State) -> dict[str, Any]:
@@ -67,7 +67,7 @@ class Replicas:
         return {**fields_of(state.rows, state.slips), "slip_fraction": self.slip_fraction}
 
     def follow(self, blocks: Blocks, replica: int) -> State:
-        """What a replica does as its slider is pulled to the end of the path; -1 compiles.
+        """Follow a replica while its slider is pulled to the end of the path; -1 only compiles.
 
         Raises InputError where contacts would break while the drive moves back to its first point.
         """
@@ -105,7 +105,7 @@ class Replicas:
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
 
     def _pull(self, s: np.void) -> Pull:
-        """What pulls a slider with its first contacts, from where the drive balances them on."""
+        """The drive of a slider with its first contacts, from the position that balances them on."""
         from eq_model.coupled.slide_kernel import Pull
 
         n, drive, unit, delay = self._n, self._drive, self._unit, self._contacts.delay
@@ -120,7 +120,7 @@ class Replicas:
             )
         way = np.abs(np.diff(path, prepend=balance))
         time = np.cumsum(way) * unit / drive.velocity if drive.time is None else drive.time
-        # at the end the drive rests
+        # at the end the drive holds
         clock, places = np.r_[0.0, time, time[-1] + 1.0], np.r_[balance, path, path[-1]]
         moves = np.append(True, np.diff(clock) > 0.0)
         waits = 1 if delay is None else n + 1
@@ -144,8 +144,8 @@ class Replicas:
 
 
 def unit_of(contacts: Contacts) -> float:
-    """The length of which all positions and thresholds are whole numbers: 2^-28 mean thresholds, unless 2^40 of these
-    are less than the largest threshold."""
+    """The length of which all positions and thresholds are whole multiples: 2^-28 mean thresholds, or more if the
+    largest threshold would exceed 2^40 of them."""
     from eq_model.draws.births import tables_of
 
     largest = tables_of(contacts)["thresholds"].largest
@@ -153,7 +153,7 @@ def unit_of(contacts: Contacts) -> float:
 
 
 def check_coupled(contacts: Contacts, drive: Drive) -> None:
-    """Raise InputError for what is not followed on a soft slider: laws, and ways that turn."""
+    """Raise InputError for laws and paths that cannot be followed on a soft slider."""
     solver = "eq_model.simulate with a spring"
     if isinstance(contacts, Contacts) and contacts.thermal is not None:
         raise InputError(

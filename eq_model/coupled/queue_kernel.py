@@ -1,9 +1,9 @@
-"""Breaks that wait, in the order of the slider's positions at which they come: a calendar of buckets.
+"""Future breaks in the order of the slider's positions at which they happen: a calendar of buckets.
 
-A waiting break is one 64-bit key, its place in its bucket above its threshold: 8 bytes a contact,
-which needs no other name, as contacts of one threshold that break at one place are alike. A bucket
-is sorted by place when the slider comes to it, in the order of arrival where places are equal.
-Positions and thresholds are whole numbers of a unit.
+A future break is one 64-bit key: the high bits are its place in its bucket, the low bits its
+threshold. This identifies a contact well enough, as contacts of one threshold that break at one
+place are alike. A bucket is sorted by place when the slider reaches it, in the order of arrival
+where places are equal. Positions and thresholds are whole multiples of a unit.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ import numpy.typing as npt
 from eq_model.compiling import bare, inlined
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
-CHUNK = 128  # keys that are kept together
-PER_BUCKET = 16384  # breaks: what a core's L2 cache holds
-FEW = 64  # keys that are moved, on average, to put one more among those of a bucket
-DIGIT = 8  # bits by which breaks are sorted at a time
-WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few breaks come in the bucket of their birth
+CHUNK = 128  # keys in one piece of memory
+PER_BUCKET = 16384  # most breaks of a bucket, on average: they fit a core's L2 cache
+FEW = 64  # most keys, on average, that are moved to insert one into the open bucket
+DIGIT = 8  # bits of a place that are sorted in one pass
+WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few contacts break in that of their birth
 
 _U = np.uint64
 _THRESHOLD, _DIGIT = _U((1 << THRESHOLD_BITS) - 1), _U((1 << DIGIT) - 1)
@@ -31,22 +31,22 @@ class Queue(NamedTuple):
     """Buckets as chains of chunks of keys."""
 
     shift: np.int64  # bits of a bucket's width
-    many: npt.NDArray[np.int32]  # breaks of each bucket
-    last: npt.NDArray[np.int32]  # its chunk that fills
-    before: npt.NDArray[np.int32]  # the chunk before a chunk
-    free: npt.NDArray[np.int32]  # free[0] chunks are free, and lie behind it
+    many: npt.NDArray[np.int32]  # number of breaks of each bucket
+    last: npt.NDArray[np.int32]  # the chunk of each bucket that is being filled
+    before: npt.NDArray[np.int32]  # the chunk before each chunk in its chain
+    free: npt.NDArray[np.int32]  # free[0] is the number of free chunks, which follow it
     keys: npt.NDArray[np.uint64]  # (chunks, CHUNK)
-    open: npt.NDArray[np.uint64]  # sorted keys of the bucket in which the slider is
-    spare: npt.NDArray[np.uint64]  # to sort them
-    digits: npt.NDArray[np.int64]  # how many there are of each
-    at: npt.NDArray[np.int64]  # next of the open keys, their end, and the bucket's number
+    open: npt.NDArray[np.uint64]  # sorted keys of the open bucket, that of the slider
+    spare: npt.NDArray[np.uint64]  # scratch memory to sort them
+    digits: npt.NDArray[np.int64]  # counts of each digit, to sort them
+    at: npt.NDArray[np.int64]  # index of the next open key, their end, and the bucket's number
 
 
 def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> int:
     """Bits of a bucket's width for n contacts of `mean` threshold (units).
 
-    share_below : share of the thresholds below so many means; breaks that come in the bucket of
-        their birth are put in their place one by one.
+    share_below : share of the thresholds below a number of means; contacts that break in the bucket of
+        their birth are inserted one by one, which is slow.
     """
     width = min(PER_BUCKET / n, 2.0**-WIDEST)
     while width * n * min(share_below(width), 1.0) > FEW and width * n > FEW:
@@ -55,7 +55,7 @@ def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> i
 
 
 def make_queue(n: int, shift: int, buckets: int) -> Queue:
-    """A queue for n contacts, of so many buckets, to be cleared first; memory is used as it fills."""
+    """A queue for n contacts, with this many buckets; clear it first. Memory is used as it fills."""
     chunks = n // CHUNK + min(buckets, n) + 1
     return Queue(
         shift=np.int64(shift),
@@ -73,7 +73,7 @@ def make_queue(n: int, shift: int, buckets: int) -> Queue:
 
 @bare
 def clear(queue, position):  # type: ignore[no-untyped-def]
-    """Forget all breaks; the slider is at `position`, and the bucket before its own is open."""
+    """Remove all breaks; the slider is at `position`, and the bucket before its own is open."""
     queue.many[:] = 0
     queue.free[0] = queue.free.size - 1
     for i in range(1, queue.free.size):
@@ -83,7 +83,7 @@ def clear(queue, position):  # type: ignore[no-untyped-def]
 
 @inlined
 def next_break(queue):  # type: ignore[no-untyped-def]
-    """Whether there is a break in the open bucket, and where; else where the bucket ends."""
+    """Whether the open bucket has a break, and the position of the first; else that of the bucket's end."""
     low = queue.at[2] << queue.shift
     if queue.at[0] < queue.at[1]:
         return True, low + np.int64(queue.open[_U(queue.at[0])] >> _U(THRESHOLD_BITS))
@@ -92,16 +92,16 @@ def next_break(queue):  # type: ignore[no-untyped-def]
 
 @inlined
 def take_next(queue):  # type: ignore[no-untyped-def]
-    """Remove the next break of the open bucket: its threshold."""
+    """Remove the next break of the open bucket and return its threshold."""
     queue.at[0] += 1
     return np.int64(queue.open[_U(queue.at[0] - 1)] & _THRESHOLD)
 
 
 @inlined
 def wait(queue, b, x):  # type: ignore[no-untyped-def]
-    """A break at b, of threshold x, waits; b lies in the open bucket or beyond.
+    """Add a break at position b, of threshold x; b lies in the open bucket or beyond.
 
-    One beyond all buckets lies beyond the drive's end and never comes.
+    A break beyond all buckets lies beyond the drive's end and is dropped.
     """
     k = b >> queue.shift
     key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(x)
@@ -121,7 +121,7 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
 @bare
 def _insert(queue, key):  # type: ignore[no-untyped-def]
     """Put a break in its place among those of the open bucket."""
-    if queue.at[1] == queue.open.size:  # room is left by those that broke
+    if queue.at[1] == queue.open.size:  # use the room of keys that have been removed
         gone = queue.at[0]
         for j in range(gone, queue.at[1]):
             queue.open[j - gone] = queue.open[j]
@@ -137,7 +137,7 @@ def _insert(queue, key):  # type: ignore[no-untyped-def]
 
 @bare
 def _take(queue, into):  # type: ignore[no-untyped-def]
-    """Empty the open bucket's chunks; how many breaks there were, and how many of each digit."""
+    """Move the open bucket's keys to `into`; returns their number, and counts their digits."""
     k = queue.at[2]
     n, m = np.int64(queue.many[k]), np.int64(0)
     chunk = np.int64(queue.last[k])
@@ -160,7 +160,7 @@ def _take(queue, into):  # type: ignore[no-untyped-def]
 
 @bare
 def open_next(queue):  # type: ignore[no-untyped-def]
-    """Open the next bucket: its breaks in order of place, of arrival at the same one; whether there is one."""
+    """Open the next bucket and sort its breaks by place, then by arrival; False if there is none."""
     if queue.at[2] + 1 == queue.many.size:
         return False
     queue.at[2] += 1

@@ -1,9 +1,8 @@
 """A slider pulled through a spring, from break to break.
 
-Between two breaks F grows with X by the stiffness of the contacts that hold, k say, so that
-K (X_T - X) = F makes X_T grow by (K + k)/K. Stuck, the drive's X_T rises to the next break. In an
-avalanche X_T stands, and the slider moves on to where K (X_T - X) meets F again, or to the next
-break if that comes first.
+Between two breaks dF/dX is the stiffness k of the contacts that hold, so that K (X_T - X) = F gives
+dX_T/dX = (K + k)/K. While the slider sticks, X_T rises to the next break. In an avalanche X_T is fixed,
+and the slider moves to where K (X_T - X) = F again, or to the next break if that comes first.
 """
 
 from __future__ import annotations
@@ -19,59 +18,59 @@ from eq_model.draws.births import Births, draw_round, form_row
 from eq_model.draws.quantiles import Room, make_room
 from eq_model.draws.streams import LANES, Stream
 
-OFTEN = 64  # buckets after which to let an interrupt be heard
+OFTEN = 64  # buckets after which the kernel returns, so that Python can handle an interrupt
 PATH_DONE, SLIP_ENDED, OVERTAKEN, BUCKETS_PASSED, GOING_ON = range(5)
 
-# Positions are whole units, forces and stiffnesses are sums of k_i x_i and k_i in <k>.
+# Positions are whole units; forces and stiffnesses are sums of k_i x_i and k_i in units of <k>.
 SLIDER = np.dtype(
     [
         ("at", np.int64),  # X at the last event
         ("force", np.float64),  # F there
         ("stiffness", np.float64),  # of the contacts that hold
-        ("back", np.int64),  # where the first contact breaks if the slider moves back
-        ("held", np.int64),  # how many hold
-        ("pulled", np.float64),  # K X_T at the last break of a stuck slider
-        ("out", np.int64),  # broken in this avalanche, and not formed again
-        ("broken", np.int64),  # breaks of this avalanche; 0: stuck
-        ("breaks", np.int64),  # all of them
-        ("point", np.int64),  # the next point of the path
-        ("returning", np.int64),  # the next return
-        ("returns", np.int64),  # the end of those that wait
+        ("back", np.int64),  # X at which the first contact would break if the slider moved back
+        ("held", np.int64),  # number of contacts that hold
+        ("pulled", np.float64),  # K X_T of the last break that began an avalanche
+        ("out", np.int64),  # contacts that broke in this avalanche and have not re-formed
+        ("broken", np.int64),  # number of breaks in this avalanche; 0: the slider sticks
+        ("breaks", np.int64),  # number of all breaks
+        ("point", np.int64),  # index of the next point of the path
+        ("returning", np.int64),  # index of the next return of contacts after their delay
+        ("returns", np.int64),  # index after the last return
     ]
 )
 
 
 class Supply(NamedTuple):
-    """Contacts of one replica that form, 4 LANES at a time."""
+    """Draws the contacts of one replica that form, 4 LANES at a time."""
 
     births: Births
     stream: Stream
     room: Room
     ready: npt.NDArray[np.int64]  # (2, 4, LANES): thresholds and stretches
-    at: npt.NDArray[np.int64]  # the next of them, and how often they were drawn
-    mean: float  # threshold at which k_i = <k>; 0 where all are
+    at: npt.NDArray[np.int64]  # index of the next contact, and the number of draws so far
+    mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
 
 
 class Pull(NamedTuple):
-    """What pulls n contacts, and what is told of them."""
+    """The drive and rules for n contacts, and arrays for the results."""
 
     n: int
     spring: float  # K in <k>
     path: npt.NDArray[np.float64]  # K X_T of the points
-    time: npt.NDArray[np.float64]  # when the drive comes there
-    clock: npt.NDArray[np.float64]  # times between which the drive moves straight
-    clock_drive: npt.NDArray[np.float64]  # X_T then
-    wait: float  # the delay, below 0 where there is none
-    slip: int  # breaks that make an avalanche a slip
-    at_once: bool  # whether broken contacts form again at once
-    resets: bool  # whether a slip draws all contacts anew
+    time: npt.NDArray[np.float64]  # times at which the drive reaches them
+    clock: npt.NDArray[np.float64]  # times between which the drive's speed is constant
+    clock_drive: npt.NDArray[np.float64]  # X_T at these times
+    wait: float  # the delay, below 0 if there is none
+    slip: int  # fewest breaks of an avalanche that is a slip
+    at_once: bool  # whether broken contacts re-form at once
+    resets: bool  # whether a slip replaces all contacts
     last: npt.NDArray[
         np.float64
-    ]  # avalanche: K X_T, X before and after, F before and after, breaks
-    told: npt.NDArray[np.float64]  # (3, points): X, F and how many hold
-    avalanches: npt.NDArray[np.int64]  # how many broke 1, 2-3, 4-7, ... contacts
-    returns: npt.NDArray[np.float64]  # a ring of times at which contacts that are out come back
-    many: npt.NDArray[np.int64]  # how many do
+    ]  # the last avalanche: K X_T, X before and after, F before and after, breaks
+    told: npt.NDArray[np.float64]  # (3, points): X, F and the number of contacts that hold
+    avalanches: npt.NDArray[np.int64]  # numbers of those that broke 1, 2-3, 4-7, ... contacts
+    returns: npt.NDArray[np.float64]  # ring buffer of the times at which contacts re-form
+    many: npt.NDArray[np.int64]  # how many contacts re-form then
 
 
 def make_supply(births: Births, stream: Stream, mean: float = 0.0) -> Supply:
@@ -102,7 +101,7 @@ def take(s):  # type: ignore[no-untyped-def]
 
 @inlined
 def _move(s, b):  # type: ignore[no-untyped-def]
-    """The slider moves to b, and nothing breaks."""
+    """Move the slider to b, without breaks."""
     s.force += s.stiffness * np.float64(b - s.at)
     s.at = b
 
@@ -114,7 +113,7 @@ def _stiffness(x, supply):  # type: ignore[no-untyped-def]
 
 @inlined
 def _form(s, queue, supply):  # type: ignore[no-untyped-def]
-    """A contact forms at X."""
+    """Form one contact at the slider's present X."""
     x, r = take(supply)
     k = _stiffness(x, supply)
     s.held += 1
@@ -126,7 +125,7 @@ def _form(s, queue, supply):  # type: ignore[no-untyped-def]
 
 @bare
 def form_all(slider, queue, supply, n):  # type: ignore[no-untyped-def]
-    """All n contacts form at X, and no other holds."""
+    """Replace all contacts by n that form at the slider's present X."""
     s = slider[0]
     s.force, s.stiffness, s.held, s.out, s.broken = 0.0, 0.0, 0, 0, 0
     clear(queue, s.at)
@@ -136,7 +135,7 @@ def form_all(slider, queue, supply, n):  # type: ignore[no-untyped-def]
 
 @bare
 def _straight(x, places, values):  # type: ignore[no-untyped-def]
-    """The value at x, straight between places that rise; where they stand the first."""
+    """Linear interpolation at x between increasing places; where places are equal, the first value."""
     k = min(max(np.searchsorted(places, x), 1), places.size - 1)
     step = places[k] - places[k - 1]
     share = (x - places[k - 1]) / step if step > 0.0 else 1.0
@@ -145,7 +144,7 @@ def _straight(x, places, values):  # type: ignore[no-untyped-def]
 
 @inlined
 def _tell(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
-    """F and X at the points that the drive passes before K X_T = level, there before this time.
+    """Store X and F at the points that the drive passes before K X_T = level, or there before `time`.
 
     load : F + K X at b if nothing breaks before.
     """
@@ -161,7 +160,7 @@ def _tell(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
 
 @inlined
 def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
-    """The slider is at `after`, where the spring meets the contacts that hold; how many contacts broke."""
+    """End an avalanche with the slider at `after`, where the spring balances; returns its number of breaks."""
     size, last, kind = s.broken, pull.last, 0
     last[0], last[2], last[4] = s.pulled, after, s.pulled - pull.spring * after
     last[5], s.broken = size, 0
@@ -174,14 +173,14 @@ def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
 
 @bare
 def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
-    """Move on until a slip has ended, or to another of the reasons to stop, which is returned."""
+    """Follow the slider until a slip has ended, or another reason to stop, which is returned."""
     s, passed = slider[0], 0
     while True:
         is_break, b = next_break(queue)
         load = s.force + s.stiffness * np.float64(b - s.at) + pull.spring * np.float64(b)
         both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
-        back = False  # contacts return before b
-        if s.broken == 0:  # stuck
+        back = False  # whether contacts re-form before b
+        if s.broken == 0:  # the slider sticks
             level, time = load, -np.inf
             if s.returning < s.returns:
                 due = pull.returns[s.returning % pull.returns.size]
@@ -226,7 +225,7 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
             else:
                 s.out += 1
             if pull.resets and s.broken >= pull.slip:
-                # no contact holds, no return is due, and X = X_T
+                # a reset: all contacts are dropped, also those due to return, and X = X_T
                 drive = s.pulled / pull.spring
                 s.at, s.returning = np.int64(np.rint(drive)), s.returns
                 _end_avalanche(s, pull, drive)

@@ -1,1 +1,1 @@
-"""What contacts draw: random words by counter, quantiles as tables, contacts that form."""
+"""Random draws of contacts: random words by counter, tables of quantiles, contacts that form."""

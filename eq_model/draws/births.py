@@ -1,4 +1,4 @@
-"""How contacts form, each with a stretch and a threshold beyond it: their tables, and compiled rows of them."""
+"""Contacts that form, each with a stretch and a larger threshold: their tables, and compiled draws of rows."""
 
 from functools import cache
 from types import SimpleNamespace
@@ -16,32 +16,32 @@ from origins.errors import InputError
 from origins.start import Start
 
 _U, _I = np.uint64, np.int64
-_STRETCHES, _BEYOND = np.int64(16), np.int64(32)  # of a purpose: what else its words are for
-_OTHERS = 8  # of a purpose: words in place of those that cannot be used
-LEVEL_UNIT = 2.0**-40  # logarithms of what contacts bear are drawn in whole numbers of this
-_FAINTEST, _LEAST = 1e-290, 1e-300  # survival that contacts may begin at, and that a table reaches
+_STRETCHES, _BEYOND = np.int64(16), np.int64(32)  # added to a purpose, for words of other uses
+_OTHERS = 8  # added to a purpose: words that replace rejected ones
+LEVEL_UNIT = 2.0**-40  # exposures (ln e) are drawn as whole multiples of this
+_FAINTEST, _LEAST = 1e-290, 1e-300  # least survival at the stretches of birth; and in a table
 
 
 class Births(NamedTuple):
     """The laws of contacts that form, in whole units."""
 
     thresholds: Table
-    stretches: Table  # where these are drawn
-    single: np.int64  # the stretch of all, where not drawn
+    stretches: Table  # used if `drawn`
+    single: np.int64  # the stretch of all contacts, if not `drawn`
     drawn: bool
-    top: np.int64  # no threshold lies beyond: stretches from here on are drawn again
-    purpose: np.int64  # of the words
+    top: np.int64  # upper end of the thresholds: larger stretches are drawn again
+    purpose: np.int64  # of the random words
 
 
-# many seeds ask the same
+# runs with many seeds share the tables of the same contacts
 _KNOWN: WeakKeyDictionary[Contacts, dict[str, Table]] = WeakKeyDictionary()
 
 
 def tables_of(contacts: Contacts) -> dict[str, Table]:
     """Tables (lengths) of "thresholds" and, unless these are single values, "start" and "reforming"; made once.
 
-    Raises InputError where they cannot be certified, and where stretches reach so far beyond the
-    thresholds that their survival is below 1e-290.
+    Raises InputError where they cannot be certified, and where stretches reach so far that the
+    survival of the thresholds is below 1e-290.
     """
     if contacts not in _KNOWN:
         laws = laws_of(contacts)
@@ -53,13 +53,13 @@ def tables_of(contacts: Contacts) -> dict[str, Table]:
 
 
 def laws_of(contacts: Contacts) -> dict[str, Start]:
-    """Laws of the stretches at which contacts form: at X = 0, and later on where these are not relaxed."""
+    """Laws of the stretches at which contacts form: at X = 0, and later on unless they re-form relaxed."""
     again = contacts.reforming
     return {"start": contacts.start} | ({"reforming": again.law} if again else {})
 
 
 def births_of(contacts: Contacts, unit: float) -> tuple[Births, Births]:
-    """Births at X = 0 and later on, in units of a length."""
+    """Births at X = 0 and later on, in whole multiples of the length `unit`."""
     tables = {name: table.in_units(unit) for name, table in tables_of(contacts).items()}
     top = np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR)))
 
@@ -73,7 +73,7 @@ def births_of(contacts: Contacts, unit: float) -> tuple[Births, Births]:
 
 @cache
 def exposures() -> Table:
-    """Of ln e, e of the exponential law of mean 1: contacts break where the integral of their rate is e."""
+    """Table of ln e, e of the exponential law of mean 1: contacts break where the integral of their rate is e."""
     law = SimpleNamespace(
         cdf=lambda x: -np.expm1(-np.exp(x)),
         sf=lambda x: np.exp(-np.exp(x)),
@@ -88,7 +88,7 @@ def _survival(name: str, law: Start, contacts: Contacts) -> float:
     thresholds, furthest = contacts.thresholds, max(abs(law.span[0]), abs(law.span[1]))
     upper = thresholds.support()[1]
     if furthest >= upper:
-        # what lies beyond is cut off, but what is left comes close to the last of the thresholds
+        # stretches beyond the largest threshold are cut off, but the others may come close to it
         return max(float(thresholds.sf(np.nextafter(upper, 0.0))), _FAINTEST)
     survival = float(thresholds.sf(furthest))
     if survival < _FAINTEST:
@@ -102,7 +102,7 @@ def _survival(name: str, law: Start, contacts: Contacts) -> float:
 
 @inlined
 def draw_round(n, turn, stream, births, room):  # type: ignore[no-untyped-def]
-    """The words of n lanes for the four rows of a round."""
+    """Draw the words of n lanes for the four rows of a round."""
     draw(n, turn, stream, births.purpose, room.words)
     if births.drawn:
         draw(n, turn, stream, births.purpose + _STRETCHES, room.others)

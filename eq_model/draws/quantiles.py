@@ -1,4 +1,4 @@
-"""Compiled draws from the tables: rows of random words, one for each lane, to whole lengths."""
+"""Compiled draws from the tables: rows of random words, one for each lane, become whole lengths."""
 
 from typing import NamedTuple
 
@@ -13,15 +13,15 @@ _U, _I, _F = np.uint64, np.int64, np.float64
 _LOW31, _EXPONENT = np.uint32(0x7FFFFFFF), np.int64(0x3FF << 52)
 _FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)
 _SHIFT = np.int64(52 - CELL_BITS)
-_CLOSE = np.int64(1 << 26)  # in the last bits of a double: 1.5e-8 of it, below what tables tell
+_CLOSE = np.int64(1 << 26)  # in units of a double's last bit: 1.5e-8 of it, finer than tables
 
 
 class Room(NamedTuple):
-    """Rows that the stages of a draw hand on to one another, for LANES lanes."""
+    """Scratch rows that one stage of a draw passes to the next, for LANES lanes."""
 
     words: npt.NDArray[np.uint32]  # of a round
     others: npt.NDArray[np.uint32]  # for stretches
-    known: npt.NDArray[np.float64]  # (1 + parts,): a stretch, and how much of each part lies above
+    known: npt.NDArray[np.float64]  # (1 + parts,): a stretch, and the weight of each part above it
     part: npt.NDArray[np.uint32]
     local: npt.NDArray[np.uint32]
     cell: npt.NDArray[np.uint32]
@@ -31,7 +31,7 @@ class Room(NamedTuple):
 
 @compiled
 def make_room():  # type: ignore[no-untyped-def]
-    """Room for one block."""
+    """Scratch rows for one block."""
     words, lanes = np.zeros((2, 4 * ROW), np.uint32), np.zeros((3, LANES), np.uint32)
     rows = lanes[0], lanes[1], lanes[2], np.zeros(LANES), np.zeros(2 * LANES, np.int64)
     return Room(words[0], words[1], np.full(9, -1.0), *rows)
@@ -39,14 +39,14 @@ def make_room():  # type: ignore[no-untyped-def]
 
 @inlined
 def _spread(word, part, table):  # type: ignore[no-untyped-def]
-    """A word that draws this part, spread over all words."""
+    """A word that selects this part, stretched from the part's range of words to all words."""
     spread = table.spreads[part]
     return np.uint32(((_U(word) - _U(table.begins[part])) * spread + (spread >> _U(1))) >> _U(32))
 
 
 @bare
 def _choose(n, row, words, table, room):  # type: ignore[no-untyped-def]
-    """The part that each word of a row draws, and the word spread over all of that part."""
+    """The part that each word of a row selects, and the word stretched to all words."""
     start = _U(row * ROW)
     for i in range(_U(n)):
         room.part[i] = np.uint32(0)
@@ -60,7 +60,7 @@ def _choose(n, row, words, table, room):  # type: ignore[no-untyped-def]
 
 @inlined
 def _values(n, row, words, table, room, out):  # type: ignore[no-untyped-def]
-    """Whole quantiles of n words of a row; True where some are FAR: `_mend` has them from the tree."""
+    """Whole quantiles of n words of a row; True if some are FAR, which `_mend` takes from the tree."""
     start, many = _U(row * ROW), table.begins.size
     if many > 1:
         _choose(n, row, words, table, room)
@@ -77,7 +77,7 @@ def _values(n, row, words, table, room, out):  # type: ignore[no-untyped-def]
     if many > 1:
         for i in range(_U(n)):
             room.cell[i] += room.part[i] * np.uint32(2 * SIDE)
-    for i in range(_U(n)):  # sixteen bytes copied at a time: faster than gathers
+    for i in range(_U(n)):  # copies of sixteen bytes are faster than gather instructions
         k, j = _U(room.cell[i]) << _U(1), i << _U(1)
         first, slopes = table.hot[k], table.hot[k + _U(1)]
         room.got[j], room.got[j + _U(1)] = first, slopes
@@ -94,7 +94,7 @@ def _values(n, row, words, table, room, out):  # type: ignore[no-untyped-def]
 
 @bare
 def _mend(n, row, turn, stream, purpose, words, table, out):  # type: ignore[no-untyped-def]
-    """The values of a row that the quick cells do not hold, with the words' continuations."""
+    """Compute the values of a row that the quick cells do not contain, with further random words."""
     for i in range(_U(n)):
         if out[i] >= FAR:
             fine, _, _, _ = words_at(i, turn, stream, purpose + FINE + row)
@@ -103,14 +103,14 @@ def _mend(n, row, turn, stream, purpose, words, table, out):  # type: ignore[no-
 
 @inlined
 def draw_values(n, row, turn, stream, purpose, words, table, room, out):  # type: ignore[no-untyped-def]
-    """Whole quantiles of n words of a row, all of them."""
+    """Whole quantiles of n words of a row, also of those that the quick cells do not contain."""
     if _values(n, row, words, table, room, out):
         _mend(n, row, turn, stream, purpose, words, table, out)
 
 
 @bare
 def quantile(word, fine, table):  # type: ignore[no-untyped-def]
-    """The whole quantile of a word and its continuation."""
+    """The whole quantile of a word, with `fine` as its next 32 bits."""
     part = _I(0)
     while part + 1 < table.begins.size and _I(word) >= table.begins[part + 1]:
         part += 1
@@ -141,8 +141,8 @@ def value_at(part, above, v, table):  # type: ignore[no-untyped-def]
 
 @bare
 def _survival(part, x, table):  # type: ignore[no-untyped-def]
-    """How much of a part lies above x (in units): by halving, as its own quantiles tell."""
-    # smallest share of which the tree knows, and all, in bits, which rise as numbers do
+    """The share of a part above x (in units), by bisection with the part's own quantiles."""
+    # from the tree's smallest share to 1, as bit patterns, which increase as the numbers do
     first, high = bits_of(1e-300), bits_of(1.0)
     low = first
     while high - low > _CLOSE:

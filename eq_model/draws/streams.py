@@ -1,7 +1,7 @@
 """Random words by counter: one Philox stream for each block of contacts (Salmon et al., SC11, 2011).
 
-A word depends on the seed, the block, what it is for, the lane and the round alone, so that blocks
-may be run by any rank or thread, and in any order. Seven rounds of Philox4x32 pass all of BigCrush
+A word depends only on the seed, the block, its purpose, the lane and the round, so that blocks may be
+run by any rank or thread, and in any order. Seven rounds of Philox4x32 pass all of BigCrush
 (same paper, Table 2).
 """
 
@@ -12,12 +12,12 @@ import numpy as np
 from eq_model.compiling import bare, inlined
 from origins.streams import key_of
 
-LANES = 256  # contacts of a block that go side by side: their scratch rows stay in the L1 cache
-ROW = LANES + 24  # a word a lane; rows of one array then do not share a cache set
+LANES = 256  # contacts that are followed side by side: their scratch rows stay in the L1 cache
+ROW = LANES + 24  # a word for each lane; rows of one array then do not share a cache set
 ROUNDS = 7
 
-# what words are for; `fine` ones continue the four words of a round where 32 bits are too few. Of a
-# type of numpy's: for each number of Python's own numba compiles a function anew.
+# purposes of words; plus FINE: further bits, where 32 are too few. They have a numpy type, since numba
+# would compile a function again for each Python number.
 THRESHOLDS, STARTS, EXPOSURES, STEPS, WATCHED = np.array([0, 48, 96, 112, 128])
 FINE = 4
 
@@ -28,7 +28,7 @@ _W0, _W1 = _U(0x9E3779B9), _U(0xBB67AE85)
 
 
 class Stream(NamedTuple):
-    """Of one block: the two words of the seed, and the block's number among all; of uint64."""
+    """The stream of one block: the two words of the seed, and the block's number; of uint64."""
 
     low: np.uint64
     high: np.uint64
@@ -61,7 +61,7 @@ def words_at(lane, turn, stream, purpose):  # type: ignore[no-untyped-def]
 
 @inlined
 def uniform(high, low):  # type: ignore[no-untyped-def]
-    """Between 0 and 1, neither itself, from two words."""
+    """A number between 0 and 1, exclusive, from two words."""
     return (np.float64(((high << _HALF) | low) >> _U(11)) + 0.5) * 2.0**-53
 
 

@@ -1,11 +1,11 @@
 """Quantiles of thresholds and stretches as tables of fixed cells, certified when they are built.
 
-Probability is counted from both ends, v = min(u, 1 - u), so that tails are as sharp as the middle.
+Probability is counted from both ends, v = min(u, 1 - u), so that tails are as accurate as the middle.
 Each octave of v from 2^-12 to 1/2 is divided in 32 quadratic cells, which kernels find from the bits
 of a random word. Where a cell fails its certificate, as at kinks and jumps, a tree of halved cells
-takes its place. So it does below 2^-12, where cells are quadratic in -log2 v: however deep, a tail
-takes few of them. Of a mixture the component is drawn first, each with cells of its
-own, so that gaps and steps between components cost nothing.
+replaces it. A tree also covers v < 2^-12; its cells are quadratic in -log2 v, so that even a deep tail
+takes few of them. For a mixture the component is drawn first; each has its own cells, so that gaps
+and steps between components cost nothing.
 """
 
 from __future__ import annotations
@@ -24,43 +24,43 @@ Flags = npt.NDArray[np.bool_]
 OCTAVES, CELL_BITS = 11, 5  # of the quick cells
 CELLS = 1 << CELL_BITS
 SIDE = OCTAVES * CELLS + 1  # cells of one side; the first is its tail, v < 2^-12
-FAR = 1 << 58  # whole lengths beyond every path; quick cells give it where the tree must be asked
-DEEPEST = 2.0**-64  # a word and the one that continues it tell no smaller v
+FAR = 1 << 58  # whole length beyond every path; in a quick cell it refers to the tree
+DEEPEST = 2.0**-64  # smallest v that 64 random bits resolve
 
 _TOLERANCE = 1e-6  # of |cdf - u|, relative to min(u, 1 - u)
-_MOST_PARTS = 8  # components drawn first; of more of them the sum is tabled as one law
+_MOST_PARTS = 8  # most components that are drawn first; a mixture of more is one table
 _CHECKS = (np.arange(10) + 0.5) / 10.0
-_THINNEST = 2.0**-50  # of v: what cannot be halved further holds that little weight
-_MOST_LEFT = 1e-11  # weight of such cells in all
+_THINNEST = 2.0**-50  # relative width of a cell in v that is not halved further
+_MOST_LEFT = 1e-11  # largest total weight of such cells
 _MOST_CELLS = 200_000
-_SMALLEST = 1e-300  # of a typical value: where numbers end
-# a foreign law may know one tail as 1 less the other only, to the round-off of 1
+_SMALLEST = 1e-300  # over a typical value: smaller values underflow
+# a law of the user may compute one tail as 1 minus the other, with the round-off of 1
 _GRAINY, _GRAIN = np.array([3e-15, 1e-14, 3e-14]), 4e-16
 
 
 class Table(NamedTuple):
-    """Quantiles as kernels take them, of each part SIDE cells from below and SIDE from above, then their trees.
+    """Quantiles for kernels: of each part SIDE cells from below and SIDE from above, then their trees.
 
-    A cell's value is c0 + t (c1 + t c2), t the share of it that lies below v, or in the tail, the first
-    cell of each side, the share that lies below -log2 v.
+    A cell's value is c0 + t (c1 + t c2), with t the share of the cell below v; in the tail, the first
+    cell of each side, the share below -log2 v.
     """
 
     hot: npt.NDArray[
         np.int64
     ]  # (parts 2 SIDE 2,): c0, and c1 and c2 in single precision; see in_units
-    child: npt.NDArray[np.int32]  # (nodes,): lower half, the upper one comes next; -1: a leaf
+    child: npt.NDArray[np.int32]  # (nodes,): the lower half, the upper half follows it; -1: a leaf
     cells: Array  # (nodes, 5): lower edge, width, c0, c1, c2
     first: npt.NDArray[np.int64]  # (parts,): node of each part's first cell
-    begins: npt.NDArray[np.int64]  # (parts,): first of the 2^32 words that draw this part
-    spreads: npt.NDArray[np.uint64]  # (parts,): 2^64 over their number
+    begins: npt.NDArray[np.int64]  # (parts,): first of the 2^32 words that select this part
+    spreads: npt.NDArray[np.uint64]  # (parts,): 2^64 over the number of these words
     weights: Array  # (parts,)
 
     def in_units(self, unit: float) -> Table:
-        """The same in units of a length, ready to be drawn from."""
+        """This table in units of a length, with the quick cells that draws need."""
         cells = self.cells.copy()
         cells[:, 2:] /= unit
         quick = (self.first[:, None] + np.arange(2 * SIDE)).ravel()
-        # the tails, what was halved, and values that no path reaches
+        # tails, halved cells, and values beyond all paths are left to the tree
         slow = (np.arange(quick.size) % SIDE == 0) | (self.child[quick] >= 0)
         slow |= np.abs(cells[quick, 2:]).sum(axis=1) >= FAR
         hot = np.zeros((quick.size, 2))
@@ -78,11 +78,11 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
     """The table of a law, in its lengths, down to v = `deepest` from above: |cdf(Q(u)) - u| <= 1e-6 min(u, 1 - u).
 
     law : with cdf, sf, ppf and isf, as Thresholds, Start and distributions of scipy.stats have them. Each part is
-    certified at ten points of every cell. A value that differs from the exact one by 4 units in its last place also
-    passes, as does below v = 1e-9 one within 4e-16 where the law itself knows that tail no better.
+    certified at ten points of every cell. A value within 4 units in the last place of the exact one also passes, and
+    so does an error of v up to 4e-16 below v = 1e-9 where the law's own tail is no more accurate.
 
     Raises InputError, with `name`, where cdf, sf, ppf and isf do not agree well enough for that, and
-    where more weight than 2^-54 lies so near to 0 that no number does.
+    where more weight than 2^-54 lies so near to 0 that values underflow.
     """
     typical = max(abs(float(law.ppf(0.5))), float(law.isf(0.25)) - float(law.ppf(0.25)))
     lost = float(np.diff(law.cdf(_SMALLEST * typical * np.array([-1.0, 1.0])))[0])
@@ -108,7 +108,7 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
 
 
 def _halved(law: Any, deepest: float, name: str) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Cells of one smooth part, halved where they fail, and their children; the first 2 SIDE are the quick ones."""
+    """Cells of one part, halved where they fail their certificate, and their children; the first 2 SIDE are quick."""
     octaves = np.outer(2.0 ** np.arange(OCTAVES), 1.0 + np.arange(CELLS) / CELLS).ravel()
     edge = 2.0 ** -(OCTAVES + 1) * np.append(octaves, 2.0**OCTAVES)
     left, right = np.tile(np.append(OCTAVES + 1.0, edge[:-1]), 2), np.tile(edge, 2)
@@ -127,7 +127,7 @@ def _halved(law: Any, deepest: float, name: str) -> tuple[Array, npt.NDArray[np.
         good = _certified(law, row, above, tail, grain)
         thin = ~good & (right - left <= _THINNEST * right)
         left_over += float(np.abs(_v(right, tail) - _v(left, tail))[thin].sum())
-        row[thin, 2] = row[thin, 2:].sum(axis=1)  # at the far end
+        row[thin, 2] = row[thin, 2:].sum(axis=1)  # constant, with the value at the far end
         row[thin, 3:] = 0.0
         split = ~good & ~thin
         child = np.full(left.size, -1)
@@ -152,7 +152,7 @@ def _halved(law: Any, deepest: float, name: str) -> tuple[Array, npt.NDArray[np.
 def _fit(law: Any, left: Array, right: Array, above: Flags, tail: Flags) -> Array:
     """Rows of cells: lower edge, width and the parabola through three values of the law."""
     width = right - left
-    # a law may jump at an edge: cells keep off them
+    # a law may jump at an edge: take values slightly inside the cell
     inset = np.minimum(2.0**-49 * right, width / 16.0)[:, None]
     nodes = left[:, None] + inset + (width[:, None] - 2.0 * inset) * np.array([0.0, 0.5, 1.0])
     v, y = _v(nodes, tail[:, None]), np.empty(nodes.shape)
@@ -166,7 +166,7 @@ def _certified(law: Any, row: Array, above: Flags, tail: Flags, grain: Array) ->
     left, width, c0, c1, c2 = (column[:, None] for column in row.T)
     v = _v(left + width * _CHECKS, tail[:, None])
     apart = np.abs(_v(left + width, tail[:, None]) - _v(left, tail[:, None]))
-    # a cell that straddles a gap never passes, however thin: its error is a part of its own width
+    # the limit 0.01 of its width makes a cell fail that contains a jump, however thin it is
     slack = np.minimum(_TOLERANCE * np.minimum(v, 1.0 - v), 0.01 * apart)
     slack += grain[above.astype(int)][:, None] * (v < 1e-9)
     x = c0 + _CHECKS * (c1 + _CHECKS * c2)
@@ -187,5 +187,5 @@ def _tail(law: Any, x: Array, above: Flags) -> Array:
 
 
 def _v(place: Array, tail: Flags) -> Array:
-    """The v of places in cells, which tails count in -log2 v."""
+    """The v of places in cells, which in tails are -log2 v."""
     return np.where(tail, np.exp2(-np.where(tail, place, 0.0)), place)

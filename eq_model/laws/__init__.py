@@ -1,1 +1,1 @@
-"""How contacts break: at thresholds that stay, at a rate, and at those that diffuse or grow."""
+"""Laws of breaking with thresholds that diffuse (ageing) or grow (grains)."""

@@ -1,7 +1,7 @@
-"""How a threshold drifts towards a law that is not normal: a table.
+"""Table of the drift of a threshold y towards a final law P_cf that is not normal.
 
-Over w = ln(y - a), or ln[(y - a)/(b - y)] where the final law ends at b, any power at an end a of the law is a straight
-line of ln P_cf, and a tail that falls as a power too: the drift is (d ln P_cf/dw) dw/dy.
+The drift is (d ln P_cf/dw) dw/dy with w = ln(y - a), or ln[(y - a)/(b - y)] where the law ends at b: as a function of
+w, ln P_cf is linear at an end of the law where P_cf is a power, and in a tail that falls as a power.
 """
 
 from typing import NamedTuple
@@ -15,16 +15,16 @@ from origins import InputError, Thresholds
 Array = npt.NDArray[np.float64]
 
 _NODES = 4097
-_RARE = 1e-14
-_NEAREST = 1e-5  # to an end the table is, of the width of the final law's middle half
-_NEGLIGIBLE = 0.02  # a power that tells nothing of an end
+_RARE = 1e-14  # tail probability of either law at which the table ends
+_NEAREST = 1e-5  # distance of the table from an end of the law, over the width of its middle half
+_NEGLIGIBLE = 0.02  # a power of the density at an end that counts as 0
 
 
 class DriftTable(NamedTuple):
-    """Of d ln P_cf/dw at even steps of w, that of whole units if the law has no upper end.
+    """d ln P_cf/dw at equal steps of w, with lengths in whole units.
 
-    low, high : ends of the final law, the upper one may be inf; near, far : thresholds between which
-    the table is (units).
+    low, high : ends of the final law, the upper one may be inf; near, far : the table's range of
+    thresholds (units).
     """
 
     low: float
@@ -53,7 +53,7 @@ def drift_table(final: Thresholds, fresh: Thresholds, unit: float) -> DriftTable
     first, last = np.log((edges - low) / (high - edges) if high < np.inf else edges - low)
     w = np.linspace(first, last, _NODES)
     y = low + np.exp(w)
-    if high < np.inf:  # from the end that is closer, so that no digits are lost there
+    if high < np.inf:  # computed from the closer end, where no digits are lost then
         below, above = (high - low) / (1.0 + np.exp(-w)), (high - low) / (1.0 + np.exp(w))
         y = np.where(below <= above, low + below, high - above)
     values = CubicSpline(w, final.logpdf(y))(w, 1)

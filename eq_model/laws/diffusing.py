@@ -1,6 +1,6 @@
-"""A contact whose threshold diffuses: followed in steps, with a bridge between them where it may be met.
+"""A contact whose threshold diffuses: followed in steps, with a Brownian bridge for a break within a step.
 
-Lengths are in units of the lattice, but for those of rates.
+Lengths are in units of the lattice, except those of rate laws.
 """
 
 from typing import Any, NamedTuple
@@ -13,19 +13,19 @@ from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
 from eq_model.laws.ageing_tables import DriftTable
 
 _F, _I = np.float64, np.int64
-_THERMAL = 0.1  # of what a contact bears, spent in one step
-_CHANGE = 0.6  # of the logarithm of a rate in a step
-_NUDGE = 1e-3  # of the threshold: the difference from which slopes of ln h are taken
-_NEVER = 23.0  # no number of 32 bits is below e^-23
-_FAR = 8.0  # standard deviations that a threshold does not diffuse in a step
-_OF_THE_GAP = 0.15  # between stretch and upper end of the final law, a step's standard deviation
-_OF_THE_WAY, _LEAST = 0.2, 0.01  # to 0, a step's standard deviation; of the longest step
-_FELT = 0.25  # standard deviations of a step closer to an end than which no drift is felt
-_MOST_WATCHED = 12  # bits of a number of watched points
+_THERMAL = 0.1  # largest integral of the breaking rate over one step
+_CHANGE = 0.6  # largest change of ln h in a step
+_NUDGE = 1e-3  # difference for slopes of ln h, over the threshold
+_NEVER = 23.0  # no random number of 32 bits is below e^-23
+_FAR = 8.0  # standard deviations that no threshold diffuses in a step
+_OF_THE_GAP = 0.15  # a step's standard deviation, over the gap from stretch to the law's upper end
+_OF_THE_WAY, _LEAST = 0.2, 0.01  # the same over the distance to 0; shortest step, over the longest
+_FELT = 0.25  # standard deviations of a step: nearer to an end the drift is taken as constant
+_MOST_WATCHED = 12  # bits of the index of a watched point
 
 
 class Ageing(NamedTuple):
-    """Diffusion of thresholds, towards a normal law or one whose drift is tabled (ageing_tables)."""
+    """Diffusion of thresholds, towards a normal law or one with a table of its drift (ageing_tables)."""
 
     normal: bool
     mean: float
@@ -33,15 +33,15 @@ class Ageing(NamedTuple):
     relaxing: float  # per time
     diffusion: float  # squared units per time
     table: DriftTable
-    longest: float  # time of a step near the stretch that a threshold must not meet
-    coarse: float  # how much coarser than need be steps in heat are
-    warm: bool  # whether contacts break at rates besides
+    longest: float  # longest step (a time) where the threshold is near the stretch
+    coarse: float  # factor on steps with heat, 1 for the usual ones
+    warm: bool  # whether contacts also break at a rate
     rates: Any
     unit: float  # a length
 
     def coarser(self, times: float) -> "Ageing":
-        """With steps so many times longer."""
-        # the integral of a rate is of fourth order in the change of its logarithm
+        """The same law with steps `times` times longer."""
+        # the error of a rate's integral is of fourth order in the change of its logarithm
         return self._replace(longest=times * self.longest, coarse=times**0.25)
 
 
@@ -54,16 +54,16 @@ def _normal(words):  # type: ignore[no-untyped-def]
 
 @bare
 def _fourth(words):  # type: ignore[no-untyped-def]
-    """Between 0 and 1, from the fourth of four words."""
+    """A number between 0 and 1, from the fourth of four words."""
     return (_F(words[3]) + 0.5) * 2.0**-32
 
 
 @bare
 def _first_meeting(above, below, spread, bell, chance):  # type: ignore[no-untyped-def]
-    """Part of a step after which a Brownian bridge from `above` zero first meets it, when it does.
+    """Share of a step after which a Brownian bridge that starts at `above` first reaches zero, given that it does.
 
-    I/(1 + I), I of the inverse Gaussian law of mean above/|below| and shape above²/spread², spread² the variance of
-    the step without ends.
+    It is I/(1 + I), with I from the inverse Gaussian law of mean above/|below| and shape above²/spread²; spread is the
+    standard deviation of the unconditioned step.
     """
     if above <= 0.0:
         return 0.0
@@ -79,7 +79,7 @@ def _first_meeting(above, below, spread, bell, chance):  # type: ignore[no-untyp
 
 @bare
 def _between(above, below, variance, part, lane, turn, stream):  # type: ignore[no-untyped-def]
-    """How far above zero a Brownian bridge from `above` to `below` is after a part of its way, given that it stays.
+    """Value of a Brownian bridge from `above` to `below` after a share of its way, given that it stays above zero.
 
     It is the distance of a bridge in three dimensions, whose end has a random direction (Williams, 1974).
     """
@@ -113,12 +113,12 @@ def _drift(y, ageing):  # type: ignore[no-untyped-def]
 def _moved(y, time, bell, chance, walled, ageing):  # type: ignore[no-untyped-def]
     """A threshold a time later, towards a law that is not normal: by Heun's step, of second order in the mean.
 
-    A step that comes to the final law's upper end, or to its lower one where that is above the stretch (walled), is
-    reflected by how far it went beyond, as the furthest point of a Brownian bridge tells.
+    A step that reaches the final law's upper end, or its lower end where that is above the stretch (walled), is
+    reflected there by its largest excess beyond, drawn as the extreme of a Brownian bridge.
     """
     diffusion, low, high = ageing.diffusion, ageing.table.low, ageing.table.high
     spread = np.sqrt(2.0 * diffusion * time)
-    # closer to an end than this no drift is felt through a step
+    # nearer to an end than this the drift is that at these points
     least, most = low + _FELT * spread, high - _FELT * spread
     slope = _drift(min(max(y, least), most), ageing)
     guess = low + abs(y + diffusion * time * slope + spread * bell - low)
@@ -154,8 +154,8 @@ def _steepness(x, y, ageing):  # type: ignore[no-untyped-def]
 def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
     """The time of the next step, at most `left`; the stretch |x| = here grows with `speed`."""
     time = law.longest
-    gap = min(y, max(law.mean, 0.0)) - here  # what is above the mean may come down to it
-    if law.normal and gap > 0.0:  # within the time the threshold does not come down to the stretch
+    gap = min(y, max(law.mean, 0.0)) - here  # a threshold above the mean may drift down to it
+    if law.normal and gap > 0.0:  # the time in which the threshold cannot come down to the stretch
         spread = _FAR * np.sqrt(2.0 * law.diffusion)
         root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
         time = max(time, root * root)
@@ -169,7 +169,7 @@ def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
         time = min(time, 0.5 * gap / speed) if speed > 0.0 else time
     if not law.warm:
         return min(time, left)
-    # the part in which the breaking rate changes little, and little is borne
+    # the step in which the breaking rate changes little, and its integral is small
     x, change = min(here, y), law.coarse * _CHANGE
     spent = law.coarse**2 * _THERMAL / max(_rate(x, y, law), 1e-300)
     pull = law.relaxing * abs(law.mean - y)
@@ -195,7 +195,7 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
         seen += 1
     while leg < legs:
         d, pace, end = way.directions[leg], way.paces[leg], way.begins[leg + 1]
-        # on a leg the stretch is followed as a number, and rounded where the contact breaks
+        # on a leg the travel is a float, and is rounded where the contact breaks
         passed, room = 0.0, _F(end - at)
         while passed < room:
             now = _F(stretch) + d * passed
@@ -203,7 +203,7 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
             speed = 1.0 / pace if d != 0 and leaving else 0.0
             if d != 0 and not leaving:
                 left = min(left, max(here, 1.0) * pace)
-            # what comes to the law's lower end is reflected where the stretch is below, and breaks beyond
+            # end the step where the stretch passes the law's lower end: below it thresholds are reflected
             if not law.normal and d != 0 and here != wall and (here < wall) == leaving:
                 left = min(left, max(abs(wall - here), 1.0) * pace)
             time = _step(y, here, speed, left, law)
@@ -240,7 +240,7 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
                 first, reached = _rate(here, y, law), here + part * (then - here)
                 last = _rate(reached, reached, law) if broken else _rate(then, later, law)
                 spread = _steepness(min(here, y), y, law)[1] * np.sqrt(variance)
-                # of the rate's integral: its logarithm goes straight but for a Brownian bridge
+                # integral of the rate, with ln h linear in time plus a Brownian bridge
                 ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
                 mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
                 spent = mean * time * part * (1.0 + min(spread * spread, 1.0) / 12.0)
@@ -275,5 +275,5 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
 
 
 LIVES[Ageing] = grow_old
-# contacts are counted on the way, where the threshold is known
+# grow_old itself counts contacts at watched points, as it knows their thresholds
 SEEN[Ageing] = lambda law, contact, way, moment: -1.0

@@ -1,8 +1,8 @@
-"""A contact whose threshold grows with its age: it keeps its quantile as a hazard and breaks where that of
-its law, at its stretch and age, exceeds it.
+"""A contact whose threshold grows with its age: it keeps its quantile, as a cumulative hazard, and breaks
+where the hazard of the law of thresholds at its stretch and age exceeds it.
 
-Lengths are in units of the lattice, but for those of rates; ages count from when the contact pinned, in
-units of tau_m. origins/grains/contact.py and lifshitz_slyozov.py are the same in plain numpy.
+Lengths are in units of the lattice, except those of rate laws; ages count from pinning, in units of
+tau_m. origins/grains/contact.py and lifshitz_slyozov.py have the same formulas in plain numpy.
 """
 
 from typing import Any, NamedTuple
@@ -14,22 +14,25 @@ from eq_model.contact import LIVES, SEEN, Break, most, rate
 from eq_model.draws.streams import STEPS, uniform, words_at
 
 _I, _F = np.int64, np.float64
-_SMALL = 0.4  # grain sizes, of the largest, below which psi is integrated: its closed form cancels
+_SMALL = 0.4  # grain size over the largest below which psi is integrated: its closed form cancels
 _NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(10)[0]).tolist())
 _WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(10)[1]).tolist())
-_STEPS, _MISS = 60, 1e-5  # Halley's step leaves the cube of what is missing
+_STEPS, _MISS = (
+    60,
+    1e-5,
+)  # of Halley's method; relative step at which to stop: its cube is the error
 _SPLITS = 200
-# of a bound above the rate; of what is borne, where the bound may be any
+# largest ratio of the bound to the rate; not required where the bound's integral is below _LITTLE
 _RISE, _LITTLE = 3.0, 0.05
 
 
 class Growing(NamedTuple):
-    """How thresholds grow."""
+    """Growth of thresholds with the age of their grains."""
 
     first: float  # tau_m
     root: float  # B^(1/2), per unit
     age: float  # since pinning, of the contacts at X = 0
-    warm: bool  # whether contacts break at rates besides
+    warm: bool  # whether contacts also break at a rate
     rates: Any
     unit: float  # a length
 
@@ -67,7 +70,7 @@ def hazard(stretch, age, root):  # type: ignore[no-untyped-def]
 
 @bare
 def quantile(goal, age, root):  # type: ignore[no-untyped-def]
-    """Threshold at an age of the contact whose hazard is `goal`."""
+    """Threshold, at an age, of the contact with the hazard `goal`."""
     excess = np.expm1(np.log1p(age) / 3.0)
     if excess <= 0.0 or goal <= 0.0:
         return 0.0
@@ -89,17 +92,17 @@ def quantile(goal, age, root):  # type: ignore[no-untyped-def]
 
 @bare
 def _past(ticks, near, pace, age, goal, root):  # type: ignore[no-untyped-def]
-    """Logarithm of the hazard after so many ticks, over what the contact bears."""
+    """Logarithm of the ratio of the hazard after `ticks` to the contact's own."""
     now = hazard(near + ticks, age + ticks * pace, root)
     return min(max(np.log(now / goal), -700.0), 700.0)
 
 
 @bare
 def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
-    """Ticks after which a contact is stretched to its threshold that it has met after `room`, not yet at 0.
+    """Ticks after which a contact reaches its threshold, which is beyond it at 0 ticks and not at `room`.
 
-    As a contact is stretched steadily the hazard falls or not, and then rises, so that it passes the goal once.
-    Chandrupatla's way between bisection and inverse quadratic interpolation.
+    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Chandrupatla's
+    method: bisection or inverse quadratic interpolation.
     """
     a, b = room, 0.0
     at_a, at_b = _past(a, near, pace, age, goal, root), _past(b, near, pace, age, goal, root)
@@ -127,7 +130,7 @@ def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
 
 @bare
 def _hold(clock, leg, x, age, goal, way, law):  # type: ignore[no-untyped-def]
-    """Clock and leg where a contact that keeps the hazard `goal` meets its threshold."""
+    """Clock and leg where a contact with the hazard `goal` reaches its threshold."""
     legs = way.directions.size
     while leg < legs:
         d, pace = way.directions[leg], way.paces[leg] / law.first
@@ -154,17 +157,17 @@ def _hold(clock, leg, x, age, goal, way, law):  # type: ignore[no-untyped-def]
 
 @bare
 def _rate(x, y, law):  # type: ignore[no-untyped-def]
-    # without a threshold a contact is as good as at it
+    # a threshold of 0 counts as a tiny one
     y = max(y, 1e-9)
     return rate(law.rates, min(x, y) * law.unit, y * law.unit, 1.0)
 
 
 @bare
 def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def]
-    """The break at a temperature, if before the moment `until`.
+    """The thermal break of a contact, if it comes before the moment `until`.
 
-    Breaks are proposed at a rate above that of the contact, and taken in the share that this has of
-    it: exact, however the steps are cut (Lewis and Shedler, 1979).
+    By thinning: breaks are proposed at a rate above the contact's, and accepted with the ratio of the
+    two rates. This is exact whatever the steps (Lewis and Shedler, 1979).
     """
     clock, leg, x, root, unit = contact.clock, contact.leg, contact.stretch, law.root, law.unit
     draws, step, end = contact.drawn, 1.0, way.begins[way.directions.size]
@@ -212,19 +215,19 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
 
 @bare
 def _pinned(contact, law):  # type: ignore[no-untyped-def]
-    """Age and hazard of a contact that forms: e^exposure, or that of its threshold at X = 0."""
+    """Age and hazard of a contact that forms: e^exposure, or in the start that of its threshold."""
     if contact.fresh:
         return 0.0, np.exp(contact.exposure)
     return law.age, hazard(_F(contact.threshold), law.age, law.root)
 
 
 def keep_hazard(law, contact, way, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact whose quantile is a hazard."""
+    """The break of a contact with a growing threshold."""
     age, goal = _pinned(contact, law)
     leg = contact.leg
     while leg + 1 < way.directions.size and contact.clock >= way.begins[leg + 1]:
         leg += 1
-    # it is stretched faster than its threshold grows: (9/2) B (v tau_m)² of hazard
+    # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
     slowest = 4.5 * (law.root * law.first / way.paces[leg]) ** 2
     if contact.fresh and way.directions[leg] != 0 and goal <= slowest:
         return Break(contact.clock, contact.leg, contact.drawn, False)

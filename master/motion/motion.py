@@ -1,4 +1,4 @@
-"""X(t): the slider's motion as straight legs, and the moves that a contact has seen since its birth."""
+"""X(t): the slider's motion as straight legs, and the displacements of a contact since its birth."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-# Speeds that differ by less than this share are one speed: positions divided by times are known to
-# some 1e-13 where a path has thousands of points.
+# Speeds that differ by less than this share count as equal: quotients of positions and times are
+# accurate to some 1e-13 where a path has thousands of points.
 SAME_SPEED = 1e-9
 
 
 class Legs(NamedTuple):
-    """The straight legs between the births of contacts and the moment at which they are looked at.
+    """The straight legs between the births of contacts and a later moment.
 
-    displacement : array of shape (..., k + 1), how far the slider stands from where it was at the
-        birth, at the beginning of the first leg and at the end of each; legs before the birth are
-        there with no displacement and no duration
+    displacement : array of shape (..., k + 1), the slider's displacement since the birth, at the
+        beginning of the first leg and at the end of each; legs before the birth are included, with
+        no displacement and no duration
     duration : array of shape (..., k), the time that the contact spent on each leg
     speed : array of shape (k,), dX/dt on each leg, of either sign
     """
@@ -33,13 +33,13 @@ class Legs(NamedTuple):
 class Motion:
     """X(t), straight between knots.
 
-    t is a time, or the way gone where nothing that the contacts do depends on time.
+    t is a time, or the distance travelled where nothing that the contacts do depends on time.
 
     Parameters
     ----------
     times, positions : arrays of shape (n + 1,)
-        When the slider stands where; times rise. Knots at which the speed stays the same are left
-        out, knots that share a time are one.
+        Knots of X(t); times increase. Knots at which the speed stays the same are dropped, and
+        knots that share a time are merged.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Motion:
         times, positions = times[later], positions[later]
         steps = np.diff(times)
         speeds = np.diff(positions) / steps
-        # times are rounded, which short steps feel most
+        # rounding of the times changes the speeds of short steps most
         rounding = 4.0 * np.finfo(float).eps * times[-1] / np.minimum(steps[1:], steps[:-1])
         larger = np.maximum(np.abs(speeds[1:]), np.abs(speeds[:-1]))
         turns = np.flatnonzero(np.abs(np.diff(speeds)) > (SAME_SPEED + rounding) * larger) + 1
@@ -63,14 +63,14 @@ class Motion:
 
     @classmethod
     def along(cls, positions: Array) -> Motion:
-        """The motion through these positions from the first, t being the way gone."""
+        """The motion through these positions from the first, t being the distance travelled."""
         way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
         return cls(way, positions)
 
     def since(self, leg: int) -> Motion:
         """The same motion with times and positions counted from the beginning of a leg.
 
-        What happens shortly after a knot keeps its digits then, however late that is.
+        Times shortly after a knot then keep their digits, however late the knot is.
         """
         other = copy(self)
         other.times = self.times - self.times[leg]
@@ -79,7 +79,7 @@ class Motion:
 
     @property
     def one_leg(self) -> bool:
-        """Whether the slider keeps one speed all along."""
+        """Whether the slider keeps one speed throughout."""
         return self.speeds.size == 1
 
     def leg(self, t: Array | float) -> npt.NDArray[np.intp]:
@@ -88,7 +88,7 @@ class Motion:
         return np.clip(found, 0, self.speeds.size - 1)
 
     def leg_of_all(self, t: Array) -> int:
-        """Index of the leg on which all t lie; the first may be the knot that it begins with."""
+        """Index of the leg on which all t lie; the smallest t may be the leg's first knot."""
         return int(self.leg(0.5 * (float(t.min()) + float(t.max()))))
 
     def at(self, t: Array) -> Array:
@@ -107,7 +107,7 @@ class Motion:
         return np.maximum(now, highest[seen]), np.minimum(now, lowest[seen])
 
     def history(self, t: Array, s: Array) -> History:
-        """The moves of contacts that were born at s, up to t.
+        """The displacements from s to t of contacts born at s.
 
         t and s broadcast to shape (rows, columns); all t lie on one leg, and so do the s of a row.
         """
@@ -115,11 +115,11 @@ class Motion:
 
 
 class History:
-    """The slider's displacement X(t) - X(s) since contacts were born at s, and all in between.
+    """The slider's displacement X(t) - X(s) since contacts were born at s, and on the way there.
 
-    Every row (rows, columns) lies within one smooth piece: where a contact's largest |x| meets an
-    exact threshold, or another leg begins, the row ends. So the middle column tells on which side
-    of such a point the whole row is.
+    Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact
+    threshold, or where another leg begins. So the middle column determines on which side of such a
+    point the whole row lies.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class History:
         return last, np.broadcast_to(np.minimum(self.motion.leg(s), last), shape[:1])
 
     def legs(self) -> Legs:
-        """The moves leg by leg, for contacts whose rate of breaking depends on all of them."""
+        """The moves leg by leg, for contacts whose rate of breaking depends on each."""
         motion = self.motion
         shape = np.broadcast_shapes(self.t.shape, self.s.shape)
         if motion.one_leg:

@@ -1,2 +1,2 @@
 """The paper's own schemes, as printed: its explicit step, its friction loop, and its system of
-ageing (Q15). Plain and of low order; `master.solve` is the accurate road."""
+ageing (Q15). They are of low order; `master.solve` is the accurate method."""

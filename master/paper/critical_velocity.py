@@ -3,8 +3,8 @@
 With the paper's reset every slip puts all contacts back to Q_ini, with fresh thresholds of age 0:
 each run up to a slip repeats the first, so there is stick-slip if and only if -F'(X) reaches the
 spring K on the way. Slow sliding gives the thresholds time to age, which makes the drop steeper.
-D_X = D/v holds for the slider's own X, as in (Q15). On the drive's clock, X + F/K, more time passes
-before the drop, and in it ever less: there v_c is larger, and `master.solve` with a spring tells.
+D_X = D/v holds for the slider's own X, as in (Q15). Where the drive's X_T = X + F/K moves at v, more
+time passes before the drop and less in it, and v_c is larger; `master.solve` with a spring finds it.
 """
 
 from collections.abc import Callable
@@ -23,13 +23,13 @@ from origins.errors import positive
 
 Array = npt.NDArray[np.float64]
 
-# Steps of (Q15) to the narrower width of start and fresh thresholds: v_c is extrapolated over h².
+# Steps of (Q15) per width of start or fresh thresholds, the narrower; v_c is extrapolated in h².
 _LEVELS = (4.0, 8.0, 16.0)
-# The same of the path on which the exact closure's steepest drop is looked up.
+# Points per such width of the path on which the exact closure's steepest drop is located.
 _POINTS = 20.0
-# Of K* (relative to 1 + K*) and of F (in mean thresholds) with closure "exact".
+# Tolerance of K* (relative to 1 + K*) and of F (in mean thresholds) with closure "exact".
 _TOLERANCE = 1e-8
-# ln v_c is found to the first; the second is a change of ln v that shows the slope of K*.
+# Tolerance of ln v_c; and the change of ln v for the slope of K* as a finite difference.
 _CLOSE, _APART = 1e-7, 0.01
 # Survival of the thresholds beyond which the first drop of the force is over.
 _BEYOND = 1e-3
@@ -73,7 +73,7 @@ def critical_velocity(
     Returns
     -------
     CriticalVelocity
-        With the error that K* itself or finer steps tell.
+        Its error is estimated from that of K*, or from the change with finer steps.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def _printed_drop(contacts: Contacts, velocity: float, step: float) -> tuple[flo
 def _crossing(
     excess: Callable[[float], float], spring: float, slowest: float, fastest: float
 ) -> float:
-    """ln v where -F' exceeds the spring by nothing; InputError unless it does at the slowest."""
+    """ln v where the largest -F' equals the spring; InputError unless it lies between the speeds."""
     from scipy.optimize import brentq
 
     slow, fast = excess(np.log(slowest)), excess(np.log(fastest))
@@ -183,13 +183,13 @@ def _steepest(force: Array, step: float) -> tuple[float, float]:
 
 
 def _first_drop_over(contacts: Contacts) -> float:
-    """X (a length) by which next to all contacts have broken, fresh or aged."""
+    """X (a length) by which nearly all contacts have broken, fresh or aged."""
     assert contacts.ageing is not None
     highest = max(contacts.thresholds.isf(_BEYOND), contacts.ageing.final.isf(_BEYOND))
     return float(highest) - min(contacts.start.span[0], 0.0)
 
 
 def _narrower_width(contacts: Contacts) -> float:
-    """The width of start or fresh thresholds, the narrower (a length); single values have none."""
+    """The narrower width, of start or of fresh thresholds (a length); single values do not count."""
     both = half_width(contacts.thresholds), half_width(contacts.start)
     return min(width for width in both if width > 0.0)

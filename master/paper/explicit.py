@@ -7,10 +7,10 @@ step
     a fraction a(x) of those now at x breaks,
     the broken contacts re-form at x = 0.
 
-The fraction is taken from Q after the shift. Taken before it, as (Q2) and (Q3) read to the letter,
-cells fall below zero and the answer explodes. A contact that breaks within a step would have
-stretched again by up to dX before the step ends; here it does not. So where breaks are spread
-smoothly, every generation comes dX/2 late.
+The fraction is taken from Q after the shift. Taken before it, as (Q2) and (Q3) literally say, cells
+become negative and the solution diverges. A contact that breaks within a step should stretch again
+by up to dX before the step ends; here it does not. So where breaks are spread smoothly, every
+generation is dX/2 late.
 """
 
 import time
@@ -29,15 +29,15 @@ from origins.thresholds.law import Thresholds
 Array = npt.NDArray[np.float64]
 Breaking = Literal["survival", "printed"]
 
-# Nodes of the grid, and steps: more would take hours and gigabytes.
+# Most nodes of the grid, and most steps: more would take hours and gigabytes.
 MOST_NODES = 2**22
-# Share of the contacts that may stretch beyond the grid's end: below the round-off of their sum.
+# Share of the contacts beyond the grid's end: below the round-off of their sum.
 TAIL = 1e-18
 
 
 @dataclass(frozen=True)
 class ExplicitSolution:
-    """What the explicit scheme gives; it knows nothing of its own error.
+    """The result of the explicit scheme, which has no error estimate.
 
     Attributes
     ----------
@@ -60,8 +60,8 @@ class ExplicitSolution:
 class Grid(NamedTuple):
     """Stretches x, all multiples of the step, and the contacts on them at X = 0.
 
-    zero : index of x = 0; shares : of the contacts at each node, of sum 1
-    fraction : of the contacts now at each node that breaks in this step
+    zero : index of x = 0; shares : of the contacts at each node, with the sum 1
+    fraction : of the contacts at each node, after the shift, that breaks in a step
     """
 
     step: float
@@ -85,27 +85,27 @@ def explicit(
     ----------
     contacts : Contacts
         Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to
-        P(x); a delay, rounded to whole steps. As in the paper, a contact that starts at x < 0 is
-        under P(x) from x = 0 on, though its threshold is known to exceed |x|: with weight there the
-        scheme is not the discrete model.
+        P(x); a delay, rounded to whole steps. As in the paper, a contact that starts at x < 0 breaks
+        by P(x) from x = 0 on, although its threshold is known to exceed |x|: with weight there the
+        scheme differs from the discrete model.
     path : array of shape (n,)
         Slider positions X >= 0 that never turn back (lengths); any spacing.
     step : float
         dx = dX (a length).
     breaking : "survival" or "printed"
-        The fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), what the hazard P
-        takes over the whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; it is cut at 1,
-        as P grows without bound towards the upper end of a bounded law.
+        The fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), the effect of the
+        hazard P over the whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; it is limited
+        to 1, as P grows without bound towards the upper end of a bounded law.
     velocity : float
-        v (length per time), which only temperature and delay ask for.
+        v (length per time); only temperature and delay depend on it.
 
     Raises
     ------
     InputError
         For a path as in `master.solve`; for a step that is not above zero or needs more than
         4,194,304 nodes or steps; for an unknown `breaking`; for temperature with closure "exact",
-        where one rate at x is not enough; for other laws of a contact; and for "printed" with
-        thresholds of exact single values, which have no P(x).
+        where the rate is no function of x alone; for other laws of a contact; and for "printed"
+        with exact thresholds, which have no P(x).
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.paper.explicit", ("thermal", "delay"))
@@ -128,7 +128,7 @@ def explicit(
 
 
 def followed(grid: Grid, path: Array, began: float, late: int = 0) -> ExplicitSolution:
-    """Step by step along a path (n,) of slider positions; broken contacts are out for `late` steps.
+    """Take all steps along a path (n,) of slider positions; broken contacts are out for `late` steps.
 
     Turning points are moved to the nearest multiple of the step. began : time.perf_counter()
     """
@@ -139,16 +139,16 @@ def followed(grid: Grid, path: Array, began: float, late: int = 0) -> ExplicitSo
     goals = path[corners] / step
     goals[:-1] = np.rint(goals[:-1])
     legs = np.diff(goals, prepend=0.0)  # steps, of which the last ends within one
-    waiting = np.zeros(1 + late)  # a ring: what breaks now comes back `late` steps later
+    waiting = np.zeros(1 + late)  # ring buffer: contacts that break now re-form `late` steps later
     force, holding = [x @ shares], [shares.sum()]
     for leg in legs:
-        one_way = shares if leg >= 0.0 else shares[::-1]  # a view: backward is forward of -x
+        one_way = shares if leg >= 0.0 else shares[::-1]  # a view: backward motion is forward in -x
         for _ in range(int(np.ceil(abs(leg) * (1.0 - 1e-12)))):
             waiting[len(force) % waiting.size] = shift_and_break(one_way, fraction)
             one_way[zero] += waiting[(len(force) + 1) % waiting.size]
             force.append(x @ shares)
             holding.append(shares.sum())
-    # steps taken when the slider has come to each point
+    # number of steps at which the slider reaches each point
     travel = np.cumsum(np.abs(np.diff(path, prepend=0.0)))
     taken = np.append(0.0, np.cumsum(np.abs(legs)))
     at = np.interp(travel, np.append(0.0, travel[corners]), taken)
@@ -162,7 +162,7 @@ def followed(grid: Grid, path: Array, began: float, late: int = 0) -> ExplicitSo
 
 
 def shift_and_break(shares: Array, fraction: Array) -> float:
-    """Move all contacts on by one node, break some (paper, Eq. Q2), in place; what share broke."""
+    """Move all contacts by one node and break some (paper, Eq. Q2), in place; returns their share."""
     shares[1:] = shares[:-1].copy()
     shares[0] = 0.0
     broken = fraction * shares
@@ -184,12 +184,12 @@ def make_grid(
     zero = 1 - int(np.floor(span[0] / step))  # as many nodes below it as above, if the span is even
     x: Array = step * np.arange(-zero, int(np.ceil(span[1] / step)) + 2, dtype=float)
     fraction = broken_fraction(contacts.thresholds, x, step, breaking)
-    fraction[-1] = 1.0  # what would leave the grid breaks at its end
+    fraction[-1] = 1.0  # contacts that would leave the grid break at its end
     return Grid(step, zero, x, starting_shares(contacts, x, step), fraction)
 
 
 def largest_stretch(contacts: Contacts, way: float) -> float:
-    """The largest |x| of all but 1e-18 of the contacts while the slider goes a way; lengths."""
+    """The largest |x| of all but 1e-18 of the contacts while the slider travels `way`; lengths."""
     low, high = contacts.start.span
     furthest = min(max(-low, high, 0.0), contacts.thresholds.support()[1])
     tail = TAIL * float(contacts.thresholds.sf(furthest))
@@ -199,7 +199,7 @@ def largest_stretch(contacts: Contacts, way: float) -> float:
 def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
     """The share of the contacts at each node at X = 0 (paper, Eq. Q5b); they add up to 1."""
     start = contacts.start
-    if start.is_single:  # two nodes share it, so that its mean stays
+    if start.is_single:  # distributed over two nodes with the same mean
         share = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
     else:
         share = np.diff(start.cdf(np.append(x - 0.5 * step, x[-1] + 0.5 * step)))

@@ -1,10 +1,10 @@
 """(Q3back), (Q4back), (Q5aback): the paper's friction loop (App. C), stepped forward and back.
 
 It is kept as the plain twin of `master.solve` on a path that turns round. Backward motion is
-forward motion with P_b(x) = P(-x): what breaks depends on x alone, and a survivor's past is
-forgotten. A contact that was pulled to 0.9 and let back to -0.5 counts as if its threshold might be
-0.6, which it would not have survived. So after a turn this is not the discrete model: with
-P_c(1, 0.2) it is off by 0.04 where turns are at +-3 and by 0.18 where they are at +-0.9.
+forward motion with P_b(x) = P(-x): breaking depends on x alone, and a survivor's past is forgotten.
+A contact that was pulled to 0.9 and back to -0.5 is treated as if its threshold could be 0.6, which
+it would not have survived. So after a turn this differs from the discrete model: with P_c(1, 0.2)
+the force is off by 0.04 where turns are at +-3, by 0.18 where they are at +-0.9.
 """
 
 import time

@@ -1,16 +1,16 @@
 """(Q15) in steady sliding: one P_c for all contacts, which diffuses to P_cf and is reset to P_ci.
 
-Where nothing depends on X any more, (Q15) says Q = S/C with S the survival of P_c, as in (Q11a), so
-P Q = P_c/C and
+In steady sliding (Q15) gives Q = S/C with S the survival of P_c, as in (Q11a), so that P Q = P_c/C
+and
 
     - D_X L P_c = (P_ci - P_c)/C,        C = <x>,        F_k/(N_c <k>) = <x²>/(2 C).
 
-P_c is held as weights of equal cells between a wall at the lower end of P_cf and one where nothing
-is left. Between a reset and the next, y[i] more weight crosses the edge i upwards than downwards:
+P_c is represented by weights of cells between a wall at the lower end of P_cf and one beyond nearly
+all weight. Between two resets the net weight y[i] crosses the edge i upwards:
 
     y[i] = C D_X (up[i] w[i] - down[i] w[i+1]),          w[i] = w_fresh[i] + y[i-1] - y[i].
 
-Errors are even powers of the cell width, which extrapolation over halved cells takes away.
+Errors are series in even powers of the cell width, which extrapolation over halved cells removes.
 """
 
 from collections.abc import Callable
@@ -30,18 +30,18 @@ from origins.thresholds.scipy_laws import as_thresholds
 
 Array = npt.NDArray[np.float64]
 
-# Cells of the coarsest and of the finest grid. The finest takes some 20 ms a solution.
+# Cells of the coarsest and of the finest grid, which takes some 20 ms for one solution.
 _FEWEST_CELLS, _MOST_CELLS = 1000, 32_000
-# Survivals of P_ci or P_cf at which the table of P_c ends, and up to which its cells are as good as
-# equal. x² times the first is lost beside <x²> for all laws but tails of low powers.
+# Survivals of P_ci or P_cf at which the table of P_c ends, and up to which its cells are nearly
+# equal. The end is negligible in <x²> for all laws but tails of low powers.
 _TAIL, _BULK = 1e-25, 1e-3
-# Relative error of C and F_k that is round-off, and at which no finer grid is tried.
+# Relative round-off of C and F_k, and the relative error at which the grid is fine enough.
 _ROUND_OFF = 1e-13
 _ENOUGH = 1e-11
-# Weight of a cell below which the table has none: slopes of fainter curves overflow as 1/slope.
+# Smaller weights of cells are set to 0: the interpolation divides by slopes, and would overflow.
 _FAINTEST = 1e-200
 
-# Moves weight from the cell below an edge to the one above.
+# Change of the weights of the two cells beside an edge when weight moves up across it.
 _UP = np.array([-1.0, 1.0])
 
 
@@ -60,15 +60,15 @@ class AgeingSteadyState:
     holding : float
         Fraction of the contacts that hold: 1.
     thresholds : Thresholds
-        P_c, read from a table of weights.
+        P_c, from a table of weights.
     positivity_defect : float
-        Weight of that table below zero, which the density leaves out.
+        Sum of negative weights of that table, without the sign; the density leaves them out.
     cycle_length_error : float
         Error of C in units of the mean fresh threshold.
     success : bool
-        Whether the force is known to a thousandth of itself: no tolerance is asked for.
+        Whether the relative error of the force is at most 1e-3.
     message : str
-        In words: what was reached.
+        The accuracy reached.
     """
 
     force: float
@@ -93,7 +93,7 @@ class AgeingSteadyState:
 
 
 def check_alone(contacts: Contacts) -> None:
-    """Raise InputError for laws of a contact that (Q15) does not have."""
+    """Raise InputError for laws of a contact that (Q15) does not include."""
     for name in ("thermal", "delay", "reforming"):
         if getattr(contacts, name) is not None:
             raise InputError(
@@ -106,8 +106,8 @@ def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> 
     """(Q15), (Q11c), (Q11d): the steady state at the speed `velocity`, D_X = D/v, any final law.
 
     fresh is P_ci: Thresholds, or a frozen scipy.stats distribution on x >= 0; exact single values
-    are allowed. Raises InputError for thresholds that the final law does not cover, and for a final
-    law without weight on the way.
+    are allowed. Raises InputError for fresh thresholds outside the support of the final law, and for
+    a final law with a gap that thresholds would have to cross.
     """
     law = as_thresholds(fresh)
     ageing.check_fresh(law)
@@ -125,11 +125,11 @@ def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> 
             row.append(row[k] + (row[k] - coarser) / (4.0 ** (k + 1) - 1.0))
         if rows:
             off = np.abs(row[-1] - rows[-1][-1]) + _ROUND_OFF * row[-1]
-            # what <x> and <x²> may have beyond the table
+            # contributions to <x²> and <x> from beyond the table
             off += edges[-1] * ageing.final.sf(edges[-1]) * np.array([edges[-1] / known[1], 1.0])
         rows.append(row)
     force, length = rows[-1][-1].tolist()
-    # weights of the coarser of the last two grids, extrapolated once
+    # weights on the coarser of the last two grids, extrapolated from both
     coarse, fine = weights
     better = (4.0 * fine.reshape(-1, 2).sum(axis=1) - coarse) / 3.0
     success, message = judged("F_k", off[0] / force, WELL)
@@ -147,8 +147,8 @@ def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> 
 
 def _make_grid(fresh: Thresholds, final: Thresholds) -> Callable[[int], Array]:
     """grid(k): edges of some 1,000 2^k cells, nearly equal over the bulk of both laws and growing
-    along a far tail: equal over s, where x = lower + bulk sinh(s/bulk), for errors to extrapolate.
-    Edges stand where either law bends, jumps or holds an atom."""
+    along a far tail: they are equal in s, where x = lower + bulk sinh(s), so that errors extrapolate.
+    There are edges where either law bends, jumps or has an atom."""
     lower, end = final.support()
     upper, bulk = (
         min(end, max(float(fresh.isf(tail)), float(final.isf(tail)))) - lower
@@ -176,18 +176,18 @@ def _make_grid(fresh: Thresholds, final: Thresholds) -> Callable[[int], Array]:
 def _solve(
     fresh: Thresholds, final: Thresholds, diffusion: float, edges: Array
 ) -> tuple[Array, Array]:
-    """(F_k, C), lengths, and the weights of P_c on given cells: reset once in C, its mean is C."""
+    """(F_k, C), lengths, and the weights of P_c on given cells; C is the mean of P_c."""
     hops = Diffusion(final, edges)
     born = hops.weights(fresh)
     middle = 0.5 * (edges[1:] + edges[:-1])
     for atom, share in zip(*fresh.atoms, strict=True):
         k = int(np.searchsorted(edges, atom))
-        if 0 < k < edges.size - 1 and edges[k] == atom:  # on an edge: shared, so that <x> stays
+        if 0 < k < edges.size - 1 and edges[k] == atom:  # on an edge: two cells, with the same <x>
             born[k - 1 : k + 1] += share * (atom - middle[k - 1]) / np.diff(middle)[k - 1] * _UP
     gained = hops.up * born[:-1] - hops.down * born[1:]
 
     def crossed(length: float) -> Array:
-        """y: what crosses each inner edge upwards between two resets, `length` apart."""
+        """y: the net weight that crosses each inner edge upwards between two resets, `length` apart."""
         amount = diffusion * length
         band = np.zeros((3, gained.size))
         band[0, 1:] = -amount * hops.down[:-1]

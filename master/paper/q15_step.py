@@ -4,9 +4,9 @@
     dP_c/dX = D_X L P_c - P Q + P_ci b
     P_c = P exp(-integral of P),         that is P = P_c/S, S the survival of P_c
 
-Contacts are cohorts at (i + 1/2) h, which a step moves across whole cells of P_c. Each step is half
-a step of ageing, the breaks by the survival in the middle of the step, and half a step of ageing.
-Errors fall as h² while mass and sign of P_c are both kept, and as h after that.
+Contacts are cohorts at (i + 1/2) h, which a step moves across whole cells of P_c. Each step consists
+of half a step of ageing, the breaks, with the survival in the middle of the step, and half a step of
+ageing. Errors fall as h² as long as mass and sign of P_c are both conserved, and as h after that.
 """
 
 from collections.abc import Callable
@@ -26,23 +26,24 @@ Array = npt.NDArray[np.float64]
 Keep = Literal["positivity", "mass"]
 Ages = Callable[[Array], Array]
 
-# Survival of P_ci or P_cf at which the table of P_c ends; no cohort of such a share is seen.
+# Survival of P_ci or P_cf at which the table of P_c ends; so small a share is negligible.
 _TAIL = 1e-13
-# Of a step: where a wall of P_cf lies closer than this to an edge of cells, it takes its place.
+# A wall of P_cf nearer than this to an edge of cells, in steps, replaces the edge.
 _SLIVER = 0.25
-# Share of contacts that counts as standing where no thresholds are left.
+# Largest share of contacts, where no thresholds are left, that counts as none.
 _STANDING = 1e-14
-# Steps that the table of P_c may span: more would take hours.
+# Most steps across the table of P_c: more would take hours.
 _MOST_STEPS = 20_000
-# Change of ln P_cf over a cell, at three quantiles of P_ci, up to which hops see it as smooth.
+# Largest change of ln P_cf over a cell that the hops between cells resolve; and quantiles of P_ci at
+# which it is evaluated.
 _CHANGE, _BULK = 2.0, np.array([1e-3, 0.03, 0.5])
-_FEWEST_CELLS, _MOST_CELLS = 4, 128  # to a step
-# Ageing is taken in parts of 1/8 of the time in which P_cf is reached, 16 at most.
+_FEWEST_CELLS, _MOST_CELLS = 4, 128  # per step
+# Parts of ageing per relaxation time of P_cf, and most parts of one step.
 _PARTS, _MOST_PARTS = 8.0, 16
 
 
 class Defects(NamedTuple):
-    """F/(N_c <k>) (a length), mass of P_c less 1, and weight of P_c below 0, a positive number."""
+    """F/(N_c <k>) (a length), mass of P_c minus 1, and negative weight of P_c without its sign."""
 
     force: float
     mass: float
@@ -57,11 +58,11 @@ class Q15Stepper:
     step : float
         h, a length.
     edges : array (m + 1,)
-        Of all cells (lengths).
+        Ends of all cells (lengths).
     walls : array (m / cells + 1,)
-        Of the groups of cells that cohorts cross in a step (lengths).
+        Ends of the groups of cells that cohorts cross in a step (lengths).
     stretches, cohorts : arrays (k,)
-        Where cohorts stand (lengths), and Q as their shares of the contacts.
+        Stretches of the cohorts (lengths), and Q as their shares of the contacts.
     """
 
     def __init__(
@@ -96,7 +97,7 @@ class Q15Stepper:
 
         inner = self.stretches[self.stretches > lower + _SLIVER * step]
         inner = inner[: int(np.searchsorted(inner, upper)) + 1]
-        if inner[-1] > end - _SLIVER * step:  # nothing may lie beyond the wall of P_cf
+        if inner[-1] > end - _SLIVER * step:  # no cell may lie beyond the wall of P_cf
             inner = np.append(inner[inner < end - _SLIVER * step], end)
         self.walls = np.append(lower, inner)
         place = np.arange(cells * inner.size + 1) / cells
@@ -120,20 +121,20 @@ class Q15Stepper:
         return self._half(self._broken)
 
     def histogram(self) -> Array:
-        """The same, between the walls."""
+        """P_c, as weights between the walls."""
         return np.asarray(self.weights().reshape(-1, self._cells).sum(axis=1))
 
     def state(self) -> Defects:
-        """The force, and what P_c lacks."""
+        """The force, and the defects of P_c."""
         w = self._broken
         below = abs(float(w[w < 0.0].sum()))
         return Defects(float(self.stretches @ self.cohorts), float(w.sum()) - 1.0, below)
 
     def advance(self) -> bool:
-        """Take one step. False, and nothing done, with keep = "mass" where contacts stand at a
-        survival that is not above 0."""
+        """Take one step. With keep = "mass", returns False without a step where contacts have a
+        stretch with a survival that is not above 0."""
         begun = middle = self._aged
-        for _ in range(2):  # the second time by the survival in the middle of the step
+        for _ in range(2):  # the second time with the survival in the middle of the step
             broken = self._break(begun, middle)
             if broken is None:
                 return False
@@ -144,8 +145,8 @@ class Q15Stepper:
         return True
 
     def _break(self, begun: Array, middle: Array) -> tuple[Array, Array] | None:
-        """Cohorts (k,) and weights (m,) after the breaks of a step, by the survival of `middle`; None
-        as `advance` says."""
+        """Cohorts (k,) and weights (m,) after the breaks of a step, with the survival of `middle`;
+        None where `advance` returns False."""
         groups = middle.reshape(-1, self._cells)
         tail = np.append(np.cumsum(groups.sum(axis=1)[::-1])[::-1], 0.0)
         survival = np.interp(self.stretches, self.walls, tail)
@@ -159,7 +160,7 @@ class Q15Stepper:
         total = float(lost.sum()) + float(self.cohorts[-1])
         cohorts = np.append(0.0, moved)
         cohorts[self._born] += total
-        # those born in the step stand at h/2 on average: some of them break and are born again
+        # contacts born in the step end at h/2 on average: some of them break and are born again
         births = total * float(tail[0] / survival[self._born])
         lost[self._born - 1] += births - total
         # the cells that a cohort crosses lose in proportion to what they hold
@@ -175,8 +176,8 @@ def make_ageing(diffusion: Diffusion, amount: float, parts: int = 1) -> Ages:
     """(L): the function that ages weights (n,) by `amount` = D t (a length squared), sum kept.
 
     The exponential of the hops between cells, in `parts` steps each of one tridiagonal solution:
-    exp(z) ≈ 1/(1 - z + z²/2) = Re (1 - i)/(1 - (1 + i) z/2), of second order; it forgets what is
-    fast and lets next to nothing fall below zero.
+    exp(z) ≈ 1/(1 - z + z²/2) = Re (1 - i)/(1 - (1 + i) z/2), of second order; it damps fast modes
+    and makes hardly any weight negative.
     """
     up, down = amount / parts * diffusion.up, amount / parts * diffusion.down
     leaving = np.append(up, 0.0) + np.append(0.0, down)
@@ -186,7 +187,7 @@ def make_ageing(diffusion: Diffusion, amount: float, parts: int = 1) -> Ages:
     def age(weights: Array) -> Array:
         for _ in range(parts):
             after = ((1.0 - 1.0j) * zgttrs(*factors, weights.astype(complex))[0]).real
-            # with many hops the sum is known to so many roundings only
+            # restore the sum, which many hops change by rounding
             weights = after + (weights.sum() - after.sum()) * diffusion.stationary
         return weights
 
@@ -194,7 +195,7 @@ def make_ageing(diffusion: Diffusion, amount: float, parts: int = 1) -> Ages:
 
 
 def enough_cells(contacts: Contacts, step: float) -> int:
-    """Cells to a step over which ln P_cf changes by little where fresh thresholds lie."""
+    """Cells per step, so many that ln P_cf changes little over a cell where fresh thresholds lie."""
     final, fresh = ages(contacts).final, contacts.thresholds
     beside = 1e-4 * float(fresh.std() or fresh.mean())
     x = fresh.ppf(_BULK)
@@ -205,14 +206,14 @@ def enough_cells(contacts: Contacts, step: float) -> int:
 
 
 def enough_parts(contacts: Contacts, step: float, velocity: float) -> int:
-    """Parts of a step in each of which P_cf is approached by little."""
+    """Parts of a step, so many that thresholds relax little in each."""
     ageing = ages(contacts)
     approach = ageing.rate / velocity * step / ageing.final.std() ** 2
     return int(np.clip(np.ceil(_PARTS * approach), 1, _MOST_PARTS))
 
 
 def half_width(law: Thresholds | Start) -> float:
-    """Half of what holds the middle two thirds of a law of lengths; 0 of a start at one stretch."""
+    """Half the width of a law's middle two thirds (a length); 0 for a start at one stretch."""
     if isinstance(law, Start) and law.is_single:
         return 0.0
     return 0.5 * float(law.isf(0.16) - law.ppf(0.16))

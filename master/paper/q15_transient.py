@@ -1,10 +1,10 @@
-"""(Q15): the paper's transients of contacts that age, as printed, and what they do not keep.
+"""(Q15): the paper's transients of contacts that age, as printed, and their defects.
 
-One P_c is both the law of new thresholds and the histogram of those that hold. Only in the steady
-state is it both. From a peaked start the contacts outrun it: they stand where the thresholds that
-would break them are used up already, and no P_c that is nowhere negative can lose as many
-thresholds as contacts break. From there on either its mass or its sign is lost, and the answer
-depends on which; both defects are told at every X. The steps are those of q15_step.
+(Q15) takes one P_c as both the law of new thresholds and the histogram of those that hold, which is
+right only in the steady state. From a peaked start the contacts outrun P_c: they reach stretches at
+which the thresholds that would break them are used up, and P_c would have to become negative to
+lose as many thresholds as contacts break. From there on either its mass or its sign is wrong, and
+the answer depends on which; both defects are returned at every X. q15_step takes the steps.
 """
 
 import time
@@ -22,19 +22,19 @@ from origins.errors import positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
 
-# First step of `solve_q15`, of the narrowest width: coarser ones see nothing of the laws.
+# First step of `solve_q15`, over the narrowest width: coarser ones do not resolve the laws.
 _COARSEST = 0.5
-# Cells times steps times parts after which no finer step is tried: about ten seconds.
+# Cells times steps times parts after which the step is not halved: about ten seconds.
 _MOST_WORK = 1e8
-# Degree of the polynomials by which the force is read between steps: above the order of the steps.
+# Degree of the spline of the force between steps, above the order of the steps.
 _SPLINE = 5
-# Defect of mass or sign from which on contacts are said to have outrun P_c.
+# Defect of mass or sign above which contacts count as having outrun P_c.
 _NOTICED = 1e-6
 
 
 @dataclass(frozen=True)
 class AgeingTransient:
-    """F(X) of (Q15) and its defects; arrays of shape (n,) unless said.
+    """F(X) of (Q15) and its defects; arrays of shape (n,) unless another is given.
 
     Attributes
     ----------
@@ -47,23 +47,23 @@ class AgeingTransient:
     holding : array
         Fraction of contacts that hold: 1.
     mass_defect : array
-        Mass of P_c less 1.
+        Mass of P_c minus 1.
     positivity_defect : array
-        Weight of P_c below 0, as a positive number.
+        Negative weight of P_c, without its sign.
     edges : array (m + 1,)
-        Ends of cells of P_c (lengths), a step wide but for the outermost.
+        Ends of cells of P_c (lengths), one step wide except for the outermost.
     weights : array (n, m)
         P_c at each X, as weights of the cells.
     step : float
         h, a length.
     outrun : float
-        X from which contacts stand where no thresholds are left (a length); inf if they never do.
-        From there on the answer is one of many: what (Q15) does not say has been decided by `keep`,
-        and by where the table of P_c ends, at a survival of 1e-13, where all break.
+        X from which on contacts have stretches at which no thresholds are left (a length); inf if
+        that never happens. From there on (Q15) does not determine the answer: it depends on `keep`,
+        and on where the table of P_c ends, at a survival of 1e-13, where all contacts break.
     success : bool
-        Whether the path was followed to its end, and the force is as good as asked for.
+        Whether the path was followed to its end with the requested accuracy.
     message : str
-        In words: what was reached, and what P_c did not keep.
+        The accuracy reached, and the defects of P_c.
     run_time : float
         Seconds.
     """
@@ -103,19 +103,19 @@ def paper_transient(
     path : array of shape (n,)
         Positions X >= 0 that never turn back (lengths).
     step : float
-        h, of X and between cohorts (a length): a tenth of the narrowest of start and laws, or less.
+        h, of X and between cohorts (a length): at most a tenth of the narrowest width of start and
+        laws.
     velocity : float
         v > 0; D_X = D/v.
     keep : "positivity" or "mass"
-        What is kept where both cannot be. "positivity": thresholds that are not there cannot be
-        lost, and the mass grows. "mass": P_c goes below 0; the solution ends where contacts stand
-        at a survival that is not above 0.
+        What is conserved where both cannot be. "positivity": thresholds that are missing are not
+        subtracted, and the mass grows. "mass": P_c becomes negative; the solution ends where
+        contacts have a stretch with a survival that is not above 0.
     cells, parts : int, optional
-        Cells of P_c to each step, and parts in which each step ages; None: enough.
+        Cells of P_c per step, and parts of each step of ageing; None: chosen from the laws.
 
     Raises InputError for contacts without ageing, with thermal breaking, delay or re-forming away
-    from 0, and for a start from a single value: there P Q is a product of what is infinite and what
-    it empties, and (Q15) has no meaning.
+    from 0, and for a start at a single stretch, for which (Q15) has no meaning: P Q is infinite.
     """
     began = time.perf_counter()
     ages(contacts)
@@ -127,8 +127,8 @@ def paper_transient(
     parts = None if parts is None else whole("parts", parts, 1)
     stepper = Q15Stepper(contacts, step, velocity, keep, cells, parts)
 
-    steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))  # a path of whole steps ends on one
-    # at each position P_c is that of the last step before it
+    steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))  # despite rounding of whole steps
+    # P_c at each position is that of the last step before it
     last_step = np.minimum(np.floor(positions / step * (1.0 + 1e-12)).astype(int), steps)
     told = [stepper.state()]
     shown = {0: stepper.histogram()}
@@ -169,11 +169,11 @@ def paper_transient(
 def solve_q15(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
 ) -> AgeingTransient:
-    """F along drive.path (paper, Eq. Q15): steps are halved until it, extrapolated, changes by less
-    than `tolerance` (in mean fresh thresholds), or the work is too much; the error says which."""
+    """F along drive.path (paper, Eq. Q15): steps are halved until the extrapolated force changes by
+    less than `tolerance` (in mean fresh thresholds), or until the limit of work is reached."""
     began = time.perf_counter()
     step = _COARSEST * _narrowest(contacts)
-    # the same at all steps: errors of both then fall as h²
+    # the same for all steps, so that the errors of both fall as h²
     cells, parts = enough_cells(contacts, step), enough_parts(contacts, step, drive.velocity)
     end, unit = float(drive.path[-1]), contacts.mean_threshold
 
@@ -183,7 +183,7 @@ def solve_q15(
     finest = follow(step)
     force, error = finest.force, np.inf
     before: Array | None = None
-    # half the step makes twice the steps, each over twice the cells
+    # halving the step doubles the number of steps and of cells
     work = 4.0 * finest.edges.size * cells * parts * (end / step + 1.0)
     stuck = False
     while error > tolerance and not stuck and (work <= _MOST_WORK or not np.isfinite(error)):
@@ -192,7 +192,7 @@ def solve_q15(
         force = (4.0 * finest.force - coarser.force) / 3.0
         if before is not None:
             change = 2.0 * float(np.abs(force - before).max()) / unit
-            # where contacts outran P_c finer steps need not help
+            # where contacts have outrun P_c, finer steps may not reduce the error
             stuck = finest.outrun < end and change > 0.5 * error
             error = change
             progress(error)
@@ -211,6 +211,6 @@ def solve_q15(
 
 
 def _narrowest(contacts: Contacts) -> float:
-    """The least width (a length) of start, fresh and final thresholds; single values have none."""
+    """The narrowest width (a length) of start, fresh and final thresholds; single values do not count."""
     laws = contacts.thresholds, contacts.start, ages(contacts).final
     return min(width for width in [half_width(law) for law in laws] if width > 0.0)

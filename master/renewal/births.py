@@ -1,13 +1,12 @@
-"""Births: what the births of a panel add to the contacts and to the force, later on.
+"""Births: the contributions of a panel's births to the number and the force at later times.
 
 A contact that breaks at s is out until s + delay, where it is born again at a stretch r. As long as
-it is out it counts among the contacts, but bears nothing. So with E and K of its life the kernels of
-number and force are
+it is out it counts among the contacts, but carries no force. So with E and K of its life the kernels
+of number and force are
 
     number: 1 for t < s + delay, E(t, s + delay) after,      force: 0, then K(t, s + delay).
 
-Both are integrated against the derivatives of the polynomials that stand for the number of breaks
-on each panel.
+Both are integrated against the derivative of the number of breaks, a polynomial on each panel.
 """
 
 from __future__ import annotations
@@ -27,24 +26,24 @@ from origins.start import SingleStart, Start
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Two shares of a panel nearer than this are one: 1e-13 of a panel breaks next to nothing.
+# Two shares of a panel nearer than this count as equal: the breaks between them are negligible.
 CLOSE = 1e-13
-# Rounding of a time, relatively: where the survival is steep it is all that the nodes differ by.
+# Relative rounding of a time: where the survival is steep, nodes differ by hardly more than this.
 ROUNDING = 8.0 * float(np.finfo(float).eps)
-# Targets times panels that are integrated at once: some 100 MB of arrays.
+# Most targets times panels that are integrated at once: some 100 MB of arrays.
 CHUNK = 40_000
-# What a survival averaged over the stretches at birth costs, in such from one stretch.
+# Cost of a survival averaged over the stretches at birth, in units of that from a single stretch.
 SPREAD_WORK = 40
-# Pieces, as seen from later targets, that are integrated one by one before halving ends: some 30 s.
+# Most pieces of integrals, counted per target, before halving of panels ends: some 30 s.
 MOST_WORK = 15_000_000
-# Halvings of a piece whose survival no polynomial follows.
+# Most halvings of a piece on which no polynomial resolves the survival.
 DEPTH = 40
 
 
 class Moments(NamedTuple):
-    """Integrals of the kernels times Legendre polynomials of the share of a panel, over pieces.
+    """Integrals over pieces of panels of the kernels times Legendre polynomials of the share.
 
-    target, panel : indices, shape (pieces,)
+    target, panel : indices of each piece, shape (pieces,)
     values : array of shape (2, pieces, DEGREE + 1), for number and force
     """
 
@@ -67,15 +66,15 @@ class Panels(NamedTuple):
     breaks: Array
 
     def pick(self, which: Rows | npt.NDArray[np.bool_]) -> Panels:
-        """Some of them."""
+        """The panels with these indices, or where the mask is true."""
         return Panels(*(part[which] for part in self))
 
 
 class Added(NamedTuple):
-    """What panels add.
+    """The contributions of panels.
 
     sums : array of shape (2, *grid.shape), number and force
-    gone : array of shape (panels,), whether none of a panel's births holds any more
+    gone : array of shape (panels,), whether all births of a panel have broken
     """
 
     sums: Array
@@ -83,7 +82,7 @@ class Added(NamedTuple):
 
 
 def _share(t: Array, begin: Array | float, width: Array | float) -> Array:
-    """Which share of a panel has gone by at t."""
+    """The share of a panel that lies before t."""
     return np.asarray(np.clip((t - begin) / width, 0.0, 1.0))
 
 
@@ -98,7 +97,7 @@ class Births:
     Parameters
     ----------
     life : Life
-        What is left of contacts later on.
+        Survival and force of contacts after their birth.
     law : Start
         The stretches at which broken contacts form again.
     delay : float
@@ -111,7 +110,7 @@ class Births:
     work : int
         Pieces that were integrated so far.
     dear : int
-        What one survival after moves of several legs costs, in such pieces.
+        Cost of one survival after moves over several legs, in such pieces.
     """
 
     def __init__(
@@ -159,13 +158,13 @@ class Births:
         return out
 
     def added(self, grid: Array, panels: Panels) -> Added:
-        """Number and force that the births of solved panels make at later times, all on one leg.
+        """Contributions of the births of solved panels at later times, all on one leg.
 
         grid : array of shape (rows, columns)
         """
         out, t = np.zeros((2, grid.size)), float(grid[0, 0])
         s = panels.begin[:, None] + panels.width[:, None] * np.array([0.0, 0.5, 1.0]) + self.delay
-        # those that are out are not gone
+        # contacts that are out do not count as gone
         gone = (s.max(axis=1) < t) & ~self.felt(np.array([[t]]), np.minimum(s, t), self.law)
         some = panels.pick(~gone)
         if some.begin.size:
@@ -173,7 +172,7 @@ class Births:
         return Added(out.reshape(2, *grid.shape), gone)
 
     def felt(self, t: Array, s: Array, law: Start) -> npt.NDArray[np.bool_]:
-        """Whether some contacts born at s, shape (n, columns), are not stretched beyond reach at t."""
+        """Whether some contacts born at s, shape (n, columns), are within the life's reach at t."""
         history = self.motion.history(t, s)
         first, last = law.span
         least = np.maximum(first + history.high.min(axis=1), -(last + history.low.max(axis=1)))
@@ -188,7 +187,7 @@ class Births:
         return np.asarray(broken - born)
 
     def _moments(self, t: Array, begin: Array, width: Array) -> Iterator[Moments]:
-        """Those over pieces of the panels on each of which a polynomial follows the survival."""
+        """Moments over pieces of the panels, halved until a polynomial resolves the survival."""
         born = _share(t[:, None] - self.delay, begin, width)
         row, left, right = self._pieces(t, begin, width, born)
         target, panel = row // begin.size, row % begin.size
@@ -222,7 +221,7 @@ class Births:
             )
 
     def _rough(self, held: Array, t: Array, length: Array, width: Array) -> npt.NDArray[np.bool_]:
-        """Pieces on which no polynomial follows the survival, but for the rounding of times."""
+        """Pieces on which no polynomial resolves the survival, apart from the rounding of times."""
         tail = np.abs(held @ rule.GAUSS_TO_LEGENDRE[-2:].T).max(axis=-1)
         steepness = np.abs(held[:, 0] - held[:, -1]) / (length * width)
         rounding = ROUNDING * t * steepness
@@ -248,10 +247,10 @@ class Births:
     def _cuts(
         self, t: Array, begin: Array, width: Array, born: Array
     ) -> tuple[npt.NDArray[np.intp], Array]:
-        """Shares of the panels at which what is left at t bends: rows, as in `_pieces`, and shares.
+        """Shares of the panels at which the survival at t bends: rows, as in `_pieces`, and shares.
 
-        That is where the largest |x| of a contact changes sides, and where it meets a bend of the
-        survival, or one of the edges of the survival's own panels where these are finer.
+        That is where the largest |x| of a contact changes sides, where it meets a bend of the
+        survival, and where it meets an edge of the survival's own panels, if these are finer.
         """
         motion, life = self.motion, self.life
         r = self.law.mean() if self.law.is_single else 0.0
@@ -274,7 +273,7 @@ class Births:
 def _between(
     marks: Array, at_first: Array, change: Array, born: Array
 ) -> tuple[npt.NDArray[np.intp], Array]:
-    """Where a length that changes evenly along each panel meets marks: rows, and shares of panels.
+    """Where a length that changes linearly along each panel meets marks: rows, and shares of panels.
 
     marks : array of shape (k,), sorted
     at_first : array of shape (n, m), the length at the panels' beginnings, as seen from n targets

@@ -1,4 +1,4 @@
-"""Cut: a march that goes on from any of its moments along another motion."""
+"""Cut: a march that is continued from any of its moments along another motion."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from master.renewal.lumps import NOTHING, Lump
 from master.renewal.march import March
 from master.renewal.run import Run
 
-# Width, in grains, of the last panel of a time in which none is born.
+# Width, in grains, of the last panel of a time in which no contact is born.
 SHORT = 1e-6
 
 
 def cut(march: March, t: float, births: Births) -> March:
-    """The contacts as they were at the time t; its edges are to be set before it runs.
+    """A march that has the contacts of this one at the time t; set its edges before it runs.
 
     births : along a motion that is the same up to t, of the same life and stretches
     """
@@ -46,9 +46,9 @@ def cut(march: March, t: float, births: Births) -> March:
 
 
 def hold(march: March, begin: float, end: float) -> None:
-    """Contacts that break from begin to end stay out, and are born at the end, all at once."""
+    """Add panels from begin to end without births: broken contacts are born together at the end."""
     number, _ = march.known(np.full((1, TARGETS.size), end))
-    # whatever breaks at the end is looked for over half of the last panel: it has to be short
+    # the march looks for breaks at the end over half of the last panel, which has to be short
     nothing, nearly = np.zeros((1, rule.DEGREE + 1)), end - min(SHORT * march.grain, end - begin)
     for first, last in ((begin, nearly), (nearly, end)):
         if last > first:

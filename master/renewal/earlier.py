@@ -1,9 +1,9 @@
-"""Births of earlier legs: what they add to number and force on a later one.
+"""Births of earlier legs: their contributions to number and force on a later one.
 
-Where the life is not quick, every value of a survival costs microseconds. So as a function of the
-birth the survival is followed by polynomials on wide pieces, cut where it bends, whatever the
-panels of the breaks are. Legs that go one way share their pieces: as a function of the place of
-birth the survival hardly feels where the speed changed.
+Where the life is not quick, every value of a survival costs microseconds. So the survival, as a
+function of the birth, is represented by polynomials on wide pieces that end where it bends, whatever
+the panels of the breaks are. Consecutive legs in one direction share pieces: as a function of the
+place of birth the survival is nearly smooth where the speed changed.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ from master.renewal.table import basis_of
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Gauss nodes of a piece; and of pieces that end wherever the speed changed, where that was often:
-# on so many legs, shorter than a share of the life's grain.
+# Gauss nodes of a piece; fewer where pieces end wherever the speed changed, as they do when there are
+# at least MANY_LEGS legs, shorter than the share SHORT of the life's grain.
 SIZE, SIZE_OF_MANY, MANY_LEGS, SHORT = 16, 4, 8, 0.1
-# Halvings of a piece: rounding of times ends it before.
+# Most halvings of a piece; rounding of times ends them before.
 DEPTH = 60
-# Two places nearer than this share of all are one.
+# Two places nearer than this share of the whole range count as equal.
 CLOSE = 1e-13
-# Rounding of a place, relatively.
+# Relative rounding of a place.
 ROUNDING = 1e-14
-# Pairs of pieces and panels that are summed at once: some 100 MB of arrays.
+# Most pairs of pieces and panels that are summed at once: some 100 MB of arrays.
 CHUNK = 100_000
 
-# How far inside the ends of a piece the survival is looked at, as a share of it, where it
-# jumps at exact thresholds; else at the ends, where a short life is seen.
+# Where the survival jumps at exact thresholds, it is evaluated this share of a piece inside its ends;
+# else at the ends themselves, where a life shorter than the piece shows.
 _INSIDE = 1e-9
-# What a polynomial may miss at the ends of a piece, in units of its accuracy: beside a root of the
-# survival it misses more there than in between.
+# Allowed error of a polynomial at the ends of a piece, in units of its accuracy: beside a root of the
+# survival the error is larger there than in between.
 _END = 100.0
 
 
@@ -54,7 +54,7 @@ class _Pieces(NamedTuple):
         return _Pieces(self.target[which], self.left[which], self.right[which])
 
     def cut(self, knots: Array) -> _Pieces:
-        """Each piece cut in two: at the knot nearest to its middle, or there where none is inside."""
+        """Each piece cut in two at the knot nearest to its middle, or at the middle if it has none."""
         at = 0.5 * (self.left + self.right)
         after = np.clip(np.searchsorted(knots, at), 1, knots.size - 1)
         before = knots[after - 1]
@@ -72,16 +72,16 @@ class EarlierBirths:
     Parameters
     ----------
     births : Births
-        Of all legs; its work is counted on.
+        Of all legs; its `work` is increased.
     accuracy : float
-        Of the number and, over the reach, the force that the births add.
+        Allowed error of the births' contribution to the number, and to the force over the reach.
     goes_on : callable
-        Whether there is time for pieces to be halved.
+        Whether there is time left to halve pieces.
 
     Attributes
     ----------
     missed : float
-        What no polynomial followed when halving ended, of the number of contacts.
+        Error of the number from pieces that were not resolved when halving ended.
     """
 
     def __init__(
@@ -93,12 +93,12 @@ class EarlierBirths:
         self._panels: list[Panels] = []
 
     def add(self, leg: int, panels: Panels) -> None:
-        """Take over the births on a leg; `since` of the panels tells when, counted from its begin."""
+        """Add the births on a leg; `since` of the panels is counted from the leg's beginning."""
         self._legs.append(leg)
         self._panels.append(panels)
 
     def follows(self, leg: int) -> bool:
-        """Whether a leg goes on the way of these."""
+        """Whether a leg directly follows these in the same direction."""
         speeds, last = self._births.motion.speeds, self._legs[-1]
         return bool(leg == last + 1 and speeds[leg] * speeds[last] > 0.0)
 
@@ -114,9 +114,9 @@ class EarlierBirths:
         return len(self._legs) >= MANY_LEGS and bool(short)
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
-        """Count times from now on as this motion does, which begins with a later leg at t = 0.
+        """Count times from now on as this motion does, in which a later leg begins at t = 0.
 
-        Legs of whose births none is felt any more are let go. Returns whether any is left.
+        Drops legs whose births contribute less than `negligible`. Returns whether any leg remains.
         """
         self._motion, births = motion, self._births
         now, legs = np.full(1, np.finfo(float).tiny), np.array(self._legs)
@@ -141,7 +141,7 @@ class EarlierBirths:
         return True
 
     def _place(self) -> None:
-        """Put all panels one after the other by the places of their births."""
+        """Join the panels of all legs into one sequence in the place of birth."""
         motion, legs = self._motion, np.array(self._legs)
         counts = [panels.width.size for panels in self._panels]
         of_leg = np.repeat(legs, counts)
@@ -194,7 +194,7 @@ class EarlierBirths:
         return out
 
     def _rough(self, pieces: _Pieces, missed: Array, series: Array) -> npt.NDArray[np.bool_]:
-        """Pieces on which no polynomial follows what is left, as far as births feel it."""
+        """Pieces whose polynomials miss the survival by more than the accuracy, times the births."""
         first = np.searchsorted(self._ends, pieces.left, "right") - 1
         last = np.searchsorted(self._ends, pieces.right, "left")
         last = np.clip(last, 0, self._most.size - 1)
@@ -209,7 +209,7 @@ class EarlierBirths:
         return np.asarray(rough & wide)
 
     def _cut(self, t: Array) -> _Pieces:
-        """The births in pieces, for each target, between which what is left bends."""
+        """Pieces of the births, for each target, with ends where the survival bends."""
         motion, law = self._motion, self._births.law
         first, last = self._ends[0], self._ends[-1]
         cuts = np.full((t.size, 0), first)
@@ -232,8 +232,8 @@ class EarlierBirths:
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
     """Births on pieces, weighted by each piece's own Legendre polynomials: shape (pieces, size).
 
-    ends : array of shape (panels + 1,), of the panels' places; slopes : of their births by the share
-        of a panel, as Legendre coefficients, shape (panels, DEGREE + 1)
+    ends : array of shape (panels + 1,), ends of the panels, as places
+    slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
     left, right : arrays of shape (pieces,), places
     """
     first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, None)

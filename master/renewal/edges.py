@@ -15,25 +15,25 @@ from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Every break at a bend of P_c makes a bend of the breaks that follow, one order smoother each time:
-# on panels of 17 nodes, about two digits smaller.
+# A bend of the rate of births makes bends of the later breaks, wherever contacts meet a bend of P_c,
+# one order smoother each time: on panels of 17 nodes their effect is about two digits smaller.
 DIGITS_A_GENERATION = 2.0
-# Edges at most, those of lumps apart: beyond, panels that do not resolve the breaks are halved.
+# Most edges, not counting lumps; further bends are resolved by halving panels.
 MOST = 400
-# Lumps at most: each is followed by itself.
+# Most lumps, each of which is followed individually.
 MOST_LUMPS = 4000
-# Share of the contacts below which a lump is left to the rounding of conservation.
+# Share of the contacts below which a lump is within the rounding of conservation, and ignored.
 LEAST_LUMP = 1e-15
-# Two edges nearer than this share of their time are one, and a point this shortly before an edge is
-# read after it: times are rounded.
+# Two edges nearer than this share of their time count as equal, and a point nearer than this before
+# an edge counts as after it: times are rounded.
 CLOSE = 1e-12
-# Two bends nearer than this share of the tolerance, in units of the grain, are one: between them
-# next to no contacts break. (Sums of corners that a law does not declare scatter by as much.)
+# Two bends nearer than this share of the tolerance, in units of the grain, count as equal: the breaks
+# between them are negligible. (Sums of corners that a law does not declare scatter by as much.)
 UNFELT = 1e-2
 
 
 class Moment(NamedTuple):
-    """A time from which bends spread, and how often these have been smoothed."""
+    """A time at which breaks bend, so that later ones do, and how often the bend was smoothed."""
 
     time: float
     generation: float
@@ -48,11 +48,11 @@ class Together(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """Edges, and what they come from.
+    """Edges, and the moments that make them.
 
     times : array of shape (n,), sorted, from `since` to the end
-    too_many_lumps : whether more lumps met than can be followed
-    moments : those from which bends spread, the known ones first
+    too_many_lumps : whether there are more lumps than can be followed
+    moments : those at which breaks bend, the known ones first
     """
 
     times: Array
@@ -77,9 +77,9 @@ def edges(
     motion, life : as in the march
     start, again : laws of the stretches at t = 0 and of the stretches of re-forming
     delay : time for which a broken contact is out
-    tolerance : of the number of breaks; bends that are felt less are left out
-    since, known, born : the time up to which a march has come that goes on, the moments that it
-        has met by then, and the lumps that were born by then
+    tolerance : of the number of breaks; bends with a smaller effect are left out
+    since, known, born : for a march that is continued, the time that it has reached, and the
+        moments that it has met and the lumps that were born until then
     """
     generations = -np.log10(tolerance) / DIGITS_A_GENERATION
     end = float(motion.times[-1])
@@ -109,11 +109,11 @@ def edges(
     waiting += [turn for turn in turns if turn.time <= since]
     meet(turns)
     meet([Moment(t.time - delay, 2) for t in turns if delay > 0.0])
-    # where a start stands stretched, breaks set in at once, and births a delay later
+    # where contacts of the start break at once, births begin one delay later
     meet([Moment(delay, 1)] if delay > 0.0 else [])
     meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
     most = MOST + len(lumps)
-    # what breaks as it is born makes a jump of the rate of breaks a jump again, a delay later
+    # contacts that break at their birth repeat a jump of the rate of breaks one delay later
     smoothed = _lost(_at_once(motion, life, again)) if delay > 0.0 else 1.0
     if smoothed < 1.0:
         meet([Moment(delay, smoothed)])
@@ -148,7 +148,7 @@ def _lump_times(
 
     for lump in born if life.atoms.size else ():
         spread(lump)
-    # what is born in a hold stands at one stretch, as lumps do
+    # contacts born in one hold share one stretch, as lumps do
     holds = motion.times[1:][motion.speeds == 0.0] if not life.timeless and again.is_single else []
     for t in holds if life.atoms.size else ():
         spread(Together(float(t), 1.0, again.mean()))
@@ -163,11 +163,10 @@ def _lump_times(
 
 
 def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[Moment]:
-    """The moments at which contacts born a delay after one make a bend.
+    """The moments at which contacts born one delay after a moment make breaks bend again.
 
-    A bend of P_c smooths a bend of the breaks by one order, and by as much again as it is weak
-    itself; an exact threshold leaves its order, and of its size the share of the contacts that have
-    it.
+    A jump of P_c smooths a bend by one order, weaker bends of P_c by more. An exact threshold keeps
+    the order of a bend and multiplies its size by the share of contacts with that threshold.
     """
     found, sizes = [], dict(zip(life.bends.tolist(), life.bend_sizes.tolist(), strict=True))
     for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
@@ -180,7 +179,7 @@ def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life)
 
 
 def _lost(share: float) -> float:
-    """How many generations of smoothing a share is worth that keeps a bend as it is."""
+    """Generations of smoothing that weaken a bend as much as its repetition by this share does."""
     return float(-np.log10(share) / DIGITS_A_GENERATION) if share > 0.0 else 1.0
 
 

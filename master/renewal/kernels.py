@@ -1,4 +1,4 @@
-"""Kernels: what a panel adds to number and force on later panels of the same leg and width."""
+"""Kernels: contributions of a panel to number and force on later panels of its leg and width."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from origins.start import SingleStart
 
 Array = npt.NDArray[np.float64]
 
-# Where on a panel number and force are asked for: at its beginning, the nodes, and between.
+# Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
 
 
 class Kernel(NamedTuple):
-    """What a panel adds to number and force on panels of its own width, by distance.
+    """Contributions of a panel to number and force on panels of its own width, by distance.
 
     number, force : arrays of shape (panels apart, targets, DEGREE + 1)
-    solve : array of shape (DEGREE, DEGREE), from what is missing at the nodes to the breaks there
+    solve : array of shape (DEGREE, DEGREE), matrix from 1 - number at the nodes to the breaks there
     """
 
     number: Array
@@ -33,23 +33,23 @@ class Kernel(NamedTuple):
 
 
 class Kernels:
-    """Kernels for the legs of a motion, each computed when it is first asked for.
+    """Kernels for the legs of a motion, each computed when it is first needed.
 
-    Within one leg what is left of contacts depends on the time since their birth alone, so that a
-    kernel depends on the width of the panels and their distance.
+    Within one leg the survival depends only on the time since birth, so that a kernel depends on
+    the width of the panels and their distance.
     """
 
     def __init__(self, births: Births) -> None:
         self._births, self._motion = births, births.motion
         self._known: dict[tuple[float, float], Kernel] = {}
         self._straight: dict[float, StraightLife] = {}
-        # the longest that the slider keeps each speed
+        # the duration of the longest leg of each speed
         self._lasting: dict[float, float] = {}
         for speed, duration in zip(births.motion.speeds, np.diff(births.motion.times), strict=True):
             self._lasting[speed] = max(float(duration), self._lasting.get(speed, 0.0))
 
     def along(self, births: Births) -> Kernels:
-        """Kernels for births of the same contacts along another motion; what is known is shared."""
+        """Kernels for births of the same contacts along another motion, sharing those computed."""
         other = Kernels(births)
         other._known, other._straight = self._known, self._straight
         return other
@@ -60,7 +60,7 @@ class Kernels:
         return [straight.error for straight in self._straight.values()]
 
     def longest(self, leg: int) -> float:
-        """The longest time for which contacts born on a leg may be seen on it."""
+        """The longest time for which contacts born on a leg may hold while it lasts."""
         duration = float(np.diff(self._motion.times)[leg])
         longest = min(duration, self._reaching(leg))
         return longest if self._births.life.quick else min(longest, self.straight(leg).longest)
@@ -72,7 +72,7 @@ class Kernels:
         return lasting / speed if speed else np.inf
 
     def straight(self, leg: int) -> StraightLife:
-        """The table of what is left of contacts born on a leg."""
+        """The table of survival and force of contacts born on a leg."""
         births, speed = self._births, float(self._motion.speeds[leg])
         longest = min(self._lasting[speed], self._reaching(leg))
         if speed not in self._straight or self._straight[speed].asked < longest:
@@ -82,11 +82,11 @@ class Kernels:
         return self._straight[speed]
 
     def known_width(self, leg: int, width: float, unfelt: float) -> float:
-        """This width, or one of this leg that differs by what is not felt: its kernel is known.
+        """This width, or one with a known kernel that differs from it negligibly.
 
-        Edges that are sums of the same bends lie at equal distances, but for rounding.
+        Distances between edges that are sums of the same bends are equal apart from rounding.
 
-        unfelt : length
+        unfelt : largest negligible difference, a length
         """
         speed = float(self._motion.speeds[leg])
         slack = min(unfelt / abs(speed) if speed else 0.0, UNFELT * width)
@@ -95,7 +95,7 @@ class Kernels:
         return nearest if abs(nearest - width) <= slack else width
 
     def on(self, leg: int, width: float, panels: int) -> Kernel:
-        """Kernel of panels so many apart, or until none of the births holds."""
+        """Kernel for panels at most `panels` apart, or fewer where all births break before."""
         speed, delay = float(self._motion.speeds[leg]), self._births.delay
         most = int(np.ceil((self.longest(leg) + delay) / width)) + 1
         panels = min(panels, most)
@@ -116,7 +116,7 @@ class Kernels:
         return kernel
 
     def on_leg(self, leg: int, duration: float) -> Births:
-        """Births on a leg that goes on: from a table, unless what is left is as quickly told."""
+        """Births on a leg that continues: from a table, unless the life itself is as quick."""
         births, speed = self._births, float(self._motion.speeds[leg])
         if births.life.quick and births.law.is_single:
             straight = Motion(np.array([0.0, duration]), np.array([0.0, duration * speed]))

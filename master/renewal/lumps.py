@@ -1,4 +1,4 @@
-"""Lumps: contacts that were born together, at one moment, as those are that met one exact threshold."""
+"""Lumps: contacts born together at one moment, such as those that met one exact threshold."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Panels whose breaks or survivors are fewer than this add nothing to what rounds at 1e-16.
+# Share of contacts that is negligible beside the rounding of the number, 1e-16.
 NOTHING = 1e-18
 
 
 @dataclass
 class Lump:
-    """Contacts that were born, or stood at t = 0, at one moment (paper, Eqs. Q7b and Q6e).
+    """Contacts that were born at one moment, or hold at t = 0 (paper, Eqs. Q7b and Q6e).
 
     time : of the birth; weight : share of all contacts; law : of the stretches at birth
-    holds : whether any of them is left
+    holds : whether any of them still hold
     """
 
     time: float
@@ -34,8 +34,7 @@ class Lump:
 def breaking(births: Births, lumps: Sequence[Lump], before: float, t: float, after: float) -> float:
     """Share of all contacts that reach an exact threshold, together, at the edge t.
 
-    before, after : moments on either side of the edge, on which side a contact is; lumps of which
-        none is left are told so
+    before, after : moments before and after the edge. Sets `holds` of each lump.
     """
     lost = 0.0
     for lump in lumps:
@@ -54,7 +53,8 @@ def breaking(births: Births, lumps: Sequence[Lump], before: float, t: float, aft
 def of_lumps(births: Births, lumps: Sequence[Lump], grid: Array) -> Array:
     """Number and force of lumps at times of shape (rows, columns), all on one leg.
 
-    The middle column tells on which side of an exact threshold a row is. Shape (2, *grid.shape).
+    The middle column decides on which side of an exact threshold a row lies. Returns an array of
+    shape (2, *grid.shape).
     """
     out, middle = np.zeros((2, *grid.shape)), grid[:, grid.shape[1] // 2]
     for lump in lumps:

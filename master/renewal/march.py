@@ -4,12 +4,12 @@ With B(t) the breaks per contact since t = 0, at every t
 
     1 = G_0(t) + integral over s of E(t, s) dB(s),      F(t) = M_0(t) + integral of K(t, s) dB(s),
 
-where E counts a contact that is out as one that is there, and bears nothing (see births). G_0 and
-M_0 belong to lumps: the contacts that hold at t = 0, and all that break at one moment because they
-reached one exact threshold together. On a panel B is a polynomial; its values at the Radau nodes
-follow from conservation there, given all panels before. Within one leg of the motion what a panel
-adds to a later one depends on their distance alone, so that a run of equal panels needs one small
-matrix product a panel. A panel that does not resolve B is halved there and then.
+where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums
+over lumps: the contacts that hold at t = 0, and sets of contacts that break at one moment because
+they reach one exact threshold together. On a panel B is a polynomial; its values at the Radau nodes
+follow from conservation there, given all panels before. Within one leg of the motion the
+contribution of a panel to a later one depends only on their distance, so that a run of equal panels
+needs one small matrix product a panel. A panel that does not resolve B is halved at once.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Segments longer than so many of the last panels are tried on wide panels first.
+# A segment longer than this many panels of the last width begins with wide panels.
 LONG = 1000.0
-# Width of the narrowest panel, in units of the life's grain, below which halving has met a point
-# that no panel resolves; and of lives that heat may end at any rate.
+# Width of the narrowest panel in units of the life's grain, at T = 0 and with heat (which may break
+# contacts at any rate): halving stops here, beside a point that no panel resolves.
 NARROWEST, NARROWEST_IN_TIME = 1e-10, 1e-18
-# Width of a panel, in units of its time, that rounding spoils.
+# Width of a panel, in units of its time, below which rounding of the time spoils it.
 ROUNDED = 1e-13
-# What solving a panel costs beside, in such pieces.
+# Cost of solving a panel, in pieces of integrals (the unit of MOST_WORK), beside these integrals.
 RUN_WORK = 100
 
 
@@ -49,7 +49,7 @@ class March:
     Parameters
     ----------
     births : Births
-        What the births of a panel add later on.
+        Computes the contributions of a panel's births to number and force at later times.
     start : Start
         The stretches at t = 0.
     edges : array of shape (n,)
@@ -59,22 +59,22 @@ class March:
     grain : float
         Length over which the number of breaks has to be resolved: the first guess of a panel.
     stretch : float
-        The longest |x| that a contact may have: what an error of the number weighs in the force.
+        The longest |x| that a contact may have: an error of the number times this is one of the force.
     until : float
-        Reading of time.monotonic() at which to stop with what there is.
+        Reading of time.monotonic() at which to stop.
 
     Attributes
     ----------
     begin, width, breaks, force, wrong : lists, one entry a panel
-    since : list, the panels' beginnings since that of their leg, which keeps all digits
+    since : list, the panels' beginnings counted from that of their leg, which keeps all digits
     lumps : list of Lump
     alive : list of int
         Panels of whose births some may still hold.
     kernels : Kernels
     allowed : float
-        Width allowed for the next panels.
+        Largest width of the next panels.
     settled : float
-        Time from which on breaks were steady; inf where they never were.
+        Time from which on the rate of breaks was constant; inf where it never was.
     unfinished : bool
         Whether the march was stopped before the last edge.
     """
@@ -101,18 +101,18 @@ class March:
         self.lumps = [Lump(0.0, 1.0, start)]
         self.alive: list[int] = []
         self.kernels, self.allowed = Kernels(births), np.inf
-        # where single survivals take long to tell, those of earlier legs are kept in a table
+        # where a survival takes long to compute, the sums over earlier legs are kept in a table
         self._past = None if self.life.quick else Past(births, self.kernels, tolerance, until)
 
     @property
     def life_error(self) -> float:
-        """Error of what is left of contacts, which no panel sees."""
+        """Error of the survival itself, to which the residuals of the panels are blind."""
         past = 0.0 if self._past is None else self._past.error
         return max([self.life.error, *self.kernels.errors]) + past
 
     @property
     def reached(self) -> float:
-        """The time up to which the march has come."""
+        """The time at which the last solved panel ends."""
         return float(self.begin[-1] + self.width[-1]) if self.begin else 0.0
 
     def run(self) -> March:
@@ -122,7 +122,7 @@ class March:
         return self
 
     def runs(self) -> Iterator[None]:
-        """Solve all panels, and stop to be asked for more after each run of them."""
+        """Solve all panels, yielding after each run of them."""
         leg = -1
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, now in zip(self.edges[:-1], self.edges[1:], legs, strict=True):
@@ -141,7 +141,7 @@ class March:
                 break
 
     def _panels(self, which: npt.NDArray[np.intp] | slice = slice(None)) -> Panels:
-        """Solved panels."""
+        """The solved panels, all or those with these indices."""
         lists = (np.array(each, dtype=float) for each in (self.begin, self.since, self.width))
         begin, since, width = (array[which] for array in lists)
         breaks = np.array(self.breaks).reshape(-1, rule.DEGREE + 1)
@@ -154,7 +154,7 @@ class March:
         if speed:
             most, grain = self.life.reach / speed, self.grain / speed
             if end - begin > LONG * allowed:
-                # after a narrow feature: to find the width from above takes fewer panels
+                # after a narrow feature it takes fewer panels to find the width from above
                 allowed = min(0.25 * (end - begin), most)
         in_time = self._past is not None
         narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
@@ -179,7 +179,7 @@ class March:
                 width = self.kernels.known_width(leg, (end - t) / left, unfelt)
             run = self._run(t, width, min(pace.count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
-            # what is not resolved by now, or by no panel, stays, with its error
+            # beyond the allowed work, or beside a point that no panel resolves, the error is accepted
             hurried = self.births.work > MOST_WORK or width < max(pace.narrowest, ROUNDED * t)
             bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.wrong.size
@@ -194,10 +194,10 @@ class March:
                 yield
 
     def _settled(self, leg: int, left: float) -> bool:
-        """Whether all that may be felt has broken at one rate, so that the rest of a leg will too.
+        """Whether breaks have been steady for longer than any life, so that they stay so on this leg.
 
-        The rate of breaks is a mean of the rates over the longest life before: where these were
-        the same to the tolerance, so are all that follow.
+        The rate of breaks is a mean of the rates over the longest life before: where these agree
+        to the tolerance, so do all that follow.
         """
         memory = self.kernels.longest(leg) + self.births.delay
         if left < 8.0 * memory or not self.begin or not self.motion.speeds[leg]:
@@ -226,7 +226,7 @@ class March:
             self.keep(since + first, second - first, run, 1, first)
 
     def keep(self, t: float, width: float, run: Run, good: int, since: float | None = None) -> None:
-        """Take over the first panels of a run, and note those of whose births some may hold.
+        """Append the first `good` panels of a run that begins at t.
 
         since : t counted from the beginning of its leg, where that is not 0
         """
@@ -241,7 +241,7 @@ class March:
         self.alive.extend(first + np.flatnonzero(broken))
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
-        """Panels of one width from t on, since the leg's beginning."""
+        """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += RUN_WORK * count
         same = self._same(width, leg)
         kernel = self.kernels.on(leg, width, same + count)
@@ -261,8 +261,8 @@ class March:
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
         """Number and force at later times, of lumps and of all panels but the last `same`.
 
-        grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, since its
-            beginning
+        grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, counted
+            from its beginning
         """
         past = self._past if leg is not None else None
         late = 0.0 if leg is None or past is not None else self.motion.times[leg]
@@ -285,7 +285,7 @@ class March:
         return out
 
     def _break_lumps(self, t: float, end: float) -> None:
-        """Make a new lump of what reaches an exact threshold at the edge t."""
+        """Make a new lump of the contacts that reach an exact threshold at the edge t."""
         if not t > 0.0 or not len(self.life.atoms):
             return
         before, after = t - 0.5 * self.width[-1], t + 0.5 * (end - t)

@@ -1,10 +1,10 @@
-"""Past: what was born before the present leg adds to number and force on it, and what was born on it.
+"""Past: contributions of earlier births, before and on the present leg, to number and force on it.
 
-As a function of time what all earlier births and lumps add on a leg is one smooth function between
-edges, whatever legs they come from: it is kept in a table that halving refines. Births of the leg
-itself are told by the one table of contacts that moved straight on (StraightLife). So a life that
-is dear to ask, or that remembers, is asked for two things alone: contacts born on one leg and seen
-on it, and sums over those born on each earlier leg.
+The sum of the contributions of all births before a leg is a smooth function of time between edges,
+whatever legs they come from: it is kept in a table that is refined by halving. Births on the leg
+itself use the one table of contacts that moved at one speed (StraightLife). So a life that is
+expensive to evaluate, or depends on the whole history, provides only two things: the survival of
+contacts on the leg of their birth, and sums over the births of each earlier leg.
 
 Times are counted from the beginning of the present leg, so that they keep their digits late on.
 """
@@ -31,38 +31,38 @@ Array = npt.NDArray[np.float64]
 # Error of the table, and of the births of one leg, in units of the tolerance.
 ACCURACY = 0.1
 # Coefficients of the table's polynomials: each of its values is a sum over all past births, so that
-# few wide panels are best; and on legs that are shorter than a share of the life's grain.
+# few wide panels are best; fewer coefficients on legs shorter than the share SHORT of the life's grain.
 SIZE, SIZE_OF_SHORT, SHORT = 18, 7, 0.25
-# What the table may miss at the ends of its panels, in units of its error: there panels of the march
-# begin, and a jump of the number is none that they could follow.
+# Allowed error at the ends of the table's panels, in units of its accuracy: panels of the march begin
+# there, and could not resolve a jump of the number.
 ENDS = 2.0
-# Contacts that a leg or a lump may have left to be let go, in units of that error: many are felt.
+# Share of contacts below which a leg or a lump is dropped, in units of that accuracy: many may be.
 NEGLIGIBLE = 1e-3
-# Share of a leg below which its table is not halved.
+# Share of a leg below which panels of its table are not halved.
 SHORTEST = 1e-20
-# How far beside an exact threshold a panel is looked at, as a share of it.
+# Beside an exact threshold a panel is evaluated this share of it inside its ends.
 BESIDE = 1e-7
-# Share of a leg's first panel at which it is cut.
+# Share of its width at which a leg's first panel is cut.
 FIRST_CUT = 1.0 / 16.0
 
 
 class Past:
-    """All that was born before the present leg: number and force on it.
+    """Number and force, on the present leg, of contacts born earlier.
 
     Parameters
     ----------
     births : Births
     kernels : Kernels
-        Which know what is left of contacts that were born on the present leg.
+        They hold the table of contacts that were born on the present leg.
     tolerance : float
         Of the number of breaks.
     until : float
-        Reading of time.monotonic() after which nothing is refined.
+        Reading of time.monotonic() after which no table is refined.
 
     Attributes
     ----------
     error : float
-        Bound on the error of the number that all legs so far had from their tables.
+        Bound on the error of the number due to the tables, the largest of all legs so far.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Past:
         self.error = 0.0
 
     def enter(self, leg: int, edges: Array, lumps: Sequence[Lump], panels: Panels) -> None:
-        """Make the table for a leg, unless it is there; edges are counted from its beginning."""
+        """Make the table for a leg, unless it is made; edges are counted from its beginning."""
         if leg == self._leg:
             return
         self._close(leg, panels)
@@ -99,19 +99,19 @@ class Past:
             return np.add.reduce(self._parts(x, holding)) * scale
 
         if isinstance(self._births.life, AgeingPath):
-            self._table = found  # by splines already
+            self._table = found  # these sums are splines already
             self.error = max(self.error, sum(own.missed for own in self._earlier))
             return
         given = found, np.unique(edges), self._accuracy, SHORTEST * float(edges[-1])
         way = abs(float(self._motion.speeds[leg])) * float(edges[-1])
         size = SIZE_OF_SHORT if 0.0 < way < SHORT * self._births.life.grain else SIZE
-        # nodes far apart see none of a life that is short
+        # on wide panels all nodes may miss a short life: `ends` and `first_cut` detect it
         table = Table(*given, ends=ENDS, size=size, first_cut=FIRST_CUT, goes_on=self._goes_on)
         self._table, missed = table, sum(own.missed for own in self._earlier)
         self.error = max(self.error, ENDS * table.error + missed)
 
     def _holding(self, lumps: list[Lump]) -> list[Lump]:
-        """Those lumps of which any is left at the beginning of this leg; the others are told so."""
+        """The lumps of which some hold at the beginning of this leg; sets `holds` of all."""
         for law in {id(lump.law): lump.law for lump in lumps}.values():
             own = [lump for lump in lumps if lump.law is law]
             s = np.array([[lump.time - self._late] for lump in own])
@@ -129,7 +129,7 @@ class Past:
         t -= self._late
         near = t - BESIDE * min(t, self._births.life.grain) * np.array([2.0, 1.0, 0.0])
         held = [own.sums(near)[0] for own in self._earlier if own.in_hold] if t > 0.0 else []
-        # less what breaks at a rate
+        # the second difference removes the contacts that break at a steady rate
         return float(sum(-np.diff(part, n=2)[0] for part in held))
 
     def _goes_on(self) -> bool:
@@ -139,10 +139,10 @@ class Past:
     def _parts(self, x: Array, lumps: Sequence[Lump]) -> list[Array]:
         """Number and force of each earlier leg's births, and of each lump: arrays (2, *x.shape).
 
-        x : array of shape (rows, columns); the middle column tells on which side of an exact
-            threshold a row is
+        x : array of shape (rows, columns); the middle column decides on which side of an exact
+            threshold a row lies
         """
-        # the moment at which the leg begins would count as one of the leg before
+        # t = 0 itself would count as a moment of the leg before
         t = np.maximum(x, np.finfo(float).tiny)
         parts = [own.sums(t.ravel()).reshape(2, *x.shape) for own in self._earlier]
         for lump in lumps:
@@ -152,11 +152,11 @@ class Past:
         return parts
 
     def between(self, begin: float, end: float) -> None:
-        """From now on moments lie between these edges of the leg, and at an edge on this side."""
+        """From now on evaluate times as lying between these edges of the leg, at an edge inside."""
         self._begin, self._end = begin, float(np.nextafter(end, begin))
 
     def _close(self, leg: int, panels: Panels) -> None:
-        """Take over the births on all legs from the present one up to before another."""
+        """Store the births on all legs from the present one up to the one before `leg`."""
         births, motion = self._births, self._births.motion
         on = motion.leg(panels.begin + births.delay + 0.5 * panels.width)
         for earlier in range(max(self._leg, 0), leg):
@@ -181,7 +181,7 @@ class Past:
         return max(NEGLIGIBLE * self._accuracy, NOTHING)
 
     def _is_past(self, lump: Lump) -> bool:
-        """Whether a lump was born before this leg, or otherwise than contacts re-form."""
+        """Whether a lump was born before this leg, or at stretches that broken contacts do not take."""
         if lump.time == self._late:
             law, again, alike = lump.law, self._births.law, self._births.life.fresh_start
             return not (law is again or (alike and law.span == again.span and law.is_single))
@@ -190,7 +190,7 @@ class Past:
     def at(self, x: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force of earlier births and of all lumps at times x since the leg's beginning.
 
-        x : array of shape (panels, n), a row within one panel
+        x : array of shape (panels, n), each row within one panel
 
         Returns an array of shape (2, *x.shape).
         """
@@ -209,7 +209,7 @@ class Past:
         return out
 
     def _straight(self, lag: Array) -> Array:
-        """What is left of contacts born on this leg a time before, shape (2, *lag.shape)."""
+        """Survival and force of contacts born on this leg a time `lag` ago, shape (2, *lag.shape)."""
         history = straight.clock(1.0).history(np.maximum(lag, 0.0), np.zeros((1, 1)))
         return self._kernels.straight(self._leg).left(self._births.law, history)
 

@@ -1,4 +1,4 @@
-"""Reading: force, holding share and stretches at any moment, from the panels that a march left."""
+"""Reading: force, holding share and stretches at any moment, from the solved panels of a march."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Deltas(NamedTuple):
 
 
 def _felt(march: March, t: Array) -> Array:
-    """Times t, but those after breaks became steady, where all stays as it is, moved back to then.
+    """Times t, those after breaks became steady replaced by the time when they did.
 
-    Far on the path times and numbers of breaks have lost their digits.
+    Nothing changes from then on, while times and numbers of breaks lose digits far along the path.
     """
     return np.minimum(t, march.settled) if march.motion.one_leg else t
 
@@ -38,7 +38,7 @@ def force(march: March, t: Array) -> Array:
 
 
 def holding(march: March, t: Array) -> Array:
-    """Share of the contacts that hold at times t: all but those that broke a delay ago or less."""
+    """Share of the contacts that hold at times t: all but those that broke within the last delay."""
     delay, t = march.births.delay, _felt(march, t)
     if not delay > 0.0:
         return np.ones(t.size)
@@ -66,8 +66,8 @@ def _read(march: March, values: Array, t: Array) -> Array:
 def density(march: March, t: float, x: Array) -> Array:
     """Density of stretches x, shape (n,), at the time t; re-forming at one stretch r.
 
-    A contact born at s stands at x = r + X(t) - X(s), so that breaks at the rate dB/ds, born again
-    after the delay, make the density E(t, s) dB/ds / |dX/ds| there.
+    A contact born at s has the stretch x = r + X(t) - X(s), so that births at the rate dJ/ds (that of
+    the breaks one delay before) contribute the density E(t, s) (dJ/ds) / |dX/ds| at x.
     """
     motion, life, delay = march.motion, march.life, march.births.delay
     t = float(_felt(march, np.array(t)))
@@ -110,7 +110,7 @@ def deltas(march: March, t: float) -> Deltas:
             held = lump.weight * float(march.life.left(lump.law, history)[0, 0, 0])
             stretch = float(lump.law.mean() + history.now[0, 0])
             found[stretch] = found.get(stretch, 0.0) + held
-    # what was born while the slider stood still shares one stretch
+    # contacts born in one hold share one stretch
     births = march.births
     at_once = Births(births.life, births.law, motion, 0.0, births.accuracy)
     begin, width = np.array(march.begin) + births.delay, np.array(march.width)

@@ -1,4 +1,4 @@
-"""Rule: polynomials on one panel, and the nodes at which number conservation is asked to hold.
+"""Rule: polynomials on one panel, and the nodes at which number conservation is imposed.
 
 A panel is an interval [a, a + w] of t; a share is (t - a)/w. The number of breaks since the panel's
 beginning is a polynomial of degree DEGREE, known by its values at share 0 (where it is 0) and at the
@@ -14,8 +14,8 @@ from numpy.polynomial import legendre
 
 Array = npt.NDArray[np.float64]
 
-# Degree on a panel: 12 needs more panels for the same error, 20 more work on each (measured on
-# Gaussian thresholds to 1e-10).
+# Degree of a panel's polynomial: 12 needs more panels for the same error, 20 needs more work on each
+# (measured on Gaussian thresholds to 1e-10).
 DEGREE = 16
 # Gauss nodes of an integral over one panel: exact for a product of two polynomials of degree 17.
 GAUSS = 18
@@ -30,13 +30,13 @@ def _radau() -> Array:
 
 
 NODES: Array = _radau()
-# Shares between nodes, all over the panel, at which it is tested.
+# Shares midway between nodes, throughout the panel, at which its error is sampled.
 CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
 GAUSS_NODES = 0.5 * (legendre.leggauss(GAUSS)[0] + 1.0)
 GAUSS_WEIGHTS = 0.5 * legendre.leggauss(GAUSS)[1]
-# Values at share 0 and at the nodes to coefficients of Legendre polynomials.
+# Matrix from values at share 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
-# Values at the Gauss nodes to coefficients of Legendre polynomials.
+# Matrix from values at the Gauss nodes to coefficients of Legendre polynomials.
 GAUSS_TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * GAUSS_NODES - 1.0, GAUSS - 1))
 
 
@@ -50,16 +50,16 @@ def values(share: Array) -> Array:
     return legendre_values(share) @ TO_LEGENDRE
 
 
-# From values at 0 and the nodes to values at the checks.
+# Matrix from values at 0 and the nodes to values at CHECKS.
 AT_CHECKS: Array = values(CHECKS)
 
 
-# Those at the Gauss nodes.
+# Values of the Legendre polynomials at the Gauss nodes.
 AT_GAUSS: Array = legendre_values(GAUSS_NODES)
-# From values at 0 and the nodes to coefficients of the derivative by the share.
+# Matrix from values at 0 and the nodes to Legendre coefficients of the derivative by the share.
 SLOPES: Array = np.zeros((DEGREE + 1, DEGREE + 1))
 SLOPES[:-1] = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
-# The same at the Gauss nodes.
+# Matrix from values at 0 and the nodes to the derivative by the share at the Gauss nodes.
 SLOPES_AT_GAUSS: Array = AT_GAUSS @ SLOPES
 
 

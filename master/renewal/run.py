@@ -1,4 +1,4 @@
-"""Run: panels of one width, solved one after the other by conservation, and how wide the next are."""
+"""Run: panels of one width, solved one after the other by conservation; Pace: the panels' widths."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from master.renewal.kernels import TARGETS, Kernel
 
 Array = npt.NDArray[np.float64]
 
-# What conservation and force miss between the nodes, times this, bounds the error of a panel: it
-# is looked for at a few points, and the largest in between is up to twice as large.
+# The residuals of conservation and force between the nodes, times this, bound the error of a panel:
+# they are sampled at a few points, and their largest value is up to twice the largest sample.
 MARGIN = 2.0
-# Panels of a first run, and of the longest: a run that fails is solved in vain.
+# Panels of the first run, and of the longest: the panels of a run behind one that fails are wasted.
 FIRST, LONGEST = 8, 256
-# Panels wider than half a grain are doubled after so many that resolve more than is asked, and only
-# where as many are left: other widths need other kernels. Narrower ones are doubled at once.
+# Panels wider than half a grain are doubled in width after so many that beat the tolerance, and only
+# if as many are still to come, since each width needs its own kernel. Narrower ones double at once.
 PATIENCE = 32
-# Share of the tolerance below which panels are tried twice as wide: wide ones err by the power 16
-# more. Where contacts break at all rates at once, and beside a point that no polynomial follows,
-# panels may widen as that lies behind, and are tried sooner.
+# Share of the tolerance below which the width is doubled: the error grows as the width to the power
+# DEGREE. The larger share holds where contacts break at rates of all sizes, and beside a point that
+# no polynomial resolves: behind these, wider panels soon suffice.
 WIDEN, WIDEN_SOONER = 0.5**rule.DEGREE, 1e-2
-# Width in grains below which panels lie beside such a point, as a pole of P_c.
+# Width in grains below which a panel counts as beside such a point (a pole of P_c, for example).
 BESIDE = 1e-2
 
 
 class Run(NamedTuple):
-    """Panels of one width, one after the other, as solved.
+    """Solved panels of one width, one after the other.
 
-    breaks : array of shape (panels, DEGREE + 1), since each panel's beginning, at 0 and the nodes
-    force : the same of the force
+    breaks : array of shape (panels, DEGREE + 1), breaks since each panel's beginning, at 0 and nodes
+    force : array of shape (panels, DEGREE + 1), the force at 0 and the nodes
     wrong : array of shape (panels,), bound on the error of the number of breaks, and of the force
-        over the longest stretch, on each
+        divided by the longest stretch, on each panel
     """
 
     breaks: Array
@@ -43,17 +43,18 @@ class Run(NamedTuple):
 
 
 def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float) -> Run:
-    """Panels on which number and force are known but for what panels of the same width add.
+    """Solve panels of one width by conservation.
 
-    known : array of shape (2, panels, TARGETS.size)
-    earlier : breaks on panels of the same width, without a gap before the first
+    known : array of shape (2, panels, TARGETS.size), number and force without the contributions of
+        panels of this width
+    earlier : breaks on the panels of this width that directly precede the first
     stretch : the longest |x| of a contact
     """
     number, force = known
     count, same = number.shape[0], len(earlier)
     apart = min(kernel.number.shape[0], same + count)
     size, nodes = rule.DEGREE + 1, slice(1, rule.DEGREE + 1)
-    # farthest panels first, as they stand
+    # the farthest panels first, the order in which `panels` holds them
     far = kernel.number[apart - 1 : 0 : -1, nodes].transpose(1, 0, 2)
     far = np.ascontiguousarray(far.reshape(rule.DEGREE, -1))
     panels = np.zeros((apart - 1 + count, size))
@@ -64,7 +65,7 @@ def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float
     for panel in range(count):
         past = flat[panel * size : (panel + apart - 1) * size]
         panels[panel + apart - 1, 1:] = kernel.solve @ (missing[panel] - far @ past)
-    # number and force at all targets, of all panels at once
+    # number and force at all targets of all panels, in one product
     windows = np.lib.stride_tricks.sliding_window_view(panels, (apart, size))
     both = np.concatenate([kernel.number[:apart], kernel.force[:apart]], axis=1)[::-1]
     both = both.transpose(1, 0, 2).reshape(2 * TARGETS.size, -1)
@@ -77,7 +78,7 @@ def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float
 
 
 def steady(run: Run, widths: Array, tolerance: float, stretch: float) -> bool:
-    """Whether all the panels, of any widths, have one rate of breaks and one force."""
+    """Whether rate of breaks and force are constant over all the panels, of any widths."""
     rates = run.breaks @ rule.SLOPES_AT_GAUSS.T / widths[:, None]
     alike = np.ptp(rates) < 0.25 * tolerance * rates.mean()
     return bool(alike and np.ptp(run.force) < 0.25 * tolerance * stretch)
@@ -89,11 +90,11 @@ class Pace:
     Parameters
     ----------
     width : float
-        Allowed at first.
+        First guess.
     grain : float
         Width over which breaks have to be resolved; inf in a hold.
     most, narrowest : float
-        Width that no panel exceeds, and below which none is halved.
+        Largest width; and the width below which no panel is halved.
     tolerance : float
         Largest error of a panel.
     in_time : bool
@@ -102,7 +103,7 @@ class Pace:
     Attributes
     ----------
     allowed : float
-        Width allowed for the next panels.
+        Largest width of the next panels.
     count : int
         Panels of the next run.
     """
@@ -121,16 +122,17 @@ class Pace:
         self._in_time, self._smooth = in_time, 0
 
     def refused(self, width: float, wrong: float) -> None:
-        """A panel of this width missed the tolerance by this error."""
+        """Narrow the next panels: one of this width has this error, above the tolerance."""
         self.allowed = (0.25 if wrong > 100.0 * self._tolerance else 0.5) * width
         self.count, self._smooth = 1, 0
 
     def resolved(self, width: float, run: Run, left: int, hurried: bool) -> None:
-        """All panels of a run were good enough, and so many are left.
+        """Widen the next panels if all panels of this run are far within the tolerance.
 
-        hurried : wider ones are tried whatever they miss
+        left : panels of this width that are still to be solved
+        hurried : widen whatever their error
         """
-        # panels are tried wider before they err by far less than asked
+        # whether to widen before the error is far below the tolerance
         sooner = self._in_time or width < BESIDE * self._grain
         self.count = min(2 * self.count, LONGEST)
         spare = max(self._tolerance * (WIDEN_SOONER if sooner else WIDEN), 1e-14)

@@ -1,8 +1,8 @@
-"""Births of one leg that is over, of contacts that remember: strands which follow the slider.
+"""Births of one finished leg, of contacts that age: strands which follow the slider.
 
-Of contacts that age no survival can be told from where the slider has been. So contacts born at
-some moments of the leg are followed along every later one, once; at any time the sum over all births
-is that over these few, as what holds of them is a polynomial on each piece of the times of birth.
+Where contacts age, the survival has no closed form in the slider's displacements. So contacts born at
+some moments of the leg (the strands) are followed once along each later leg. The sum over all births
+is a weighted sum over strands: on pieces of the time of birth the survival is a polynomial in it.
 """
 
 from __future__ import annotations
@@ -27,11 +27,10 @@ Array = npt.NDArray[np.float64]
 
 # Gauss nodes of a piece in the time of birth.
 SIZE = 8
-# First guess of a piece, in units of the narrowest width of the thresholds, and times that pieces
-# are halved at most.
+# First guess of a piece, in units of the narrowest width of the thresholds; most halvings of a piece.
 FIRST, HALVINGS = 4.0, 5
 
-# Error of a piece, in units of that of the leg: it is the largest of all times.
+# Allowed error of a piece, in units of that of the leg; it is the largest over all times.
 PIECE = 0.1
 
 _NODES = legendre.leggauss(SIZE)[0]
@@ -61,12 +60,12 @@ class _Pieces(NamedTuple):
 
 
 class StrandBirths:
-    """The births of one leg that is over; as LegBirths, for contacts that age.
+    """The births of one finished leg, for contacts that age; used as EarlierBirths is.
 
     Attributes
     ----------
     missed : float
-        Error of the number: what polynomials in the time of birth do not follow.
+        Error of the number, as polynomials in the time of birth approximate the survival.
     """
 
     def __init__(
@@ -91,9 +90,9 @@ class StrandBirths:
         self._splines: BSpline | None = None
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
-        """Follow all along the present leg, from the beginning of which this motion counts.
+        """Follow the strands to the end of the present leg, which begins at t = 0 of this motion.
 
-        Returns whether more of them than is negligible hold at its beginning.
+        Returns whether more contacts than is negligible hold at the leg's beginning.
         """
         leg = int(motion.leg(np.finfo(float).tiny))
         while self._seen < leg:
@@ -112,7 +111,7 @@ class StrandBirths:
         return np.moveaxis(self._splines(root), -1, 0)
 
     def _follow(self, leg: int) -> None:
-        """Make the series of all sums along a leg; pieces that do not resolve them are halved."""
+        """Make splines of the sums along a leg; pieces that do not resolve them are halved."""
         waiting: _Pieces | None = self._pieces
         done: _Pieces | None = None
         for halving in range(HALVINGS + 1):
@@ -140,7 +139,7 @@ class StrandBirths:
     def _series(
         self, found: Followed, told: Array, weight: Array, kept: npt.NDArray[np.bool_], first: bool
     ) -> None:
-        """Add what these pieces tell to the splines over the root of the time on the leg."""
+        """Add the sums of these pieces to the splines over the root of the time on the leg."""
         sums = np.einsum("jkpi,pi->jk", told[:, :, kept], weight[kept])
         if first:
             self._sums = np.zeros(sums.shape)
@@ -160,18 +159,19 @@ class StrandBirths:
         return _Pieces(left, right, strands, self._weights(left, right))
 
     def _weights(self, left: Array, right: Array) -> Array:
-        """Births that each of a piece's nodes stands for, shape (pieces, SIZE)."""
+        """Weights of the pieces' nodes in a sum over all births, shape (pieces, SIZE)."""
         since, width = self._panels.since, self._panels.width
         ends = np.append(since, since[-1] + width[-1])
         return moments(ends, self._slopes, left, right, SIZE) @ _TO_LEGENDRE.T
 
 
 def _missed(told: Array, weight: Array) -> Array:
-    """Error of the sums over each piece's nodes; told has shape (times, pieces, SIZE).
+    """Error of the sums over each piece's nodes; told, the survival, has shape (times, pieces, SIZE).
 
-    By the coefficients of `told` alone (they fall on beyond the last, at a bend as their order
-    squared) it is overestimated up to 1e4 times, as births are even; by what the last coefficients
-    change in the sums it is underestimated up to 20 times. The geometric mean is about right.
+    The coefficients of the survival alone (extrapolated by their decay; at a bend they fall as the
+    inverse square of their order) overestimate it up to 1e4 times, as the rate of births is nearly
+    constant. The contribution of the last coefficients to the sums underestimates it up to 20
+    times. The geometric mean of both is about right.
     """
     series = told @ _TO_LEGENDRE
     size = np.abs(series)

@@ -1,4 +1,4 @@
-"""Table: functions of one length, kept as polynomials on panels that halving has found."""
+"""Table: functions of one length, kept as polynomials on panels that are halved as needed."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from numpy.polynomial import chebyshev, legendre
 
 Array = npt.NDArray[np.float64]
 
-# Nodes of a panel: a look-up reads as many coefficients.
+# Nodes of a panel; a look-up sums as many coefficients.
 SIZE = 12
-# Panels that are still halved at once, beside those to begin with: more of them follow rounding.
+# Most new panels that are halved together: more of them would only resolve rounding.
 MOST = 1024
-# Width of a panel over its place, below which its nodes are one by rounding.
+# Ratio of a panel's width to its place below which its nodes coincide by rounding.
 NARROWEST = 1e-15
-# Share of itself to which halving brings coefficients that are more than rounding.
+# Halving reduces the last coefficients below this share of themselves, unless they are rounding.
 HARDLY = 0.3
-# Halvings of a panel: 2^-50 of it is rounding.
+# Most halvings of a panel: 2^-50 of it is rounding.
 DEPTH = 50
 
 
@@ -36,7 +36,7 @@ class Basis(NamedTuple):
 
 @lru_cache
 def basis_of(size: int) -> Basis:
-    """That of polynomials with so many coefficients."""
+    """Nodes and matrices for polynomials with `size` coefficients."""
     z = legendre.leggauss(size)[0]
     to_legendre = np.linalg.inv(legendre.legvander(z, size - 1)).T
     at_ends = legendre.legvander(np.array([-1.0, 1.0]), size - 1).T
@@ -65,24 +65,25 @@ class Table:
     shortest : float
         Length of the shortest panel.
     ends : float
-        What a polynomial may miss at the ends of its panel, in units of the accuracy; 0: it is not
-        looked at there. A fall that is over before the first node is seen at an end.
+        Allowed error of a polynomial at the ends of its panel, in units of the accuracy; 0: not
+        checked. The check detects a fall that is over before the first node.
     size : int
         Coefficients of the polynomials.
     first_cut : float
-        Share of itself at which the first panel is cut.
+        Share of its width at which the first panel is cut.
     goes_on : callable
-        Whether there is time for panels to be halved.
+        Whether there is time left to halve panels.
     felt : callable
-        Takes values, as `function` gives them, and the panels' widths, and gives what the accuracy
-        of each panel is multiplied by, shape (panels,).
+        Takes values, as `function` gives them, and the panels' widths; returns the factor on the
+        accuracy of each panel, shape (panels,).
     rounding : float
-        In units of the accuracy: coefficients below it are no longer halved once they hardly fall.
+        In units of the accuracy: panels whose last coefficients are below it are no longer halved
+        once halving hardly reduces these.
 
     Attributes
     ----------
     error : float
-        Largest of the last coefficients that are left.
+        Largest of the last coefficients of all panels.
     """
 
     def __init__(
@@ -149,7 +150,7 @@ class Table:
         return np.asarray(np.abs(self._parts[-2:]).max(axis=(0, 1)))
 
     def fine(self, width: float) -> Array:
-        """Edges beside panels that are narrower than a width."""
+        """Edges of the panels that are narrower than a width."""
         narrow = self.widths < width
         return self.edges[np.append(narrow, False) | np.append(False, narrow)]
 
@@ -157,7 +158,7 @@ class Table:
         """Values of the functions, shape (functions, *x.shape).
 
         within : points, broadcasting with x, whose panels are read in place of those of x: at a
-            jump it tells from which side x is meant.
+            jump they decide on which side x lies.
         """
         panel = np.searchsorted(self.begin, x if within is None else within, "right") - 1
         panel = np.clip(panel, 0, self.begin.size - 1)
@@ -168,7 +169,7 @@ class Table:
     def _summed(self, z: Array, panel: npt.NDArray[np.intp]) -> Array:
         """The polynomials at z in [-1, 1] on panels of the same shape; shape (functions, *shape).
 
-        Clenshaw's rule for Chebyshev polynomials, in place: much of all time goes here.
+        Clenshaw's rule for Chebyshev polynomials, in place, since much of the run time is spent here.
         """
         twice = 2.0 * z
         last = self._waves[-1].take(panel, axis=1)
@@ -197,10 +198,10 @@ class Table:
         )
 
     def missed(self) -> Array:
-        """What the integrals of the functions miss, from how their coefficients fall; (functions,).
+        """Errors of the integrals, from the decay of the coefficients; shape (functions,).
 
-        Gauss nodes integrate polynomials of twice the degree: coefficients fall on up to there as
-        they do from the last but two to the last.
+        Gauss nodes integrate polynomials of twice the degree exactly: the coefficients are taken to
+        keep, up to there, the decay that the last four show.
         """
         size = np.abs(self._parts)
         last, before = size[-2:].max(axis=0), size[-4:-2].max(axis=0)

@@ -1,11 +1,12 @@
-"""Curve: the load that the drive must carry along one straight move of the slider, on panels.
+"""Curve: the load along one straight move of the slider, on panels.
 
 With y the travel of the slider, and F along the motion,
 
     load(y) = F(y) + K y,    slope(y) = F'(y) + K.
 
-The slider follows the drive as long as the load rises. Where its slope falls below zero, or
-contacts at one exact threshold break, it slips; it stops at the first y that carries the same load.
+The drive at X_T balances the load K X_T, counted from the move's beginning. The slider follows the
+drive as long as the load rises. Where its slope falls below zero, or contacts at one exact threshold
+break together, it slips; it stops at the first y where the load has the same value again.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from master.renewal import rule
 
 Array = npt.NDArray[np.float64]
 
-# Points between which a panel's load is looked for, as shares of it.
+# Shares of a panel that bracket a given value of its load.
 SHARES: Array = np.asarray(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 2 * rule.DEGREE + 1)))
 
 
@@ -30,7 +31,7 @@ class Panels(NamedTuple):
 
     begin, width : arrays of shape (n,)
     force : array of shape (n, DEGREE + 1), along the motion, at share 0 and at the nodes (lengths)
-    rough : array of shape (n,), by how much the polynomials may sway (lengths)
+    rough : array of shape (n,), error of the polynomials, which may oscillate (lengths)
     """
 
     begin: Array
@@ -68,7 +69,7 @@ class Curve:
         self._load[:, 1] += spring * 0.5 * width
 
     def panel(self, y: Array) -> npt.NDArray[np.intp]:
-        """On which panel travels lie; an edge belongs to the panel that it ends."""
+        """Index of the panel on which travels lie; an edge belongs to the panel that it ends."""
         return np.clip(np.searchsorted(self.begin, y) - 1, 0, self.begin.size - 1)
 
     def force(self, y: Array) -> Array:
@@ -93,16 +94,16 @@ class Curve:
         return rule.legendre_sum(coefficients[panel], z[:, None])[:, 0]
 
     def lets_go(self, after: float) -> float:
-        """The first travel beyond which the load falls, inf if there is none."""
+        """The first travel after `after` beyond which the load falls; inf if there is none."""
         drops = self.drops[self.drops > after]
         falls = self._first_below(self._slope, after)
         return min(falls, float(drops[0])) if drops.size else falls
 
     def catches(self, after: float, level: float, beside: float) -> float:
-        """The first travel beyond a slip's beginning that carries the level again, inf if none.
+        """The first travel after a slip's beginning where the load is at `level` again; inf if none.
 
-        beside : travel beyond which the load is seen to fall, and what carries the level is looked
-            for from where it rises again; 0 where it falls at once
+        beside : distance after which the computed load surely falls, 0 where it drops at once; the
+            level is searched from where the load rises again
         """
         if beside > 0.0:
             after = self._first_below(-self._slope, after + beside)
@@ -113,12 +114,12 @@ class Curve:
         return self._first_below(lack, after)
 
     def misplaced(self, y: Array, shift: Array | float = 0.0, more: float = 0.0) -> Array:
-        """How far off travels y may be that carry given loads; same shape as y.
+        """Errors of travels y that were computed from given loads; same shape as y.
 
-        An error e of the force displaces them by e over the slope, which falls towards a slip: by
-        no more than the root of 4 e over the bend.
+        An error e of the force displaces them by e over the slope; near a slip, where the slope
+        vanishes, by at most the root of 4 e over |F''|.
 
-        shift : how far off the slider may stand together with its contacts
+        shift : error of the position of slider and contacts together
         more : error of the loads
         """
         slope = np.maximum(self.slope(y), 0.0)
@@ -129,7 +130,7 @@ class Curve:
             return np.minimum(2.0 * error / (slope + beyond), 2.0 * np.sqrt(error / bend))
 
     def slope_error(self, y: float) -> float:
-        """How far off F' may be at y: Bernstein's inequality for polynomials that sway."""
+        """Error of F' at y, from that of F by Bernstein's inequality for polynomials."""
         panel = self.panel(np.array([y]))[0]
         z = 2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0
         steep = min(rule.DEGREE / np.sqrt(max(1.0 - z * z, 1e-300)), rule.DEGREE**2)
@@ -137,16 +138,15 @@ class Curve:
         return float(error * 2.0 / self.width[panel])
 
     def _first_below(self, coefficients: Array, after: float) -> float:
-        """The first travel from one on at which piecewise polynomials are below 0; inf if none."""
+        """The first travel >= after at which piecewise polynomials are below 0; inf if none."""
         least = coefficients[:, 0] - np.abs(coefficients[:, 1:]).sum(axis=1)
         for index in np.flatnonzero((least < 0.0) & (self._ends > after)):
             begin, width = float(self.begin[index]), float(self.width[index])
             first = np.clip(2.0 * (after - begin) / width - 1.0, -1.0, 1.0)
             one = coefficients[index]
-            # coefficients of a polynomial, over its largest, that are rounding: its roots do not
-            # hang on them
+            # trailing coefficients below 1e-15 of the largest are rounding: leave them out
             roots = legendre.legroots(legendre.legtrim(one, 1e-15 * np.abs(one).max()))
-            # two roots that are one may have left the axis by rounding
+            # rounding may have moved a double root off the real axis
             real = np.sort(roots.real[np.abs(roots.imag) < 1e-6])
             points = np.append(np.append(first, real[(real > first) & (real < 1.0)]), 1.0)
             below = legendre.legval(0.5 * (points[1:] + points[:-1]), one) < 0.0
@@ -155,7 +155,7 @@ class Curve:
         return np.inf
 
     def carries(self, load: Array, low: float, high: float) -> Array:
-        """Travels from low to high, where the load rises, that carry loads; same shape as load."""
+        """Travels from low to high, where the load rises, with given loads; same shape as load."""
 
         def lack(y: Array, load: Array) -> Array:
             return self.force(y) + self.spring * y - load

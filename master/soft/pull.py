@@ -1,6 +1,6 @@
-"""Pull: contacts on a slider that moves straight on, solved as far as is asked.
+"""Pull: contacts on a slider that moves in one direction, solved as far as is needed.
 
-At T = 0 nothing depends on time, so t of the march is the way that the slider has gone.
+At T = 0 nothing depends on time, so t of the march is the distance that the slider has travelled.
 """
 
 from __future__ import annotations
@@ -26,33 +26,33 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# First guess of a panel's width, in grains of the life: what Gaussian thresholds take to 1e-10.
+# First guess of a panel's width, in grains of the life; it gives 1e-10 for Gaussian thresholds.
 WIDE = 6.0
-# A slider that stops this near where it began, in grains of the life, has not moved.
+# Shortest move, and narrowest panel, in grains of the life.
 STILL = 1e-12
 
 
 class StoppedError(Exception):
-    """The work or the time that a solution may take has come to its end."""
+    """The solution has reached its limit of work or time."""
 
 
 @dataclass
 class Matter:
-    """What the contacts are, and how well they are to be known.
+    """The contacts, and the tolerance and limits of their solution.
 
     Attributes
     ----------
     life : ColdLife
     start, again : Start
-        Stretches at first, and those at which broken contacts form again.
+        Stretches at the start, and those at which broken contacts form again.
     unit : float
         Mean threshold (a length).
     tolerance : float
         Of the number of breaks on a panel.
     until : float
-        Reading of time.monotonic() at which to stop with what there is.
+        Reading of time.monotonic() at which to stop.
     crowded : bool
-        Whether more lumps met somewhere than can be followed.
+        Whether there were more lumps than can be followed.
     nodes : int
         Moments at which number conservation was solved.
     """
@@ -70,9 +70,9 @@ class Matter:
     def of(cls, contacts: Contacts, tolerance: float, until: float = np.inf) -> Matter:
         life, unit = ColdLife(contacts), contacts.mean_threshold
         again = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
-        # where a slip begins F' counts, and the slope of a polynomial of degree 16 on a panel is off
-        # by some hundred times as much as its values: hence a share of 1e-4 of the tolerance, and of
-        # no more than 1e-6 of a mean threshold; below 1e-13 panels are halved for round-off alone
+        # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred
+        # times that of its values: hence 1e-4 of the tolerance, which counts as 1e-6 mean thresholds
+        # at most; below 1e-13 panels would be halved for round-off alone
         finer = max(1e-4 * min(tolerance, 1e-6) * unit / life.reach, 1e-13)
         return cls(life, contacts.start, again, unit, finer, until)
 
@@ -81,7 +81,7 @@ class Matter:
         return replace(self, start=self.again, nodes=0)
 
     def force_of(self, born: Start) -> float:
-        """F/(N_c <k>) of contacts that stand at these stretches (a length)."""
+        """F/(N_c <k>) of contacts with these stretches (a length)."""
         still = np.zeros((1, 3))
         history = Motion.along(np.array([0.0, self.unit])).history(still, still)
         return float(self.life.left(born, history)[1, 0, 0])
@@ -89,20 +89,21 @@ class Matter:
 
 @dataclass(frozen=True)
 class Past:
-    """What happened before a straight move of the slider.
+    """The history before a straight move of the slider.
 
     Attributes
     ----------
     march : March or None
-        None where nothing happened.
+        None before the first move.
     cut, end : float
-        Way up to which the march holds, and where the move begins: in between none was born.
+        Distance travelled up to which the march holds, and at which the move begins: in between no
+        contact is born.
     line : tuple of float
-        X where the slider was at first, where it turned, and where it stands (lengths).
+        X where the slider began, where it turned, and where it is (lengths).
     moments : tuple of Moment
-        From which bends spread.
+        Those at which breaks bend.
     error : float
-        Error of the force by all that happened (a length).
+        Error of the force due to errors of this history (a length).
     """
 
     march: March | None = None
@@ -113,24 +114,24 @@ class Past:
     error: float = 0.0
 
     def line_to(self, x: float) -> tuple[float, ...]:
-        """The line with one more point, of which those on a straight way are left out."""
+        """The line with one more point, without points between which the direction is kept."""
         line = self.line
         straight = len(line) > 1 and (line[-1] - line[-2]) * (x - line[-1]) > 0.0
         return (*line[: len(line) - straight], x)
 
 
 class Pull:
-    """Contacts as the slider moves on in one direction, +1 or -1, and the broken re-form."""
+    """Contacts while the slider moves in one direction, +1 or -1, and broken contacts re-form."""
 
     def __init__(self, matter: Matter, direction: int, past: Past) -> None:
         self.matter, self.direction, self.past = matter, direction, past
-        # way that is planned ahead first, in mean thresholds: most sliders let go before
+        # plan 2 mean thresholds ahead first: most sliders slip before
         self._moments, self._ahead = past.moments, 2.0 * matter.unit
         self._march = self._plan(past.march, past.cut, past.end)
         self._first, self._runs = len(self._march.begin), self._march.runs()
 
     def at(self, y: Array | float) -> Any:
-        """X after the travel y, from where the slider was at first (lengths)."""
+        """X after the travel y, relative to where the slider began (lengths)."""
         return self.past.line[-1] + self.direction * y
 
     def reach(self, y: float) -> None:
@@ -146,9 +147,8 @@ class Pull:
                 self.matter.nodes += (len(self._march.begin) - before) * rule.DEGREE
 
     def _spend(self) -> None:
-        """Stop where the work or the time is over."""
-        # what following a lump over one run of panels costs, in pieces of births that are
-        # integrated
+        """Raise StoppedError where the limit of work or time is reached."""
+        # following a lump over one run of panels costs as much as 15 pieces of integrals over births
         self._march.births.work += 15 * len(self._march.lumps)
         if self._march.births.work > MOST_WORK or clock.monotonic() > self.matter.until:
             raise StoppedError
@@ -160,22 +160,22 @@ class Pull:
         panels = Panels(
             begin - past.end, width, self.direction * force, wrong * self.matter.life.reach
         )
-        # share of the contacts that, if they break at once, make a slip: ten times what rounds
+        # a drop by more than this share of the contacts, well above rounding, makes a slip
         drops = [lump.time for lump in lumps if lump.time > past.end and lump.weight > 1e-13]
-        # round-off of the force, in lengths, for each length of way
+        # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.matter.unit + panels.begin)
         rounding += self._march.life_error * self.matter.life.reach
         error = past.error + np.maximum.accumulate(panels.rough) + rounding
         return Curve(panels, error, np.array(drops) - past.end, spring)
 
     def _panels(self) -> Panels:
-        """Of the march: from the way at its beginning on, errors over the longest stretch."""
+        """The move's panels, in distance travelled; errors are relative to the longest stretch."""
         march, here = self._march, slice(self._first, None)
         lists = march.begin, march.width, march.force, march.wrong
         return Panels(*(np.array(values[here]) for values in lists))
 
     def after(self, y: float, error: float) -> Past:
-        """What has happened after the travel y, with the error of the force that comes of it."""
+        """The history after the travel y; `error` is that of the force due to it."""
         y = max(y, STILL * self.matter.life.grain)
         end, line = self.past.end + y, self.past.line_to(self.at(y))
         met = tuple(moment for moment in self._moments if moment.time < end)
@@ -186,7 +186,7 @@ class Pull:
         return self._march.reached
 
     def _plan(self, march: March | None, cut_at: float, since: float) -> March:
-        """The march that goes on from `since`; from `cut_at` to there nothing was born."""
+        """The march that continues from `since`; from `cut_at` to there no contact is born."""
         matter, end = self.matter, since - self.past.end + self._ahead
         motion = Motion.along(np.array(self.past.line_to(self.at(end))))
         births = Births(matter.life, matter.again, motion)
@@ -218,7 +218,7 @@ class Pull:
 
 
 class Held(Pull):
-    """Contacts as the slider slips on: those that break stay out until it stands again."""
+    """Contacts during a slip in which broken contacts stay out until the slider stops."""
 
     def __init__(self, matter: Matter, direction: int, past: Past) -> None:
         super().__init__(matter, direction, past)
@@ -259,7 +259,7 @@ class Held(Pull):
         return float(self._march.known(at)[0][0, 0])
 
     def stands(self, y: float, error: float) -> Past:
-        """What has happened when the slip ends after the travel y, and the broken re-form."""
+        """The history when the slip ends after the travel y, and broken contacts re-form."""
         moved = self.after(y, error)
         met = (*self.past.moments, Moment(moved.end, 0))
         return replace(moved, cut=self.past.end, moments=met)

@@ -1,4 +1,4 @@
-"""What becomes of a soft slider: smooth sliding, stick-slip, or slips that die out."""
+"""The regime of a soft slider: smooth sliding, stick-slip, or slips that die out."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from origins.drive import Drive
 Array = npt.NDArray[np.float64]
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
-# No slip for so many times the longest pause between slips: nothing more is to come. And mean
-# thresholds over which contacts must have slid to show what they do when they break: those that
-# age, and others on a spring softer than K*.
+# SILENT: slips are over if the last is this many times the longest pause ago. The others: largest
+# thresholds that the slider must have passed without slip for a verdict, with contacts that age, and
+# without ageing on a spring softer than K*.
 SILENT, PASSED, TWICE_PASSED = 1.5, 1.5, 3.0
-# Slips from which a trend is told, and relative change of the drop from one slip to the next below
+# Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
 # Laws by which what contacts do depends on the slider's speed.
@@ -39,15 +39,15 @@ class Regime:
         In words.
     critical_spring, critical_spring_error : float
         K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive:
-        at T = 0 a stiffer spring never lets go. It is not that of steady sliding, where contacts
-        have forgotten their start.
+        at T = 0 a stiffer spring never slips. It is not that of steady sliding, where the start is
+        forgotten.
     stiffness_ratio : float
         K/K*.
     slips : int
         Slips found along the path.
     trend : float or None
-        Relative change of the force drop from one slip to the next over the later half; None for
-        fewer than 4 slips, and where drops there go up and down.
+        Relative change of the force drop from one slip to the next over the later half of the
+        slips; None for fewer than 4 slips, and where these drops are not monotone.
     """
 
     verdict: Verdict
@@ -60,11 +60,11 @@ class Regime:
 
 
 class Course(NamedTuple):
-    """How a slider moved.
+    """The motion of a slider.
 
     clock, force, position : arrays of shape (n,), times, F/(N_c <k>) and X (lengths)
-    begin, last : when the drive's last straight way began, and its speed
-    speed : of the drive, the mean over all that it moves
+    begin, last : time at which the drive's last straight way begins, and its speed
+    speed : mean speed of the drive while it moves
     """
 
     clock: Array
@@ -94,9 +94,9 @@ def regime(
     whole: bool = True,
     course: Course | None = None,
 ) -> Regime:
-    """Judge the slips along the drive's path, or along a part of it if that is not the whole.
+    """Judge the slips along the drive's path; `whole` is False if only a part of it was solved.
 
-    course : how the slider moved; needed where contacts have laws that tell time
+    course : the slider's motion; needed where the contacts' laws depend on time
     """
     spring, count, trend = float(drive.spring or 0.0), slips.drive.size, _trend(slips.drop)
     speed = drive.velocity if course is None else course.speed
@@ -106,7 +106,7 @@ def regime(
     if not whole:
         reason = f"{count} slips up to where the solution stopped"
     elif not count:
-        # K* is that of a rigid slider, and a soft one has a speed of its own
+        # K* is that of a rigid slider; a soft slider's speed differs from the drive's
         lacking = _lacking(contacts, spring, critical, course)
         verdict = "undecided" if lacking else "smooth"
         reason = f"{known}; no slip up to the end of the path{lacking}"
@@ -124,7 +124,7 @@ def regime(
 def _after_resets(
     contacts: Contacts, spring: float, count: int, speed: float, tolerance: float
 ) -> tuple[Verdict, str]:
-    """Whether resets go on: they do where the relaxed contacts that they leave slip again."""
+    """Whether resets continue: they do where the relaxed contacts that they leave slip again."""
     again = contacts.reforming
     relaxed = again is None and contacts.start.span == (0.0, 0.0)
     if not RATES.intersection(contacts.laws):
@@ -137,7 +137,7 @@ def _after_resets(
             "stick-slip",
             f"{count} slips, each after a reset that leaves nothing of what was before",
         )
-    # grains that grow are younger after a reset than they began
+    # growing grains are younger after a reset than at the start
     if relaxed and contacts.grains is None:
         return "stick-slip", "one slip, after which contacts stand as they began, and so slip again"
     return "undecided", "one slip up to the end of the path is too few to tell, lengthen it"
@@ -146,7 +146,7 @@ def _after_resets(
 def _by_drops(
     contacts: Contacts, drive: Drive, slips: Slips, trend: float | None, course: Course | None
 ) -> tuple[Verdict, str]:
-    """Whether slips that leave something of what was before them go on or fade."""
+    """Whether slips that do not replace all contacts continue or fade."""
     spring, path, count = float(drive.spring or 0.0), drive.path, slips.drive.size
     way = np.abs(np.diff(path, prepend=path[0])).cumsum()
     since = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])
@@ -161,7 +161,7 @@ def _by_drops(
         return "undecided", f"{told} are too few to tell; lengthen it"
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
-    # where large and small slips take turns the largest of a while tells
+    # where large and small slips alternate, compare the largest drops of longer intervals
     last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
     if trend is not None or last >= (1.0 - STEADY) * before:
         return "stick-slip", f"{told}, their drops not fading: the largest of late is {last:.3g}"
@@ -170,7 +170,7 @@ def _by_drops(
 
 
 def _oldest(contacts: Contacts, clock: Array) -> Array:
-    """Thresholds of contacts as old as any that is there at times, same shape: about the mean."""
+    """About the mean threshold of the oldest contacts present at times `clock`; same shape."""
     grains = contacts.grains
     if grains is not None and grains.age is not None:
         return np.asarray(grains.quantile(1.0, grains.age + clock))
@@ -179,12 +179,12 @@ def _oldest(contacts: Contacts, clock: Array) -> Array:
 
 
 def _lacking(contacts: Contacts, spring: float, critical: float, course: Course | None) -> str:
-    """What a path without slips lacks that shows contacts to slide smoothly; or nothing.
+    """Why a path without slips does not yet prove smooth sliding; "" if it does.
 
-    Of contacts that do not age none slips above K*; if heat breaks them, they may creep so fast on
-    a softer spring, beside the drive, that they never slip. A slider that runs ahead gives its
-    contacts no time to age: their drop is steeper than a rigid one's, and no K* tells. Where all
-    that were there have broken, the drop that comes first is behind, and it is the steepest.
+    Without ageing the slider cannot slip above K*; with heat it may creep along with the drive on a
+    softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
+    to age: F drops more steeply than on a rigid slider, and K* decides nothing. Once all contacts
+    of the start have broken, the first drop is over, and it is the steepest.
     """
     ages = contacts.ageing is not None or contacts.grains is not None
     if not ages and spring >= critical:
@@ -200,7 +200,7 @@ def _lacking(contacts: Contacts, spring: float, critical: float, course: Course 
         yet = "contacts that aged may still hold" if ages else "K < K*: a slip may come yet"
         return f", but {yet} until the slider has gone on by {far[-1]:.3g}; lengthen the path"
     last = np.abs(course.force[-2:])
-    # share of what F rises by while a slider sticks
+    # 0.1 of the rise of F over the last step of the path if the slider sticks
     loads = 0.1 * spring / (1.0 + spring) * abs(path[-1] - path[-2:][0])
     if last[-1] - last[0] > loads and last[-1] > np.abs(course.force[:-1]).max():
         return ", where the force still rises as high as never before; lengthen it"
@@ -208,7 +208,7 @@ def _lacking(contacts: Contacts, spring: float, critical: float, course: Course 
 
 
 def _trend(drop: Array) -> float | None:
-    """Slope of log |drop| against number over the later half; None where drops go up and down."""
+    """Relative change of |drop| a slip, fitted over the later half; None where not monotone."""
     late = np.abs(drop[drop.size // 2 :])
     if drop.size < FEWEST or not (late > 0.0).all():
         return None

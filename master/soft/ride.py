@@ -1,4 +1,4 @@
-"""Ride: one drive of a soft slider, move after move and slip after slip."""
+"""Ride: a soft slider along the whole path of its drive, move after move and slip after slip."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ Array = npt.NDArray[np.float64]
 
 
 class Ride:
-    """A soft slider that is pulled along a path of the drive (paper, Eq. Q16x2).
+    """A soft slider pulled by a drive along its path (paper, Eq. Q16x2).
 
     Attributes
     ----------
     balance : float
-        X_T at which the spring balances the start (a length).
+        X_T at which the spring balances the starting force (a length).
     position, force : arrays of shape (n,)
-        X and F where the drive stands at the points of its path (lengths).
+        X and F at the points of the drive's path (lengths).
     slips : list of arrays of shape (5,)
         X_T, X before and after, F before and after.
     told : int
-        Points, from the first, that were answered: all unless the work or the time was over.
+        Number of points, from the first, that were solved: all unless work or time ran out.
     error : float
         Bound on the errors of the force and of K X_T at slips (a length).
     drive_error : float
-        That of X_T at slips (a length).
+        Bound on the error of X_T at slips (a length).
     """
 
     def __init__(self, matter: Matter, drive: Drive) -> None:
@@ -43,12 +43,12 @@ class Ride:
         self.position, self.force = np.zeros(path.size), np.full(path.size, start)
         self.slips = list[Array]()
         self.error = self.drive_error = 0.0
-        # what happened since the slider was at X = base, and how far off that may be
+        # X at which the history in `_last` begins, and the error of that X
         self._base, self._shift = 0.0, 0.0
         self._last, self._relaxed = (matter, Past()), matter.relaxed()
-        self._fresh: dict[int, Pull] = {}  # of contacts that just re-formed, by direction
+        self._fresh: dict[int, Pull] = {}  # moves from all contacts just re-formed, by direction
         steps = np.diff(path, prepend=self.balance)
-        # a drive that begins this near the balance, in mean thresholds, begins there
+        # a first point this near the balance, in mean thresholds, counts as the balance
         if abs(steps[0]) <= 1e-12 * matter.unit:
             steps[0] = 0.0
         moving = np.flatnonzero(steps)
@@ -65,7 +65,7 @@ class Ride:
 
     @property
     def crowded(self) -> bool:
-        """Whether more exact thresholds met than can be followed."""
+        """Whether there were more lumps, from exact thresholds, than can be followed."""
         return self.matter.crowded or self._relaxed.crowded
 
     @property
@@ -74,7 +74,7 @@ class Ride:
         return self.matter.nodes + self._relaxed.nodes
 
     def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
-        """The drive goes straight on over points of its path, through all slips on the way."""
+        """Follow the drive in one direction over points of its path, with all slips on the way."""
         end = direction * float(self.path[points[-1]])
         matter, past = self._last
         pull = Pull(matter, direction, past)
@@ -104,7 +104,7 @@ class Ride:
     def _answer(
         self, pull: Pull, go: LettingGo, points: npt.NDArray[np.intp], loads: Array, low: float
     ) -> None:
-        """X and F at points before the slider lets go, where it carries these loads."""
+        """Set X and F at points before the next slip, where the load has these values."""
         if points.size:
             y = go.curve.carries(loads, low, min(go.travel, go.curve.end))
             self.position[points] = self._base + pull.at(y)
@@ -114,14 +114,14 @@ class Ride:
             self.error = max(self.error, float(off.max()))
 
     def _turn_error(self, curve: Curve, y: float) -> float:
-        """Error of the force after a turn: its place is not known, and F' jumps to 1 there."""
+        """Error of the force after a turn, from that of its place, where F' jumps to 1."""
         at = np.array([y])
         bends = abs(1.0 + self.spring - float(curve.slope(at)[0]))
         error = float(curve.error[curve.panel(at)[0]])
         return error + bends * float(curve.misplaced(at, self._shift)[0])
 
     def _reset(self, pull: Pull, go: LettingGo, begin: float) -> Pull:
-        """All contacts are drawn anew, and the slider goes to where the spring balances them."""
+        """Slip: all contacts re-form, and the slider moves to where the spring balances them."""
         rest = pull.direction * self._rest
         after = begin + (go.level - rest) / self.spring
         self._note(pull, go, begin, after, rest)
@@ -132,28 +132,28 @@ class Ride:
         return self._fresh[pull.direction]
 
     def _reform_after(self, pull: Pull, go: LettingGo, begin: float) -> Pull:
-        """Broken contacts stay out until the slider stands again."""
+        """Slip in which broken contacts stay out until the slider stops."""
         spring, d = self.spring, pull.direction
         held = Held(pull.matter, d, pull.after(go.travel, go.error))
         curve, y = landing(held, spring, 0.0, go.level - spring * go.travel, go.beside)
         after = begin + go.travel + y
         self._note(pull, go, begin, after, curve.force_at(y))
-        # contacts that are taken for out, or for born, as it is not known where the slip begins
+        # share of contacts misjudged as out or as holding, by the error of where the slip begins
         error = (1.0 + spring) * go.misplaced * y / self.matter.unit
         landed = np.array([y])
         self._shift += float(curve.misplaced(landed, 0.0, go.error + error)[0])
-        # those that broke have nothing left of the past
+        # errors of the history do not affect contacts that broke
         error += float(curve.error[curve.panel(landed)[0]])
         error *= held.holding(y)
         return Pull(pull.matter, d, held.stands(y, error))
 
     def _note(self, pull: Pull, go: LettingGo, begin: float, after: float, force: float) -> None:
-        """A slip of a move that begins at `begin` along the motion, which the force after it ends."""
+        """Record a slip, of a move that begins at `begin`, with X and F after it along the motion."""
         drive = begin + go.level / self.spring
         row = drive, begin + go.travel, after, go.curve.force_at(go.travel), force
         self.slips.append(pull.direction * np.array(row))
         self.drive_error = max(self.drive_error, go.error / self.spring + self._shift)
         self.error = max(self.error, self.spring * self.drive_error)
-        # slips, at most: each takes some 1 ms
+        # at most 20,000 slips, each of which takes some 1 ms
         if len(self.slips) > 20_000 or clock.monotonic() > self.matter.until:
             raise StoppedError

@@ -1,4 +1,4 @@
-"""Slips: where a slider lets go, where it is caught again, and what is told of it."""
+"""Slips: where a slider begins to slip, where it stops, and the record of all slips."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class Slips:
     force_before, force_after : array
         F/(N_c <k>) (lengths).
     drive_error : float
-        Bound on the error of `drive` (a length). X where a slip begins, where F + K X is flat, is
-        not known as well.
+        Bound on the error of `drive` (a length). The error of `before` is larger, as F + K X is
+        flat where a slip begins.
     """
 
     drive: Array
@@ -43,26 +43,26 @@ class Slips:
 
     @property
     def drop(self) -> Array:
-        """How far the force falls (lengths), which is K times the slip."""
+        """Drop of the force (lengths), which is K times the slip of X."""
         return self.force_before - self.force_after
 
     @property
     def period(self) -> float | None:
-        """X_T from the last slip but one to the last (a length), to twice `drive_error`.
+        """Distance of X_T between the last two slips (a length), with an error of 2 `drive_error`.
 
-        None for fewer than two.
+        None for fewer than two slips.
         """
         return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
 
 
 class Followed(NamedTuple):
-    """What was found of a slider as far as it was followed; lengths, and `error` in mean thresholds.
+    """Results for a slider as far as it was followed; lengths, and `error` in mean thresholds.
 
     balance, force_error, drive_error, nodes : see SoftSolution and Slips
     position, force, holding : arrays of shape (k,), at the first k points of the path
     slips : array of shape (5, m), X_T, X before and after, F before and after
-    reason : why the error is no smaller
-    over : what ended it, where that is before the path's end
+    reason : the message if the error is above the tolerance
+    over : why the solution ended, if before the path's end
     """
 
     balance: float
@@ -78,12 +78,12 @@ class Followed(NamedTuple):
 
 
 class LettingGo(NamedTuple):
-    """Where a slider lets go on a move.
+    """The beginning of a slip on a move.
 
     curve : Curve
         The load, as far as it is solved.
     travel, level : float
-        Travel and load; inf where it does not let go.
+        Travel and load at the slip; inf if there is none.
     dropped : bool
         Whether contacts at one exact threshold break there.
     """
@@ -104,7 +104,7 @@ class LettingGo(NamedTuple):
 
     @property
     def misplaced(self) -> float:
-        """How far off the travel may be, as far as F' is (a length)."""
+        """Error of the travel due to that of F' (a length)."""
         if self.dropped:
             return 0.0
         bend = float(self.curve.bend(np.array([self.travel]))[0])
@@ -112,14 +112,13 @@ class LettingGo(NamedTuple):
 
     @property
     def beside(self) -> float:
-        """Travel beyond which the load is seen to fall; 0 where it falls at once."""
-        # ten errors beyond a load that begins to fall is sure to be seen to fall, and a slip takes a
-        # share of 1e-4 of the travel at least
+        """Distance after which the computed load surely falls; 0 where it drops at once."""
+        # ten errors of the place suffice; and a slip is at least 1e-4 of the travel long
         return 0.0 if self.dropped else min(10.0 * self.misplaced, 1e-4 * self.curve.end)
 
 
 def letting_go(pull: Pull, spring: float, after: float, target: float) -> LettingGo:
-    """Where the slider lets go first beyond a travel, before its load comes to the target."""
+    """The first slip after a travel, if it begins before the load reaches the target."""
     travel = after
     while True:
         pull.reach(travel)
@@ -137,9 +136,9 @@ def letting_go(pull: Pull, spring: float, after: float, target: float) -> Lettin
 def landing(
     pull: Pull, spring: float, after: float, level: float, beside: float
 ) -> tuple[Curve, float]:
-    """The load, and the travel at which the slider is caught that let go of a level after a travel.
+    """The load, and the travel at which a slip ends that begins after a travel with load `level`.
 
-    beside : travel beyond which the load is seen to fall; 0 where it fell at once
+    beside : distance after which the computed load surely falls; 0 where it drops at once
     """
     travel = after
     while True:

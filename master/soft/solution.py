@@ -2,15 +2,15 @@
 
 Where F'(X) = -K the slider slips, which takes no time. What a slip does is a rule:
 
-    "reset"         all contacts are drawn anew; the slider jumps to where K (X_T - X) = F;
+    "reset"         fresh relaxed contacts replace all; the slider jumps to where K (X_T - X) = F;
     "instant"       contacts re-form at once; the slider goes to the first X' that balances again,
                     F(X') + K X' = K X_T;
-    "reform-after"  broken contacts stay out until the slip ends, those that hold stretch and may
-                    break; it ends where K (X_T - X) meets the force of those that hold, and then
-                    the broken are back at x = 0.
+    "reform-after"  broken contacts stay out until the slip ends, while those that hold stretch and
+                    may break; it ends where K (X_T - X) equals the force of those that hold, and
+                    then the broken contacts re-form at x = 0.
 
-The drive begins where it balances the start, X_T = F(0)/K at X = 0, and moves straight from there
-to the first point of its path (paper Sec. III D).
+The drive begins where the spring balances the starting force, X_T = F(0)/K at X = 0, and moves from
+there straight to the first point of its path (paper Sec. III D).
 """
 
 from __future__ import annotations
@@ -33,39 +33,39 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-# What "reform-after" asks for.
+# The condition of "reform-after", as a message.
 AT_REST = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
 
 
 @dataclass(frozen=True)
 class SoftSolution:
-    """F and X as the drive moves, and what the slider does on the way.
+    """F and X at the points of the drive's path, the slips on the way and the regime.
 
     Attributes
     ----------
     path : array of shape (n,)
         Positions X_T of the drive (lengths).
     balance : float
-        X_T = F(0)/K, where the drive stands at t = 0 (a length).
+        X_T = F(0)/K, the drive's position at t = 0 (a length).
     position : array of shape (n,)
         Positions X of the slider (lengths); at a slip, after it.
     force : array of shape (n,)
         F/(N_c <k>) = K (X_T - X) (lengths).
     force_error : float
-        Bound on the largest error, in units of the mean threshold, of `force` along the path but for
-        points that a slip's own error takes to its other side, and of K X_T at slips.
+        Bound on the largest error of `force` along the path, and of K X_T at slips, in units of the
+        mean threshold; except at points so near a slip that its error moves them across it.
     holding : array of shape (n,)
         Fraction of contacts that hold: 1, as slips take no time.
     slips : Slips
     period : float or None
-        X_T from the last slip but one to the last (a length); None for fewer than two.
+        Distance of X_T between the last two slips (a length); None for fewer than two.
     regime : Regime
     run_time : float
         Seconds.
     nodes : int
         Moments at which number conservation was solved.
     success : bool
-        Whether force_error is at or below the tolerance asked for.
+        Whether force_error is at or below the requested tolerance.
     message : str
     """
 
@@ -124,10 +124,9 @@ def solve_soft(
     progress: Progress = unheard,
     wall_time: float | None = None,
 ) -> SoftSolution:
-    """Force as the drive X_T moves along its path and pulls the slider by its spring, at T = 0.
+    """Force while the drive X_T moves along its path and pulls the slider by its spring, at T = 0.
 
-    contacts : without laws that tell time; re-forming elsewhere than at x = 0 not with
-        "reform-after"; checked before
+    contacts : without laws that depend on time, which the caller checks
     drive : with a spring
     tolerance : in units of the mean threshold
 

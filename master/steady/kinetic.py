@@ -1,8 +1,8 @@
 """The kinetic force along speeds, temperatures, rates of ageing and delays, in one call.
 
-Waiting and what happens between a birth and its break are apart: with C the travel from the one to
-the other, v tau that of the wait and F_0 the force without it, F_k = F_0 C/(C + v tau). So one
-steady state serves all delays, and one does for all points at which nothing else tells.
+A delay does not change what happens between birth and break: with C the slider's travel from one to
+the other, v tau its travel during the delay and F_0 the force without delay, F_k = F_0 C/(C + v tau).
+So points that differ only in the delay share one steady state, as do all at which C and F_0 agree.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-# Relative error of F_k above which a point of a sum over many speeds is solved by itself.
+# Relative error of F_k above which a point of the sum over all speeds is solved individually.
 GOOD = 1e-9
-# Relative round-off of a force and of the share that holds.
+# Relative round-off of the share that holds.
 ROUND_OFF = 4e-16
 
 
 @dataclass(frozen=True, repr=False)
 class KineticCurve(Along):
-    """Smooth sliding at many points, known well enough where it is to a thousandth of itself.
+    """Smooth sliding at many points; `success` where the force is known to a relative 1e-3.
 
     Attributes, beside those of `Along`
     ----------
     force : array
         F_k/(N_c <k>), a length.
     force_error : array
-        Its error in units of the mean threshold, as a tolerance is.
+        Its error in units of the mean threshold.
     holding, holding_error : array
         Fraction of the contacts that hold, C/(C + v tau_m), and its error.
     """
@@ -67,15 +67,15 @@ def kinetic_curve(
         v > 0, length per time.
     temperature, rate, delay : float or array, optional
         In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing,
-        tau_m >= 0, whether they have a delay or not; 0: none. None: their own. Arrays broadcast:
-        velocity[:, None] and temperature give a table.
+        tau_m >= 0 of their delay (they need not have one); 0 switches the law off; None: their own.
+        Arrays broadcast: velocity[:, None] and temperature give a table.
 
-    Contacts that break by heat, each at its own rate, and form again relaxed are summed over all
-    speeds together; every other point that tells is solved by itself.
+    Contacts that break by heat (closure "exact") and re-form relaxed are summed at all speeds
+    together; every other distinct point is solved individually.
 
     Raises InputError as `steady_state` does, for values that are not finite or too small, for
-    shapes that do not fit, for a temperature or a rate of contacts without that law, and for speeds
-    so low that squares of stretches at a break are below all numbers.
+    shapes that do not broadcast, for a temperature or a rate of contacts without that law, and for
+    speeds so low that squares of stretches at a break underflow.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
@@ -99,10 +99,10 @@ def kinetic_curve(
 
 
 def _along(contacts: Contacts, points: Points) -> Array:
-    """Force, its error (lengths), fraction that holds and its error, shape (4, n)."""
+    """Force, its error (lengths), the fraction that holds and its error, shape (4, n)."""
     speeds, heat, spread, wait = points.rows
     growing = contacts.grains is not None
-    if contacts.thermal is None and not growing:  # only D/v tells, or nothing does
+    if contacts.thermal is None and not growing:  # the state depends on D/v at most
         columns = np.ones(speeds.size), heat, spread / speeds
     else:
         own_rate = growing or points.temperature is None
@@ -114,7 +114,7 @@ def _along(contacts: Contacts, points: Points) -> Array:
         single = changed(contacts, float(temperature), float(diffusion), 0.0)
         steady[:, these] = _at_once(single, cases[these, 0])
     force, force_error, length, length_error = steady[:, which.reshape(-1)]
-    # grains are out until they have grown, whatever the delay
+    # contacts with grains are out until these pin again, in addition to the delay
     wait = wait + changed(contacts, 0.0, 0.0, 0.0).waiting_time
     holding = length / (length + speeds * wait)
     off = holding * (1.0 - holding) * length_error / length
@@ -123,7 +123,7 @@ def _along(contacts: Contacts, points: Points) -> Array:
 
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
-    """Force, its error, C and its error (lengths) at each speed, shape (4, n); nothing waits."""
+    """Force, its error, C and its error (lengths) at each speed without delay, shape (4, n)."""
     check_finite(contacts)
     out = np.full((4, speeds.size), np.nan)
     thermal = contacts.thermal

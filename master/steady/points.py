@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Along:
-    """Answers at many points; arrays have the shape that the quantities asked for have together.
+    """Answers at many points; all arrays have the shape to which the arguments broadcast.
 
     Attributes
     ----------
@@ -23,13 +23,13 @@ class Along:
         v, length per time.
     temperature, rate, delay : array or None
         T = k_BT/<k> (a length squared), D (a length squared per time) and tau_m (a time); None
-        where there is none.
+        where the contacts have no such law.
     run_time : float
         Seconds.
     success : array of bool
-        Whether the answer is known well enough at each point.
+        Whether the answer at each point is within the tolerance.
     message : str
-        In words: what was reached, and at how many points not what was asked for.
+        The accuracy reached, and the number of points that miss the tolerance.
     """
 
     velocity: Array
@@ -44,7 +44,7 @@ class Along:
 
 
 class Points:
-    """What was asked for, in one shape; None stands for the contacts' own.
+    """The points at which to solve, checked and broadcast; None: the contacts' own value.
 
     Attributes
     ----------
@@ -53,10 +53,10 @@ class Points:
         None where the contacts have no such law.
     shape : tuple of int
     rows : array of shape (4, n)
-        The same flat, 0 for what is not there.
+        The four quantities, flattened; 0 for a law that the contacts do not have.
 
-    Raises InputError for values that are not finite or too small, for shapes that do not fit, and
-    for a temperature or a rate of contacts without that law.
+    Raises InputError for values that are not finite or too small, for shapes that do not broadcast,
+    and for a temperature or a rate of contacts without that law.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class Points:
 def changed(
     contacts: Contacts, temperature: float, rate: float, delay: float, start: object = None
 ) -> Contacts:
-    """The contacts at another temperature, rate of ageing and delay, 0 for none, from `start`."""
+    """The contacts with another temperature, rate of ageing, delay (0: none) and start."""
     thermal, ageing = contacts.thermal, contacts.ageing
     if isinstance(
         thermal, Thermal

@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-# Relative round-off of closed moments, and of sums over what is left of contacts.
+# Relative round-off of closed moments, and of integrals of the survival.
 MOMENTS, SUMS = 4e-16, 1e-13
-# Survival of the thresholds beyond which lives of contacts with heat count none.
+# Lives with heat leave out the strongest thresholds, those of a smaller survival than this.
 RAREST = 1e-30
 # Panels on which the density of stretches is averaged over the stretches of re-forming.
 PANELS = 12
 
 
 class Cycle(NamedTuple):
-    """From the birth of a contact to its break, on the average.
+    """Averages over the life of a contact, from its birth to its break.
 
-    length, length_error : C, the way of the slider in between (a length)
-    area, area_error : the force over that way (a length squared)
+    length, length_error : C, the travel of the slider in between (a length)
+    area, area_error : the integral of the force over that travel (a length squared)
     """
 
     length: float
@@ -46,7 +46,7 @@ class Cycle(NamedTuple):
     area_error: float
 
     def force(self, wait: float) -> tuple[float, float]:
-        """F_k/(N_c <k>) and its error, lengths, where broken contacts are out for a way `wait`."""
+        """F_k/(N_c <k>) and its error, lengths, where contacts are out for the travel `wait`."""
         whole = self.length + wait
         force = self.area / whole
         return force, (self.area_error + abs(force) * self.length_error) / whole
@@ -68,13 +68,13 @@ class SteadyState:
     mean_threshold : float
         <x_s>, a length.
     cycle_length : float
-        C, how far the slider moves between a contact's birth and its break on the average.
+        C, the mean travel of the slider between a contact's birth and its break.
     cycle_length_error : float
         Its error in units of the mean threshold.
     success : bool
-        Whether the force is known to a thousandth of itself: no tolerance is asked for.
+        Whether the relative error of the force is at most 1e-3.
     message : str
-        In words: what was reached.
+        The accuracy reached.
     """
 
     force: float
@@ -134,9 +134,10 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
     Parameters
     ----------
     contacts : Contacts
-        With any laws; the start does not matter. The paper's closure of ageing is taken alone.
+        With any laws; the start does not matter. The paper's closure of ageing is solved only
+        without other laws.
     velocity : float
-        v > 0, length per time; only rates, ageing and delay tell.
+        v > 0, length per time; it matters only with rates of breaking, ageing, grains or delay.
 
     Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force
     grows for ever and there is no steady state; and where contacts break at once.
@@ -170,10 +171,10 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState | 
 
 
 def check_finite(contacts: Contacts) -> None:
-    """InputError where the kinetic force is infinite.
+    """Raise InputError where the kinetic force is infinite.
 
-    At a temperature as well: the stronger a contact, the less it breaks before its threshold.
-    Thresholds that diffuse leave theirs, and those that grow have a strongest.
+    Heat does not help, as strong contacts hardly break before their threshold. Thresholds that
+    diffuse or grow are exempt: the tail of the initial ones does not last, or they have a largest.
     """
     if contacts.ageing is not None or contacts.grains is not None:
         return
@@ -186,11 +187,11 @@ def check_finite(contacts: Contacts) -> None:
 
 
 def cycle_of(contacts: Contacts, travel: Travel) -> Cycle:
-    """What happens from a birth to the break, where thresholds are for life."""
+    """Averages over a life: at T = 0 closed moments of the thresholds, else integrals of E and K."""
     far_length, far_area = _beyond(contacts, travel)
     length, area = travel.length, travel.area
     if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
-        # closed moments, against which what is left is held
+        # the difference between the closed moments and the integrals counts as an error
         law, power = contacts.thresholds, _power(contacts)
         length = law.mean()
         area = 0.5 * law.moment(power) / length ** (power - 2)
@@ -201,19 +202,19 @@ def cycle_of(contacts: Contacts, travel: Travel) -> Cycle:
 
 
 def _power(contacts: Contacts) -> int:
-    """The moment of the thresholds that makes the kinetic force."""
+    """The order of the moment of the thresholds in the kinetic force."""
     return 3 if contacts.stiffness == "linked" else 2
 
 
 def _beyond(contacts: Contacts, travel: Travel) -> tuple[float, float]:
-    """Most that thresholds beyond the table add to C and to the force over it: a heavy tail.
+    """Bounds on the contributions of stretches beyond the table to C and to the area (heavy tails).
 
-    None holds beyond its threshold, and the tail falls as its power at the end of the table says.
+    No contact holds beyond its threshold; the tail is taken as a power, fitted at the table's end.
     """
     if contacts.ageing is not None or contacts.grains is not None:
-        return 0.0, 0.0  # what holds at the end of the tables is in their errors
+        return 0.0, 0.0  # the errors of the tables include contacts that hold at their ends
     law, power, far = contacts.thresholds, _power(contacts), travel.far
-    if contacts.thermal is not None:  # rarer ones are left out of E itself
+    if contacts.thermal is not None:  # E itself leaves out stronger thresholds
         far = max(far, float(law.isf(RAREST)))
     held, twice = float(law.sf(far)), float(law.sf(2.0 * far))
     weight = (far / contacts.mean_threshold) ** (power - 2)

@@ -1,9 +1,9 @@
 """C and the kinetic force of contacts that break by heat, at many speeds at once.
 
 A relaxed contact of threshold x_s that breaks by its own rate does so at min(x_s, x), where the
-rate integrated from 0 to x is A(x) = v e with e from the exponential law of mean 1. Over u = ln A
-the stretch x is smooth at any temperature, and the speed only shifts the weight of u, so that the
-same stretches serve all speeds:
+rate integrated from 0 to x is A(x) = v e, with e drawn from the exponential law of mean 1. As a
+function of u = ln A the stretch x is smooth at any temperature, and the speed only shifts the weight
+of u, so that the same stretches serve all speeds:
 
     C = <x_b>,    integral of the force = <k x_b^2>/2.
 """
@@ -21,23 +21,23 @@ from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_ed
 
 Array = npt.NDArray[np.float64]
 
-# ln e: next to nothing breaks below the first, nothing is left above the second.
+# Range of ln e: the shares of contacts that break below and above it are negligible.
 LEAST, MOST = -32.0, 3.65
-# ln e at which e^-e is 0, and e not yet large.
+# ln e beyond which e^-e counts as 0; larger ln e are cut here to avoid overflow.
 OVER = 7.0
-# Widths of panels of 8 nodes in u: even ones from ln e = EVEN on, below wider and wider ones, as
-# the weight there is an exponential. Sums are then good to ROUND_OFF, relatively (measured).
+# Panels of 8 nodes in u: of one width above ln e = EVEN, wider and wider ones below, where the
+# weight is an exponential. The relative error of sums is then ROUND_OFF (measured).
 EVEN, WIDTH, WIDER, WIDEST = -1.0, 0.6, 1.3, 4.0
 ROUND_OFF = 2e-12
-# Cuts of the way to the threshold where the rate vanishes there as a root, in the cube root of the
-# distance in u: x is a power 2/3 of that.
+# Panels next to the threshold where the rate vanishes there as a square root, as shares of the cube
+# root of the distance in u: the stretch is smooth in this root.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
-# Last coefficients, over typical values, at which a panel of thresholds is not halved: its sum is
-# then off by about the square. And its least width, of the mean threshold.
+# Last coefficients, in units of typical values, below which a panel of thresholds is not halved (the
+# error of its integral is about their square); and its least width, in mean thresholds.
 ACCURACY, SHORTEST = 1e-9, 1e-13
-# Survival of the thresholds that are summed.
+# Thresholds are summed up to this survival.
 TAIL = 1e-80
-# Power of a tail that ends, or nearly so.
+# Largest power that is fitted to a tail: steeper ones end, or nearly so.
 MOST_STEEP = 1e3
 
 
@@ -54,7 +54,7 @@ class Sums(NamedTuple):
 def summed(contacts: Contacts, speeds: Array) -> Sums:
     """C and the force over a cycle at speeds (length per time) of shape (n,).
 
-    contacts : with heat, each by its own rate, and born relaxed
+    contacts : with heat (closure "exact"), born relaxed
     """
     law, breaks = contacts.thresholds, _Breaks(contacts, speeds)
     positions, shares = law.atoms
@@ -83,7 +83,7 @@ def summed(contacts: Contacts, speeds: Array) -> Sums:
 
 
 def _beyond(contacts: Contacts, far: float) -> Array:
-    """The most that thresholds beyond the last edge add to <x_b> and <k x_b^2>, shape (2,)."""
+    """Bounds on the contributions of thresholds beyond `far` to <x_b> and <k x_b^2>, shape (2,)."""
     law, stiff = contacts.thresholds, float(contacts.relative_stiffness(far))
     held, twice = float(law.sf(far)), float(law.sf(2.0 * far))
     power = 2.0 + (contacts.stiffness == "linked")
@@ -108,7 +108,7 @@ class _Breaks:
         nodes, weights = gauss(self._edges[:-1], self._edges[1:])
         self._u = nodes.ravel()
         self._weights = weights.ravel()[:, None] * _weight(self._u[:, None] - self._log_speeds)
-        # beside a threshold where the rate vanishes a panel has to be as far off as it is wide
+        # where the rate vanishes at the threshold, a panel must be at least its width away from it
         apart = np.diff(self._edges) if self._rates.vanishes_at_threshold else 0.0
         self._usable_from = self._edges[1:] + apart
 
@@ -131,7 +131,7 @@ class _Breaks:
         return out
 
     def _last(self, begin: Array, end: Array, threshold: Array, stiffness: Array) -> Array:
-        """What breaks between the last whole panel and the threshold; shape (2, n, speeds)."""
+        """Contribution of breaks between the last whole panel and the threshold, (2, n, speeds)."""
         if self._rates.vanishes_at_threshold:
             roots = np.cbrt(end - begin)[:, None] * CUTS
             nodes, weights = gauss(roots[:, 1:], roots[:, :-1])

@@ -1,7 +1,7 @@
-"""Travel: what is left of contacts that move steadily forward, over the way since their birth.
+"""Travel: survival and force of contacts that move steadily forward, over the way since birth.
 
-In steady sliding contacts are born at an even rate, so that all that is asked of them are integrals
-over the way gone since the birth (paper, Eqs. Q11a-Q11d):
+In steady sliding contacts are born at a constant rate, so that force and density follow from
+integrals over the way, the slider's travel since a contact's birth (paper, Eqs. Q11a-Q11d):
 
     C = integral of E,      F_k/(N_c <k>) = (integral of K) / (C + v tau).
 """
@@ -21,35 +21,35 @@ from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Accuracy of tables whose integrals alone are asked for: of births at one stretch, and at many,
-# which take some hundred times as long and are smoother.
+# Accuracy of tables of which only integrals are needed: of births at one stretch, and at many, where
+# a survival takes some hundred times as long and is smoother.
 ACCURACY, OF_MANY = 1e-9, 1e-8
-# The coarsest that is taken where E itself is known to no more.
+# The coarsest accuracy, where E itself is known to no better.
 COARSEST = 1e-7
-# The finest for births at many stretches that heat breaks: their average goes from one rule of nodes
-# to another by steps of some 1e-12, which would be followed down to rounding.
+# The finest accuracy for births at many stretches with heat: the quadrature rule of their average
+# changes along the way, which makes steps of some 1e-12 that no panel resolves.
 STEPPED = 1e-11
-# The narrowest panel, of the typical way from a birth to its break.
+# Width of the narrowest panel, in units of the typical way from a birth to its break.
 SHORTEST = 1e-13
-# Ways that differ by less than this share are one.
+# Ways that differ by less than this share count as equal.
 SAME = 1e-14
-# What polynomials may miss at the ends of their panels, in units of the accuracy: a step that the
-# outermost nodes do not see is seen there.
+# Allowed error of polynomials at the ends of their panels, in units of the accuracy: the check detects
+# steps beyond the outermost nodes.
 ENDS = 10.0
-# Ratio of the ways at which survival is looked at to find out between which of them contacts break,
-# and how many are looked at together, from the longest down.
+# Ratio of the ways at which the survival is sampled to find where contacts break; and how many ways
+# are sampled together, from the longest down.
 RATIO, TOGETHER = 4.0, 6
-# A length over the life's reach: contacts that break within shorter ways break at once.
+# In units of the life's reach: contacts that break within shorter ways are refused.
 NEAREST = 1e-150
 # Tails of the force kernel that fall nearly as slowly as 1/x are taken to fall as x^-(1 + this).
 LEAST_FALL = 1e-2
-# A length over the life's reach beyond which not even the heaviest tail is followed.
+# In units of the life's reach: not even the heaviest tail is followed further.
 FURTHEST = 1e120
-# Shares of contacts: of those that hold at once, so few broken count as none; few, of which what is
-# left is known to a share and not only to a number; and what is none of the integrals.
+# Shares of contacts: UNBROKEN broken ones count as none; below FEW the error of the survival is
+# relative instead of absolute; NONE is negligible in the integrals.
 UNBROKEN, FEW, NONE = 1e-3, 1e-4, 1e-17
-# Share of contacts that break between two of the ways, from which on it is cut into so many parts:
-# one sum over many ways takes less time than several sums over few.
+# An interval between two sampled ways in which more than the share MANY breaks is cut into PARTS: one
+# evaluation at many ways takes less time than several at few.
 MANY, PARTS = 0.05, 8
 TOO_SLOW = "contacts break before they have moved a length that is a number; slide faster"
 
@@ -65,8 +65,8 @@ class Travel:
     velocity : float
         v > 0, length per time.
     accuracy : float, optional
-        Last coefficients of E, and of K over `scale`, at which a panel is not halved: sums
-        over Gauss nodes are then off by about the square of it.
+        Last coefficients of E, and of K over `scale`, below which a panel is not halved: the error
+        of integrals is then about its square.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Travel:
     grain : float
         Length over which E falls.
     longest : float
-        The way after which none holds that counts.
+        The way after which the share that holds is negligible.
     typical : float
         A length: the way after which about half of the contacts have broken.
     scale : float
@@ -87,13 +87,13 @@ class Travel:
     far : float
         A length: the stretch of contacts at the end of the table.
     most : float
-        A length: the largest force, per contact born, that is ever borne.
+        A length: the largest value of |K|.
     length, length_error : float
         C, the integral of E, and its error; lengths.
     area, area_error : float
         The integral of K and its error; lengths squared.
 
-    Raises InputError where contacts break within ways that are below all numbers.
+    Raises InputError where contacts break within ways that underflow.
     """
 
     def __init__(
@@ -111,7 +111,7 @@ class Travel:
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
         edges = np.concatenate([ways, bends])
         edges = np.unique(np.append(0.0, edges[(edges > 0.0) & (edges < ways[-1])]))
-        # what is one but for rounding is one
+        # edges that are equal apart from rounding are merged
         later = np.append(edges[1:], ways[-1])
         edges = np.append(edges[later - edges > SAME * later], ways[-1])
         shortest = SHORTEST * min(self.typical, float(edges[1]))
@@ -122,7 +122,7 @@ class Travel:
         self.grain = float(self.table.widths @ lost / lost.sum())
         length, area = self.table.integrals()
         length_off, area_off = self.table.missed()
-        # an error of E itself, which is one of its share where few hold
+        # the error of E itself, which is relative where few contacts hold
         weights = np.minimum(self.table(self.table.begin)[0] / FEW, 1.0) * self.table.widths
         self.longest = float(ways[-1])
         self.far = self.longest + born.span[0]
@@ -137,7 +137,7 @@ class Travel:
         self.area, self.area_error = float(area) * self.scale, float(area_off) * self.scale
 
     def _beyond(self, ways: Array) -> Array:
-        """Integrals of E and K beyond the last way, where both go on as powers; shape (2,).
+        """Integrals of E and K beyond the last way, where both continue as powers; shape (2,).
 
         ways : array of shape (2,), the last two of the ladder
         """
@@ -161,7 +161,7 @@ class Travel:
         return found
 
     def _ladder(self) -> Array:
-        """Ways from where nearly all hold to where none counts any more, close where many break.
+        """Ways from where nearly all contacts hold to where hardly any do, dense where many break.
 
         Sets `typical` and `scale`.
         """

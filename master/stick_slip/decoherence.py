@@ -18,17 +18,17 @@ from master.stick_slip.roots import (
 from master.stick_slip.transform import Transform
 from origins import Contacts
 
-# Longest lives, over the mean way, beyond which the few that live so long cannot be told from none.
+# Ratio of the longest to the mean life beyond which the few longest ones cannot be resolved.
 BROAD = 1e4
 
 
 def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
-    That is so for exact values alone (periodic, or as close to it as one likes), and for a tail
-    that falls slower than any exponential. Where a few live more than 10,000 times as long as the
-    mean the error is inf. Where exact values hold a share of the weight, no root may be slower than
-    those that crowd about the rate of their own.
+    It is inf for exact values alone (F is periodic or nearly so), and for a tail that falls slower
+    than any exponential. Where a few contacts live more than 10,000 times as long as the mean, the
+    error is inf. Where exact values have a share of the weight, roots slower than the rate at which
+    infinitely many crowd may not exist, and X* is that of this rate.
     """
     wait = velocity * contacts.waiting_time
     travel = Travel(life, births_of(contacts), velocity)
@@ -36,16 +36,16 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known
     if rate == 0.0:
         return Known(np.inf, 0.0)
     if travel.longest > BROAD * travel.length:
-        # X* hangs on the few contacts that live longest, which the table of E does not resolve
+        # X* depends on the few contacts that live longest, which the table of E does not resolve
         return Known(travel.longest, np.inf)
     transform = Transform(travel)
     found = leading_roots(transform, wait, 1, NEAR * rate)
     if found.roots.size:
         decay = -float(found.roots[0].real)
         error = float(root_errors(transform, wait, found.roots[:1])[0])
-        # a wait may be so long that rounding leaves nothing of the decay
+        # with a very long delay the decay may be smaller than its rounding error
         return Known(1.0 / decay, error / decay**2) if error < decay else Known(1.0 / error, np.inf)
     if found.searched >= 0.999 * NEAR * rate:
-        # between 0.9 and 1 of the rate a root could hide
+        # an undetected root may lie between NEAR and 1 times the rate
         return Known(1.0 / rate, (off + (1.0 - NEAR) * rate) / rate**2)
     return Known(0.5 / found.searched, 0.5 / found.searched)

@@ -18,17 +18,18 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# How far F is followed: so many typical lives, and as far as more than one in a million of those
-# that hold at a time have come, but at most so many typical lives or twice the longest.
+# F is followed for LIVES typical lives, and one more than those of all but the share FEW of the
+# contacts in steady sliding, but for at most MOST_LIVES.
 LIVES, FEW, MOST_LIVES = 10.0, 1e-6, 1000.0
-# Marches, each to a hundredth of the error of the one before, until slope and value are known.
+# Most marches, each to a hundredth of the tolerance of the one before, to reach that of K* and F_s.
 TRIALS, BETTER = 3, 1e-2
-# Points of a panel at which a polynomial is looked at, and how often the best of them is looked at
-# more closely: places are then known to 1e-6 of a panel, and largest values to its square.
+# Points at which a panel's polynomial is evaluated to find its maximum, and repetitions around the
+# largest value: its place is then known to 1e-6 of a panel, the value to the square of that.
 POINTS, ZOOMS = 33, 4
-# A density that grows by this between these distances (over the stretch) from a point diverges.
+# A density counts as divergent at a point if it grows by this factor from the distance FAR to NEAR
+# (in units of the stretch).
 GROWTH, NEAR, FAR = 1.02, 1e-12, 1e-10
-# Of estimates of what is not followed.
+# Factor on estimates of F beyond the end of the march.
 SAFETY = 2.0
 
 
@@ -56,9 +57,9 @@ def extremes(contacts: Contacts, travel: Travel, velocity: float, tolerance: flo
     """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`."""
     horizon, followed = _horizon(contacts, travel)
     unit, diverges = unit_of(contacts, travel), _diverges(contacts, travel.life)
-    # a polynomial of degree n that is off by e on a panel of width w has a slope that is off by
-    # up to 2 n^2 e / w: panels are solved to a hundredth of what the slope is asked for; beside
-    # densities that diverge finer tolerances than 1e-6 take long
+    # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of
+    # its slope: panels are solved to a hundredth of the slope's tolerance; beside densities that
+    # diverge, tolerances below 1e-6 would take long
     wanted = max(tolerance, 1e-6) if diverges else 1e-2 * tolerance
     found, last = Extremes(0.0, np.inf, 0.0, np.inf), np.inf
     for trial in range(TRIALS):
@@ -75,7 +76,7 @@ def extremes(contacts: Contacts, travel: Travel, velocity: float, tolerance: flo
         if diverges:
             found = found._replace(spring=np.inf, spring_error=0.0)
             break
-    # F ends there, if it is not above before
+    # F decays to the kinetic force, so that F_s is at least this
     kinetic = travel.area / (travel.length + velocity * contacts.waiting_time)
     found = found._replace(static=max(found.static, kinetic))
     if followed:
@@ -90,27 +91,26 @@ def extremes(contacts: Contacts, travel: Travel, velocity: float, tolerance: flo
 
 
 def unit_of(contacts: Contacts, travel: Travel) -> float:
-    """The length in which F_s is asked for: the mean threshold, or way to a break by a rate.
+    """The unit of the tolerance of F_s, a length: the mean threshold, or with heat the mean travel C.
 
-    Contacts of the start whose grains grow are older and live far longer than those born later.
+    With growing grains C is no measure: contacts of the start are older and live far longer.
     """
     plain = contacts.thermal is None or contacts.grains is not None
     return contacts.mean_threshold if plain else travel.length
 
 
 def _of(march: March, velocity: float, typical: float) -> Extremes:
-    """K* and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the way to a break."""
+    """K* and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the travel to a break."""
     width = velocity * np.array(march.width)
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
-    # round-off of the number of breaks on a panel, the share of contacts
+    # 2e-15: round-off of the number of breaks on a panel
     wrong = np.maximum(march.wrong, 2e-15) + march.life_error
     off = wrong * march.stretch
     static, static_error = _largest(series, off)
     static_error += ROUND_OFF_OF_FORCE * (march.stretch + float(march.motion.positions[-1]))
     if len(march.lumps) > 1:
         return Extremes(np.inf, 0.0, static, static_error)
-    # over narrower panels F falls by nothing, and its slope there is rounding
-    # panels narrower than this, in typical ways to a break, are not asked for slopes
+    # on panels narrower than this the change of F is rounding, and so would be its slope
     wide = width > 1e-6 * typical
     slopes = np.polynomial.legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
     spring, spring_error = _largest(slopes, 2.0 * rule.DEGREE**2 * (off / width)[wide])
@@ -118,8 +118,7 @@ def _of(march: March, velocity: float, typical: float) -> Extremes:
 
 
 def _largest(series: Array, off: Array) -> tuple[float, float]:
-    """The largest value of all panels' sums of Legendre polynomials, which are off by so much, and
-    its error."""
+    """The largest value of all panels' Legendre series, and its error; `off` is that of the series."""
     grid = -np.cos(np.linspace(0.0, np.pi, POINTS))
     z = np.tile(grid, (series.shape[0], 1))
     rows = np.arange(series.shape[0])
@@ -134,15 +133,14 @@ def _largest(series: Array, off: Array) -> tuple[float, float]:
 
 
 def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
-    """How far to follow F (a length), and whether all that matters comes before.
+    """How far to follow F (a length), and whether its extremes surely lie before that.
 
-    Where generations come one after the other, clearly apart, only the first is followed, which is
-    the sharpest.
+    Where generations of breaks do not overlap, only the first is followed: it is the sharpest.
     """
     life, (low, high) = travel.life, contacts.start.span
     again = 0.0 if contacts.reforming is None else max(contacts.reforming.law.span[1], 0.0)
     if life.reach - low < 2.0 * life.quiet - high - again:
-        # how far F is followed beyond the last break of a generation, in mean thresholds
+        # F is followed for 0.01 mean thresholds beyond the last break of the first generation
         return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
     unit = unit_of(contacts, travel)
     ways = travel.table.begin
@@ -153,10 +151,10 @@ def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
 
 
 def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
-    """How fast F may fall, and by what it may exceed F_k (a length), where it is not followed.
+    """Largest slope -dF/dX and largest excess of F over F_k (a length) beyond the horizon.
 
-    From -dF/dX = integral of x p (u - 1), u being the breaks per contact and C: (u - 1) has an
-    integral of about F_k, and falls to what the lives beyond make.
+    From -dF/dX = integral of x p (u - 1), with u = C times the rate of breaks: u - 1 has an
+    integral of about F_k, and decays to the contribution of lives longer than the horizon.
     """
     ways = np.append(0.5 * horizon, travel.table.end[travel.table.end > 0.5 * horizon])
     middle = np.sqrt(ways[1:] * ways[:-1])
@@ -170,7 +168,7 @@ def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
 
 
 def _diverges(contacts: Contacts, life: Life) -> bool:
-    """Whether P_c diverges where contacts from one stretch come to: they break at once there."""
+    """Whether P_c diverges at a stretch that all contacts reach together: F then drops there."""
     if not contacts.start.is_single:
         return False
     points = np.append(life.bends, contacts.thresholds.support()[1])

@@ -1,4 +1,4 @@
-"""Number conservation on a slider that moves steadily forward, to tolerances that slopes ask for."""
+"""Number conservation on a slider that moves steadily forward, to the tolerances that slopes need."""
 
 from __future__ import annotations
 
@@ -12,17 +12,18 @@ from master.rigid import FINEST, GRAINS, longest_stretch, march_of
 from master.steady.travel import Travel
 from origins import Contacts
 
-# Last coefficients of the tables, at least, and in units of the tolerance of K*: a slope loses some
-# four digits.
+# Accuracy of the tables in units of the tolerance of K*, and the finest: a slope loses some four
+# digits.
 FINEST_TABLE, ACCURACY = 1e-13, 1e-6
-# Of the mean threshold: a march to less than what so long a stretch bears would follow rounding.
+# Smallest value, in mean thresholds, that is taken for the longest stretch: a smaller one would make
+# the march's tolerance finer than rounding.
 LEAST_STRETCH = 0.1
-# Of the error of what is left of contacts, what a march tells.
+# Finest tolerance of a march, in units of the error of the survival.
 TOLD = 10.0
 
 
 def births_table(contacts: Contacts, life: Life, velocity: float, tolerance: float) -> Travel:
-    """The table of births that a march of slopes to a tolerance needs."""
+    """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(ACCURACY * tolerance, FINEST_TABLE)
     return Travel(life, births_of(contacts), velocity, accuracy)
 
@@ -30,22 +31,22 @@ def births_table(contacts: Contacts, life: Life, velocity: float, tolerance: flo
 def forward_march(
     contacts: Contacts, births: Travel, velocity: float, horizon: float, tolerance: float
 ) -> March:
-    """The march of contacts from their start to X = `horizon` (a length), yet to be run.
+    """The march of contacts from their start to X = `horizon` (a length), not yet run.
 
-    births : as `births_table` makes it
-    tolerance : of the force, in mean thresholds; no finer one is taken than the life is known to
+    births : from `births_table`
+    tolerance : of the force, in mean thresholds; limited by the error of the survival
     """
     life, mean = births.life, contacts.mean_threshold
     motion = Motion(np.array([0.0, horizon / velocity]), np.array([0.0, horizon]))
     first = max(abs(end) for end in contacts.start.span)
-    # with heat contacts break long before they are as long as they may be
+    # with heat contacts break long before they reach the longest stretch
     most = max(first + births.most, LEAST_STRETCH * mean)
-    # a life may learn how good it is as it is asked for the stretches of the start
+    # some lives know their error only after they were evaluated for the stretches of the start
     life.left(contacts.start, motion.history(motion.times[None, 1:], np.zeros((1, 1))))
     told = max(FINEST, TOLD * (life.error + (0.0 if life.quick else births.table.error)))
     finest = told * min(longest_stretch(contacts, motion, life), most) / mean
     march = march_of(contacts, motion, life, max(tolerance, finest), most=most)
     if not life.quick:
-        # an error of a slope is one of the force over the width of a panel: no narrower ones than need be
+        # an error of the force divided by the panel's width is one of the slope: avoid narrow panels
         march.grain = GRAINS * births.grain
     return march

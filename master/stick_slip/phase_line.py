@@ -21,13 +21,13 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, repr=False)
 class PhaseLine(Along):
-    """K* at many points, known well enough within the tolerance, relative to 1 + K*.
+    """K* at many points; `success` where its error relative to 1 + K* is within the tolerance.
 
     Attributes, beside those of `Along`
     ----------
     critical_spring, critical_spring_error : array
-        K*/(N_c <k>) and its error: below it stick-slip, at and above it smooth sliding. 0 where the
-        force never falls: no spring lets go; inf where it drops at one X: every spring does.
+        K*/(N_c <k>) and its error: softer springs stick and slip, others slide smoothly. 0 where
+        the force never falls: no spring slips; inf where it drops at one X: every spring slips.
     """
 
     critical_spring: Array
@@ -52,10 +52,10 @@ def phase_line(
     velocity, temperature, rate, delay : float or array
         As in master.kinetic_curve.
     tolerance : float
-        Largest error of K* wanted, relative to 1 + K*.
+        Largest allowed error of K*, relative to 1 + K*.
 
-    v is the speed of the slider itself: that of a soft slider's drive is higher while the force
-    rises, by 1 + F'/K.
+    v is the speed of the slider itself: that of a soft slider's drive is 1 + F'/K times higher
+    while the force rises.
 
     Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
     """
@@ -65,7 +65,7 @@ def phase_line(
     points = Points(contacts, velocity, temperature, rate, delay)
     check_finite(contacts)
     speeds, *others = points.rows
-    # without rates, ageing and delay, of thresholds or contacts, the speed does not tell
+    # the speed matters only with heat, ageing, grains or a delay
     tells = np.any(others, axis=0) | (contacts.thermal is not None) & (points.temperature is None)
     speeds = np.where(tells | (contacts.grains is not None), speeds, 1.0)
     cases, which = np.unique(np.stack([speeds, *others], axis=1), axis=0, return_inverse=True)

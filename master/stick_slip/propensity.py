@@ -26,18 +26,18 @@ class Propensity:
         K*/(N_c <k>) = max over X of -dF/dX, in units of N_c <k>: a softer spring is unstable (paper
         Eq. Q16). 0 where the force never falls; inf where it drops at one X.
     static_to_kinetic, static_to_kinetic_error : float
-        F_s/F_k, the largest force over the kinetic one; 1 where the force rises to it from below.
+        F_s/F_k, the largest force over the kinetic one; 1 where the force never exceeds it.
     decoherence_length, decoherence_length_error : float
-        X* (a length) of the slowest e^{-X/X*} in F - F_k; inf where nothing decays exponentially.
+        X* (a length) of the slowest term e^{-X/X*} in F - F_k; inf where none decays exponentially.
     onset_power, onset_power_error : float
         m of P_c(x) ~ (x - a)^m at its lower end.
     run_time : float
         Seconds.
     success : bool
-        Whether K* (relative to 1 + K*) and F_s (in mean thresholds, or in mean stretches at a break
-        where that is by a rate) are known within the tolerance asked for.
+        Whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat in
+        mean travels C to a break) are within the tolerance.
     message : str
-        In words: what was reached.
+        The accuracy reached.
     """
 
     critical_spring: float
@@ -61,15 +61,15 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     contacts : Contacts
         With any laws but the paper's closure of ageing; the start matters.
     tolerance : float
-        Largest error wanted: of K* relative to 1 + K*, and of F_s as `success` says.
+        Largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
     velocity : float
-        v > 0, length per time; only rates, ageing and delay tell.
+        v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
-    F(X) is followed for ten typical lives of a contact, and beyond the one that one in a million of
-    those that hold exceed (at most 1,000; what may come beyond is in the errors).
+    F(X) is followed for ten typical lives of a contact, further where more than one in a million
+    contacts live longer, but for at most 1,000; the errors include bounds on F beyond.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and
-    where contacts form again so far behind x = 0 that the kinetic force is not above 0.
+    where contacts re-form so far behind x = 0 that the kinetic force is not above 0.
     """
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)

@@ -1,12 +1,12 @@
-"""Roots: at which rates and frequencies contacts forget that they started together.
+"""Roots: the rates and frequencies with which F(X) decays to the kinetic force.
 
-Number conservation (docs/equations.md) reads, with Laplace transforms and the way d of the wait,
+The Laplace transform of number conservation (docs/equations.md), d being the travel in the delay, is
 
     b^(s) D(s) = 1/s - G_0^(s),      D(s) = E^(s) e^(-sd) + (1 - e^(-sd))/s,
 
 so that F - F_k is a sum of e^(sX) over the roots of D. All lie left of the imaginary axis, none on
-the real one. On each window of a grid a rational function follows D (scipy's AAA); its roots are
-where Newton's method begins.
+the real one. On each window of a grid a rational function approximates D (scipy's AAA); Newton's
+method starts from its roots.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ from origins import Contacts
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Knowns, over the mean way from birth to birth: the first that is searched to, and where nothing is
-# left after one such way.
+# Decay rates, per mean way from birth to birth: the first to which roots are searched, and the last,
+# at which a wave has vanished after one such way.
 FIRST, DEEPEST = 0.5, 40.0
-# Of the rate of E's own tail, or of exact values: roots nearer to it are not looked for.
+# Roots are searched up to this share of the decay rate of E's tail, or of that of exact values.
 NEAR = 0.9
-# |p^| below which no root is near, and frequencies that are looked at: over the length on which E
-# falls, and at most over the mean way from birth to birth.
+# No root is near where |p^| is smaller than BELOW. Frequencies are searched first up to HIGH per
+# length on which E falls, at most up to HIGHEST per mean way from birth to birth.
 BELOW, HIGH, HIGHEST = 0.8, 8.0, 2000.0
-# Numbers of nodes times frequencies that are looked at, at most.
+# Most nodes times frequencies of a grid.
 MOST_WORK = 1e8
-# Distance of the grid's frequencies, over the inverse of the mean way where slow decays count; of
-# how many of them a window is, which shares some with the next; and rates of the grid, at most.
+# Spacing of the grid's frequencies, in units of the inverse mean way (weighted by e^(decay x));
+# frequencies in a window, and those that it shares with the next; most decay rates of the grid.
 SIDE, ROWS, SHARED, COLUMNS = 0.8, 32, 8, 8
-# What a rational function may miss of D in a window, relatively.
+# Relative error of the rational approximation of D in a window.
 FOLLOWED = 1e-11
-# Steps of Newton's method, and distance of roots over |s| below which they are one.
+# Most steps of Newton's method; distance over |s| below which two roots count as equal.
 STEPS, ONE = 40, 1e-7
 
 
@@ -52,7 +52,7 @@ class Known(NamedTuple):
 
 
 class Roots(NamedTuple):
-    """Roots of D with Im s > 0 (per length), slowest first: all right of Re s = -searched.
+    """All roots of D with Im s > 0 right of Re s = -searched (per length), slowest first.
 
     roots : array of shape (n,)
     searched : float
@@ -63,7 +63,7 @@ class Roots(NamedTuple):
 
 
 def conserved(transform: Transform, wait: float, s: Complex) -> tuple[Complex, Complex]:
-    """D and D' at s of shape (n,), none 0; `wait` is d, a length."""
+    """D and D' at s of shape (n,), no s being 0; `wait` is d, a length."""
     values = transform(s)
     waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
     slope = waited * (values.slope - wait * values.held) + (wait * waited - out) / s
@@ -71,7 +71,7 @@ def conserved(transform: Transform, wait: float, s: Complex) -> tuple[Complex, C
 
 
 def root_errors(transform: Transform, wait: float, s: Complex) -> Array:
-    """Errors of roots of D: its residual and its own error, over |D'|."""
+    """Errors of roots: the residual and the error of D, divided by |D'|."""
     value, slope = conserved(transform, wait, s)
     waited = np.abs(np.exp(-s * wait))
     off = transform(s).held_off * waited
@@ -87,7 +87,7 @@ class Jumps(NamedTuple):
 
 
 def jumps_of(travel: Travel) -> Jumps:
-    """Where contacts reach exact thresholds together, and how many break there."""
+    """Ways at which contacts reach exact thresholds together, and the shares that break there."""
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     if not ways.size:
         return Jumps(ways, ways)
@@ -99,8 +99,8 @@ def jumps_of(travel: Travel) -> Jumps:
 
 
 def crowding_rate(travel: Travel, wait: float) -> float:
-    """Rate (per length) at which exact values alone let infinitely many roots crowd, ever faster
-    waves; inf without any, 0 where all break at exact values."""
+    """Decay rate (per length) near which infinitely many roots of ever higher frequency crowd, due to
+    exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
     ways, shares = jumps_of(travel)
     if not ways.size:
         return np.inf
@@ -116,19 +116,19 @@ def crowding_rate(travel: Travel, wait: float) -> float:
 
 
 def tail_rate(contacts: Contacts) -> Known:
-    """At which log S falls far out; inf above, 0 below every exponential.
+    """Rate at which log S of the thresholds falls in the tail; inf if faster, 0 if slower than linear.
 
-    Heat leaves it: the further a threshold lies beyond, the less a contact breaks before it.
+    Heat does not change it: the stronger a contact, the less likely it breaks before its threshold.
     """
     law = contacts.thresholds
     if np.isfinite(law.support()[1]):
         return Known(np.inf, 0.0)
-    # survival is looked at on the way out: far quantiles are beyond many a distribution
+    # the survival is sampled outwards, since many distributions cannot compute far quantiles
     x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
     with np.errstate(over="ignore"):
         last = x[np.flatnonzero(law.logsf(x) > np.log(NONE))[-1]]
     ends = last * np.array([0.125, 0.25, 0.5, 1.0])
-    # log S = a - rate x + power log x: the slopes over doublings of the way halve their distance
+    # where log S = a - rate x + power log x, each doubling of x halves the slopes' distance to -rate
     slopes = -np.diff(law.logsf(ends)) / np.diff(ends)
     change = np.diff(slopes)
     rounded = 1e-9 * slopes[-1]
@@ -139,13 +139,13 @@ def tail_rate(contacts: Contacts) -> Known:
 
 
 def leading_roots(transform: Transform, wait: float, count: int, limit: float) -> Roots:
-    """At least `count` roots, or all right of Re s = -limit; fewer where D is not known to there.
+    """At least `count` roots, or all right of Re s = -limit; fewer where D is too inaccurate there.
 
-    Frequencies are looked at up to some 2,000 over the mean way from birth to birth.
+    Frequencies are searched up to some 2,000 per mean way from birth to birth.
     """
     whole = transform.travel.length + wait
     deepest = min(limit, DEEPEST / whole)
-    # error of D over what is left of 1, at which D is no longer known
+    # beyond this decay rate the error of D exceeds 1e-3 of its terms
     while not transform.noise(deepest) * deepest * np.exp(min(deepest * wait, 700.0)) < 1e-3:
         deepest *= 0.9
     decay = min(FIRST / whole, deepest)
@@ -159,7 +159,7 @@ def leading_roots(transform: Transform, wait: float, count: int, limit: float) -
 def _roots_to(transform: Transform, wait: float, decay: float) -> Complex:
     """All roots right of Re s = -decay with Im s > 0."""
     end = transform(np.array([complex(-decay)]))
-    # the mean way at a break, weighted by e^(decay x)
+    # the mean way from birth to break, weighted by e^(decay x)
     centre = float(((end.held - decay * end.slope) / (1.0 + decay * end.held)).real[0])
     step = SIDE / (centre + wait)
     columns = int(np.clip(np.ceil(decay / step), 2, COLUMNS)) + 1
@@ -177,8 +177,8 @@ def _roots_to(transform: Transform, wait: float, decay: float) -> Complex:
 def _grid(transform: Transform, wait: float, real: Array, step: float) -> tuple[Complex, Complex]:
     """Numbers s up to the frequency above which |p^| stays below 1 at the first Re s, and D there.
 
-    Exact values do not fade with the frequency, but stay below 1 right of the rate at which their
-    roots crowd.
+    The part of p^ that is due to exact thresholds does not decay with the frequency, but stays below
+    1 right of the rate at which their roots crowd.
     """
     jumps, decay = jumps_of(transform.travel), -float(real[0])
     lasting = float(jumps.shares @ np.exp(decay * (jumps.ways + wait)))
@@ -203,12 +203,12 @@ def _grid(transform: Transform, wait: float, real: Array, step: float) -> tuple[
 
 
 def _rational_roots(s: Complex, values: Complex, step: float) -> Complex:
-    """Roots of the rational function that follows D on a window of the grid."""
+    """Roots of the rational function that approximates D on a window of the grid."""
     from scipy.interpolate import AAA
 
     middle = s.mean()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Newton's method, from its roots, tells how good it is
+        warnings.simplefilter("ignore")  # Newton's method checks the roots
         fit = AAA((s.ravel() - middle) / step, values.ravel(), rtol=FOLLOWED)
         found = middle + step * np.asarray(fit.roots())
     edge = 2.0 * step
@@ -225,14 +225,17 @@ def _polished(transform: Transform, wait: float, s: Complex, step: float, decay:
         if not open_.size:
             break
         value, slope = conserved(transform, wait, s[open_])
-        move = value / slope
+        with np.errstate(invalid="ignore"):
+            move = value / slope
+        move[~np.isfinite(move)] = 0.0  # left of where D is a number; such s are no roots below
         move *= np.minimum(step / np.maximum(np.abs(move), 1e-300), 1.0)
         s[open_] -= move
         s.real = np.maximum(s.real, -1.05 * decay)
         near = np.abs(s[open_] - start[open_]) < 3.0 * step
         open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(s[open_]))]
     value, slope = conserved(transform, wait, s)
-    s = s[(np.abs(value / slope) < ONE * np.abs(s)) & (s.imag > 0.0)]
+    with np.errstate(invalid="ignore"):
+        s = s[(np.abs(value / slope) < ONE * np.abs(s)) & (s.imag > 0.0)]
     s = s[np.lexsort([s.real, s.imag])]
     apart = np.abs(s[:, None] - s) > ONE * np.abs(s)
     first = np.array([apart[i, :i].all() for i in range(s.size)], dtype=bool)

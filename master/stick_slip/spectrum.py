@@ -1,4 +1,4 @@
-"""How F(X) decays to the kinetic force: the leading roots of D, what each carries, and their sum.
+"""How F(X) decays to the kinetic force: the leading roots of D, their amplitudes, and their sum.
 
 F - F_k ~ sum over pairs of roots of Re[c_n e^(s_n X)],
 c_n = 2 K^(s_n) e^(-s_n d) [1/s_n - G_0^(s_n)] / D'(s_n).
@@ -38,34 +38,35 @@ from origins.errors import positive, refuse, whole
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Tolerance of the table of E and of F that the sum is held against.
+# Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
-# Wait, over the mean way from birth to break, beyond which roots crowd at all frequencies.
+# Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd at all
+# frequencies.
 LONGEST = 400.0
-# Rate of exact values, over the mean way, below which no root is told from those at Re s = 0.
+# Decay rate of exact values, per mean way, below which roots cannot be resolved from Re s = 0.
 CROWDED = 1e-2
-# How far F is followed, in mean ways from birth to birth; and what the largest difference on the
-# way there is multiplied with, as the phases of what is left out may meet elsewhere.
+# F is followed over this many mean ways from birth to birth; safety factor on its largest difference
+# from the terms, as the terms left out may add up in phase elsewhere.
 FOLLOWED, SAFE = 6.0, 2.0
 
 
 class _Left(NamedTuple):
-    """Positions X (lengths), sorted, and by how much terms are off F from there on, times
+    """Positions X (lengths), sorted, and the largest error of the terms from there on, times
     e^(X/beyond), a length; arrays of shape (n,)."""
 
     x: Array
     size: Array
 
     def at(self, x: Array) -> Array:
-        """The size at positions of any shape."""
+        """The `size` at positions of any shape."""
         place = np.searchsorted(self.x, x, "right") - 1
         return self.size[np.clip(place, 0, self.x.size - 1)]
 
 
 @dataclass(frozen=True)
 class DecoherenceSpectrum:
-    """Leading roots, one of each pair, slowest first; arrays of shape (n,), n = 0 where F(X)
-    oscillates no further than `beyond`, as of contacts that heat breaks long before their thresholds.
+    """Leading roots, one of each pair, slowest first; arrays of shape (n,). n is 0 where no
+    oscillation decays as slowly as `beyond`, as where heat breaks contacts long before x_s.
 
     Attributes
     ----------
@@ -80,8 +81,8 @@ class DecoherenceSpectrum:
     kinetic_force, kinetic_force_error : float
         F_k/(N_c <k>), a length, and its error in units of the mean threshold.
     beyond : float
-        Decay length of what is left out (a length): `force_error` falls with it. More roots than
-        these may lie there.
+        Decay length (a length) of the terms left out, and so of `force_error`; further roots may
+        have shorter decay lengths.
     run_time : float
         Seconds.
     """
@@ -124,12 +125,12 @@ class DecoherenceSpectrum:
     def force_error(self, x: npt.ArrayLike) -> Array:
         """Its error at those positions in units of the mean threshold; same shape.
 
-        An estimate: what is left out falls as e^(-X/beyond) from what F, solved over the first few
-        mean ways from birth to birth, shows of it.
+        An estimate: the terms left out are taken from F, solved over the first few mean ways from
+        birth to birth, and extrapolated as e^(-X/beyond).
         """
         x = np.asarray(x, dtype=float)
         size = np.exp(np.multiply.outer(x, self.roots.real))
-        # waves drift apart by no more than their size
+        # an error of the phase changes a wave by at most twice its size
         drift = np.minimum(np.multiply.outer(x, self.roots_error), 2.0)
         off = (size * (self.amplitude_error + np.abs(self.amplitude) * drift)).sum(axis=-1)
         with np.errstate(under="ignore"):
@@ -147,15 +148,15 @@ def decoherence_spectrum(
     contacts : Contacts
         With any laws but the paper's closure of ageing; the start matters.
     velocity : float
-        v > 0, length per time; only rates, ageing and delay tell.
+        v > 0, length per time; it matters only with heat, ageing, grains or a delay.
     n_roots : int
-        How many roots to give; fewer where fewer there are: E^ ends at the rate at which the law's
-        own tail falls, and with exact values infinitely many roots crowd about one rate. Waves are
-        looked for down to periods of 1/300 of the mean way from birth to birth.
+        Number of roots; fewer are returned where fewer are found: the search ends before the decay
+        rate of the law's tail, and before that near which the infinitely many roots of exact values
+        crowd. It includes periods down to 1/300 of the mean way from birth to birth.
 
-    Raises InputError for thresholds of exact values alone, or nearly so, whose roots come as near
-    to Re s = 0 as one likes; for contacts that wait for more than 400 times as long as they hold;
-    and as `steady_state` does.
+    Raises InputError for thresholds of exact values alone, or nearly so, whose roots come
+    arbitrarily near to Re s = 0; for contacts that are out for more than 400 times as long as they
+    hold; and as `steady_state` does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
@@ -165,7 +166,7 @@ def decoherence_spectrum(
     travel = Travel(life, again, velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     limit = _searched(contacts, travel, wait)
-    # error of the force of linked contacts, per mean stretch: a table of the life's own
+    # the force of linked contacts comes from a table with this error, in mean stretches
     blur = 1e-12 if contacts.stiffness == "linked" else 0.0
     transform = Transform(travel, blur)
     found = leading_roots(transform, wait, n_roots + 1, limit)
@@ -178,7 +179,7 @@ def decoherence_spectrum(
     amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / conserved(transform, wait, s)[1]
     roots_error = root_errors(transform, wait, s)
     share = values.force_off / np.abs(values.force) + first.held_off / np.abs(broken)
-    # by how much an error of a root turns the amplitude, and rounding
+    # relative change of the amplitude by an error of the root, and rounding
     turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)
     share += turned * roots_error + 1e-14
     kinetic, kinetic_off = cycle_of(contacts, travel).force(wait)
@@ -200,7 +201,7 @@ def decoherence_spectrum(
 
 
 def _searched(contacts: Contacts, travel: Travel, wait: float) -> float:
-    """The rate to which roots are looked for, or InputError where none can be told."""
+    """The decay rate to which roots are searched; InputError where none can be resolved."""
     if wait > LONGEST * travel.length:
         times = f"wait for {wait / travel.length:.3g} times as long as they hold"
         if contacts.delay is None:
@@ -238,7 +239,7 @@ def _searched(contacts: Contacts, travel: Travel, wait: float) -> float:
 def _left_out(
     contacts: Contacts, life: Life, velocity: float, spectrum: DecoherenceSpectrum, whole_way: float
 ) -> _Left:
-    """What the terms leave out of F, over the first few mean ways from birth to birth."""
+    """The difference between F and the terms, over the first few mean ways from birth to birth."""
     horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
     births = births_table(contacts, life, velocity, TOLERANCE)
     march = forward_march(contacts, births, velocity, horizon, TOLERANCE).run()
@@ -246,12 +247,12 @@ def _left_out(
     x = begin[:, None] + width[:, None] * np.append(0.0, rule.NODES)
     off = (np.array(march.wrong) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))
-    # differences from F that are told, in units of its error
+    # only differences larger than 3 errors of F are significant
     told = apart > 3.0 * off[:, None]
     x, apart = x[told], SAFE * apart[told]
     if not x.size:
         return _Left(np.zeros(1), np.zeros(1))
     left = apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
     left = np.maximum.accumulate(left[::-1])[::-1]
-    # what comes later is no larger than over the last of the ways that tell
+    # later differences are taken to be no larger than those over the last significant mean way
     return _Left(x, np.maximum(left, left[np.searchsorted(x, x[-1] - whole_way)]))

@@ -1,4 +1,4 @@
-"""Transform: integrals of e^(-sx) times what is left of contacts, over the way x since their birth."""
+"""Transform: Laplace transforms of survival and force of contacts, over the way x since birth."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from master.steady.travel import FEW, SHORTEST, Travel
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Most of |s| times the width of a piece: the Gauss nodes integrate a table's polynomial times such
-# a wave to rounding.
+# Largest |s| times the width of a piece: the Gauss nodes integrate a table's polynomial times such a
+# wave to rounding.
 WAVE = 4.0
-# Last coefficients of the table, over its values on the panel, and relative rounding of a sum.
+# Last coefficients of the table relative to its values on the panel; relative rounding of a sum.
 ACCURACY, ROUND_OFF = 1e-13, 4e-16
-# Fall of E over a panel that is told from none, and such coefficients at which E's own rounding begins.
+# Values smaller than the share FALL of the panel's largest need not be resolved relatively; and last
+# coefficients, in units of ACCURACY, that may be rounding of E itself.
 FALL, NOISY = 1e-4, 1e2
-# Share of contacts below which floating point has none, and of what is summed that is left out.
+# Share of contacts below which floating point underflows; and share of a sum that is left out.
 NONE, UNFELT = 1e-290, 1e-20
-# Frequencies whose waves are made together.
+# Frequencies whose waves are computed together.
 BLOCK = 32
 
 
@@ -56,15 +57,15 @@ class _Nodes(NamedTuple):
 class Transform:
     """Transforms of E and K of contacts born at some stretches.
 
-    Left of the imaginary axis the few that hold for long count: E is tabulated, each panel to a
-    share of its own values, out to where floating point ends.
+    Left of the imaginary axis the few contacts that hold for long matter: E is tabulated to a
+    relative accuracy on each panel, until it underflows.
 
     Parameters
     ----------
     travel : Travel
         Of these contacts.
     blur : float
-        Error of K, in units of the table's scale, where that is known by tables of its own.
+        Error of K, in units of the table's scale, where K itself comes from a table.
 
     Attributes
     ----------
@@ -75,13 +76,13 @@ class Transform:
     def __init__(self, travel: Travel, blur: float = 0.0) -> None:
         self.travel, life = travel, travel.life
         edges = travel.table.edges
-        # doublings of the way, at most
+        # at most 40 doublings of the way
         for _ in range(40):
             last = float(edges[-1])
             if not travel.left(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0] > NONE:
                 break
             edges = np.append(edges, last * np.array([1.25, 1.5, 1.75, 2.0]))
-        # where heat breaks contacts born at many stretches each survival takes long
+        # with heat and many stretches at birth each survival takes long, so the table is coarser
         accuracy = ACCURACY if travel.born.is_single or life.quick else travel.accuracy
 
         def own(values: Array, _: Array) -> Array:
@@ -94,7 +95,7 @@ class Transform:
         self._blur, self._known = blur * (table.begin < life.reach), dict[int, _Nodes]()
 
     def _nodes(self, fastest: float, decay: float) -> _Nodes:
-        """Nodes close enough for |s| up to `fastest`, where E e^(decay x) counts."""
+        """Nodes dense enough for |s| up to `fastest`, where E e^(decay x) is not negligible."""
         table, scale = self._table, self.travel.scale
         power = max(int(np.ceil(np.log2(max(fastest * table.end[-1], 1.0)))), 0)
         if power not in self._known:
@@ -106,7 +107,7 @@ class Transform:
             way = low[:, None] + width[:, None] * rule.GAUSS_NODES
             weight = width[:, None] * rule.GAUSS_WEIGHTS
             held, force = np.abs(values := table(way)) * weight
-            # an error of E itself is one of its share where few hold
+            # the error of E itself is relative where few contacts hold
             own = self.travel.life.error / np.maximum(values[0], FEW) + ROUND_OFF
             tails, blur = (np.repeat(part, pieces)[:, None] for part in (table.tails, self._blur))
             off = own * held + weight * tails, own * force + weight * (tails + blur)
@@ -122,7 +123,7 @@ class Transform:
         """The transforms at s (per length) of shape (n,)."""
         s = np.asarray(s, dtype=complex)
         nodes = self._nodes(float(np.abs(s).max(initial=0.0)), -float(s.real.min(initial=0.0)))
-        # numbers of nodes times numbers s that are summed together
+        # at most 2,000,000 nodes times numbers s are summed together
         parts = np.array_split(s, max(1, s.size * nodes.way.size // 2_000_000))
         found = (self._some(nodes, part) for part in parts)
         return Values(*(np.concatenate(row) for row in zip(*found, strict=True)))
@@ -141,7 +142,7 @@ class Transform:
             return Values(held, -slope, bend, wave @ nodes.force, held_off, force_off)
 
     def noise(self, decay: float) -> float:
-        """Error of the transform of E where e^(-sx) grows at a rate (per length)."""
+        """Error of the transform of E at Re s = -decay (per length)."""
         nodes = self._nodes(0.0, decay)
         off = nodes.held_off + ROUND_OFF * decay * nodes.way * nodes.held
         with np.errstate(over="ignore", invalid="ignore"):
@@ -151,7 +152,7 @@ class Transform:
         """The transform of E at real + i step k for k < count, shape (count, real.size)."""
         nodes = self._nodes(float(np.hypot(real.min(), step * count)), -float(real.min()))
         growth = nodes.held[:, None] * np.exp(-np.multiply.outer(nodes.way, real))
-        # waves of many frequencies are products of few
+        # waves of many frequencies are products of the waves of few
         few = np.exp(-1j * step * np.multiply.outer(np.arange(BLOCK), nodes.way))
         out = np.empty((-(-count // BLOCK), BLOCK, real.size), dtype=complex)
         for block, rows in enumerate(out):
@@ -160,5 +161,5 @@ class Transform:
         return out.reshape(-1, real.size)[:count]
 
     def nodes_per_frequency(self) -> float:
-        """How many nodes an integral takes, over the frequency, where that is high."""
+        """Nodes of an integral per frequency (a length), where the frequency is high."""
         return float(rule.GAUSS * self._table.end[-1] / WAVE)

@@ -1,1 +1,1 @@
-"""Soft sliders whose contacts have laws that tell time: heat, ageing, growing grains, delay."""
+"""Soft sliders whose contacts have laws that depend on time: heat, ageing, growing grains, delay."""

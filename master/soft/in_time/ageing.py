@@ -1,7 +1,7 @@
-"""Contacts that age, each by itself: every strand carries the density of its thresholds.
+"""Contacts that age (closure "exact"): every strand carries the density of its thresholds.
 
-The density stands in the cells of master.lives.age.cells. As long as all thresholds are far above the
-stretch a strand sleeps: then they are normal, of known mean and standard deviation.
+The density is given on the cells of master.lives.age.cells. As long as all thresholds are far above
+the stretch, a strand sleeps: its thresholds are normal, with known mean and standard deviation.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Columns of what is kept: the age, whether the strand sleeps, and from there on the cells.
+# Columns of a strand's numbers: the age, whether the strand sleeps, and from there on the cells.
 AGE, SLEEPS, CELLS = range(3)
 
 
@@ -35,10 +35,9 @@ class AgeingMemory(Memory):
         self.width = CELLS + cells.edges.size - 1
         self.reach = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
         self.starts = FEW_STARTS + MORE_STARTS * level
-        # the shortest time that a hold's first step takes, of that in which thresholds spread by
-        # the narrowest width
+        # first step of a hold: 1e-3 of the time in which thresholds spread by the narrowest width
         shortest = 1e-3 * cells.width**2 / ageing.rate
-        # length over which births change, in the narrowest widths of both laws
+        # births change over a length of some 2 narrowest widths of both laws
         self.scales = Scales(2.0 * cells.width, shortest, fresh_rate(contacts))
 
     def start(self, stretch: Array) -> Array:
@@ -60,7 +59,7 @@ class AgeingMemory(Memory):
         up = np.flatnonzero(slept & ~asleep)
         if up.size:
             out[up, CELLS:] = self._cells.unmet(leg.begin[up], kept[up, AGE])
-        # share that holds below which a strand is dropped
+        # drop strands of which a smaller share holds
         holds = out[:, CELLS:].sum(axis=1) > 1e-13
         out[~holds, CELLS:] = 0.0
         awake = np.flatnonzero(~asleep & holds)

@@ -1,12 +1,12 @@
-"""Carried: all contacts of a slider on its way, what a step would lead to, and the step taken.
+"""Carried: all contacts of a slider on its way, trial steps, and the steps taken.
 
-With J(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) what is left of the births
-at s, number conservation says
+With J(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
+born at s, number conservation says
 
     G_0(t) + integral of E(t, s) dJ(s) + [B(t) - J(t)] = 1,        J(t) = B(t - delay).
 
-Within a step births are even: the integral is a sum over steps of means of E, good to the square of
-the step.
+Within a step the rate of births is taken as constant: the integral becomes a sum over steps with
+means of E, of second order in the step.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ import numpy as np
 
 from master.soft.in_time.cohorts import Cohorts
 
-# Points of the polynomial that reads what broke a delay before.
+# Points of the polynomial that interpolates the breaks of one delay before.
 STENCIL = 4
 
 
 class TooLongError(Exception):
-    """The work or the time that a solution may take has come to its end."""
+    """The solution has reached its limit of work or time."""
 
 
 class Allowed(NamedTuple):
-    """Scales, numbers looked at in all of them, and the reading of time.monotonic() at the end."""
+    """Limits: of steps, of the work in all of them, and a reading of time.monotonic()."""
 
     steps: float
     work: float
@@ -35,9 +35,9 @@ class Allowed(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """A step that is not taken yet: how far and until when, and what it leads to.
+    """A step that is not taken yet: its travel, its end in time, and the state it leads to.
 
-    force : per contact and <k> (a length); holding : share of the contacts
+    force : F/(N_c <k>) (a length); holding : share of the contacts
     breaks, births : per contact since t = 0
     """
 
@@ -51,14 +51,14 @@ class Trial(NamedTuple):
 
 
 class Pending(NamedTuple):
-    """When a share of the contacts, which may be 0, is born at once, and births bend."""
+    """A time at which births bend, and a share of the contacts, possibly 0, is born at once."""
 
     at: float
     weight: float
 
 
 class Carried:
-    """Contacts on a slider at X = 0 and t = 0, which form again a delay after they break.
+    """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
     Attributes
     ----------
@@ -66,11 +66,11 @@ class Carried:
         X (a length), the time, F/(N_c <k>) (a length), and the share of the contacts that holds.
     pending : list of Pending
     steps : int
-        Taken so far.
+        Number of steps taken so far.
     work : float
-        Numbers looked at in them.
+        Operations in them: evaluated cohorts times the cost of each.
     unresolved : float
-        Largest force (a length) of contacts of which steps do not tell how many hold.
+        Bound on the force (a length) of contacts whose share that holds the steps do not resolve.
     """
 
     def __init__(self, cohorts: Cohorts, delay: float, allowed: Allowed) -> None:
@@ -80,21 +80,21 @@ class Carried:
         self.settle(cohorts)
 
     def settle(self, cohorts: Cohorts) -> None:
-        """These contacts, and nothing before them."""
+        """Begin with these contacts, and no breaks and births before."""
         self.holding, self.force = cohorts.left[:, 0].tolist()
         self.cohorts, self._last = cohorts.born(0.0), (0.0, 0.0)
-        # moments at which steps ended, breaks and births until then, and across which nothing is read
+        # ends of steps, with breaks and births up to there; and bends, across which no polynomial goes
         self._times, self._bends = [self.now], [0]
         self._breaks, self._births = [0.0], [0.0]
         self.pending: list[Pending] = []
 
     @property
     def breaks(self) -> float:
-        """Per contact since t = 0."""
+        """Breaks per contact since t = 0."""
         return self._breaks[-1]
 
     def tried(self, travel: float, now: float, frozen: bool = False) -> Trial:
-        """The slider moves on by `travel` until `now`; where `frozen` none is born."""
+        """A trial step by `travel` until `now`; where `frozen`, without births."""
         duration, before = now - self.now, self._births[-1]
         cohorts = self.cohorts.advance(travel, duration).born(self._speed(travel, duration))
         frozen |= bool(self.delay) and now == self.now
@@ -109,11 +109,11 @@ class Carried:
         return Trial(travel, now, cohorts, force, held, breaks, before + new)
 
     def _births_at(self, now: float) -> tuple[float, float]:
-        """Births up to a later moment, slope * B + rest of the breaks B up to then: slope and rest."""
+        """Births up to a later moment, as a linear function of the breaks B up to then: (slope, rest)."""
         if not self.delay:
             return 1.0, 0.0
         times = np.array([*self._times, now])
-        # the delay is longer by a share of 1e-13: what is born at once then is not born before
+        # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
         at = now - self.delay - 1e-13 * (now - times[0])
         if at <= times[0]:
             return 0.0, 0.0
@@ -124,14 +124,14 @@ class Carried:
         low, high = int(bends[part - 1]), min(int(bends[part]), last)
         begin = min(max(cell - STENCIL // 2, low), max(high - STENCIL + 1, low))
         nodes = np.arange(begin, min(begin + STENCIL - 1, high) + 1)
-        # births at once are two moments with nothing between
+        # births at one moment are stored as two nodes at one time
         nodes = nodes[np.append(np.diff(times[nodes]) > 0.0, True)]
         weights = _lagrange(times[nodes], at)
         known = np.array([*self._breaks, 0.0])[nodes]
         return float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known)
 
     def _speed(self, travel: float, duration: float) -> float:
-        """|dX/dt| at the end of a step, from the mean of this one and of the last."""
+        """|dX/dt| at the end of a step, from the mean speeds of this step and of the last."""
         if duration <= 0.0:
             return np.inf if travel else 0.0
         mean, (way, time) = abs(travel) / duration, self._last
@@ -154,9 +154,8 @@ class Carried:
         self.cohorts, self.force, self.holding = trial.cohorts, trial.force, trial.holding
         self._add(trial.breaks, trial.births)
         held, pull = self.cohorts.left[:, 1:]
-        # a step of whose first births most are gone and of whose last births most are not
-        # share of the births at the end of a step that is left of those at its beginning, below
-        # which it is not known how many of the births in between hold
+        # a step is unresolved if the survival of its first births is less than half that of its
+        # last: then it is unknown how many of the births in between hold
         apart = np.where(held[:-1] < 0.5 * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
         self.unresolved = max(self.unresolved, float(apart @ np.abs(np.diff(self._births))))
 
@@ -166,7 +165,7 @@ class Carried:
         self._births.append(births)
 
     def born_at_once(self, weight: float) -> None:
-        """A finite share is born where the slider stands: two births with nothing between."""
+        """Add a finite share that is born at one moment: two births without time between."""
         self.bend()
         self.cohorts = self.cohorts.born(0.0)
         held, pull = self.cohorts.between()[:, -1].tolist()
@@ -176,18 +175,18 @@ class Carried:
         self.bend()
 
     def bend(self) -> None:
-        """Breaks may bend or jump here: nothing is read across."""
+        """Breaks may bend or jump at this moment: no polynomial goes across it."""
         self._bends.append(len(self._times) - 1)
         self._last = 0.0, 0.0
 
     def mark_later(self, at: float, weight: float = 0.0) -> None:
-        """What bends or jumps here, by a share of the contacts, does so again after the delay."""
+        """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
         if self.delay:
             again = Pending(at + self.delay, weight), Pending(at + 2.0 * self.delay, 0.0)
             self.pending += again
 
     def born_now(self) -> None:
-        """What is pending until now is born."""
+        """Let all contacts that are due be born."""
         weight = sum(one.weight for one in self.pending if one.at <= self.now)
         self.pending = [one for one in self.pending if one.at > self.now]
         if weight > 0.0:

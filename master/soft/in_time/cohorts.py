@@ -1,9 +1,9 @@
-"""Cohorts: what is left of contacts that were born together, all along one motion of the slider.
+"""Cohorts: survival and force of contacts that were born together, along one motion of the slider.
 
-Contacts do not know of each other: what is left of those born at one moment depends on the motion
-since and on nothing else. A cohort is one strand for each stretch at which its contacts are born: a
-strand has its place, its largest |x|, and what its law's Memory keeps. How many are born follows
-from number conservation alone (master.soft.in_time.carried), which knows no law of contacts.
+Contacts are independent: the survival of those born at one moment depends on the motion since and on
+nothing else. A cohort has one strand for each stretch at which its contacts are born: a strand has
+its place, its largest |x|, and the numbers of its law's Memory. The number of births follows from
+number conservation (master.soft.in_time.carried), which is independent of the contacts' law.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Nodes for births at many stretches, on the coarsest steps and more on each finer level.
+# Nodes for births at many stretches: on the coarsest level, and more for each finer level.
 BIRTHS, MORE_BIRTHS = 8, 4
-# Share of a cohort below which it is forgotten.
+# Share of a cohort that holds below which it is dropped.
 DEAD = 1e-19
 
 
@@ -31,17 +31,17 @@ DEAD = 1e-19
 class Cohorts:
     """The contacts that hold at t = 0, and one cohort for every call of `born`.
 
-    Nothing is changed in place: every method leaves the cohorts as they are and returns others.
+    Cohorts are immutable: every method returns new ones.
 
     Attributes
     ----------
     memory : Memory
     start, births : StretchRule
-        Stretches of those of t = 0 and at birth; shares over what holds then.
+        Stretches at t = 0 and at birth; weights divided by the share that holds there.
     started : int
-        Strands of t = 0: those of `start`, or 0 when none is left.
+        Number of strands of t = 0: those of `start`, or 0 when they have been dropped.
     forgotten : int
-        Births, from the first, of which none is left and which have no strand any more.
+        Number of cohorts, from the first birth on, that have been dropped with their strands.
     at : float
         X of the slider (a length).
     place, furthest : arrays of shape (n,), of the strands in the order of their births
@@ -61,7 +61,7 @@ class Cohorts:
 
     @classmethod
     def of(cls, contacts: Contacts, memory: Memory, level: int, reset: bool = False) -> Cohorts:
-        """All contacts at X = 0, as they start or where all have just formed again.
+        """All contacts at X = 0: those of the start, or (`reset`) all just re-formed.
 
         Births at many stretches have more nodes with each level.
         """
@@ -75,7 +75,7 @@ class Cohorts:
 
     @property
     def work(self) -> int:
-        """Numbers looked at for each cohort in one step: how many steps are affordable."""
+        """Estimated operations for each cohort in one step."""
         return (self.memory.width + 60) * self.births.stretch.size
 
     @cached_property
@@ -91,7 +91,7 @@ class Cohorts:
         return np.concatenate([first[:, None], gone, rows @ self.births.weight], axis=1)
 
     def born(self, speed: float) -> Cohorts:
-        """With a new cohort, where the slider stands now, which moves at this speed |dX/dt|."""
+        """These cohorts and a new one, born at the slider's present X and speed |dX/dt|."""
         x = self.births.stretch
         return replace(
             self,
@@ -101,7 +101,7 @@ class Cohorts:
         )
 
     def advance(self, travel: float, duration: float) -> Cohorts:
-        """After a move by `travel` (a length of either sign) within `duration`, at one speed.
+        """The cohorts after a move by `travel` (a length of either sign) in `duration`, at one speed.
 
         A slip is a travel in no time, a hold is time without travel. Errors may be of second order
         in the step.
@@ -109,7 +109,7 @@ class Cohorts:
         held = self.left[0]
         started = self.started if held[0] > DEAD else 0
         births = held[1 + self.forgotten :]
-        # the last cohort stays, as neighbour of the next birth
+        # the last cohort is kept, since `between` needs it beside the next one
         alive = np.flatnonzero(np.append(births[:-1] > DEAD, True))
         gone = int(alive[0]) if births.size else 0
         kept = np.ones(self.place.size, dtype=bool)
@@ -130,7 +130,7 @@ class Cohorts:
         )
 
     def between(self) -> Array:
-        """As `left`, of contacts born evenly between births that follow each other: their mean.
+        """As `left`, for contacts born at a constant rate between consecutive cohorts: their mean.
 
         Shape (2, births - 1).
         """
@@ -138,7 +138,7 @@ class Cohorts:
 
 
 def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:
-    """The rule with shares over what holds at birth."""
+    """The rule with weights divided by the share that holds at birth."""
     stretch = rule.stretch
     whole = memory.left(memory.start(stretch), stretch, np.abs(stretch))[0]
     share = np.divide(rule.weight, whole, out=np.zeros(whole.size), where=whole > 0.0)

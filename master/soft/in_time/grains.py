@@ -1,8 +1,8 @@
 """Growing grains under a spring: each contact keeps its quantile for life (paper, Sec. VI).
 
-Of those that pinned together the share e^-(H - H_0) is not met yet, H being the largest hazard of
-their law at their stretch and age so far (master.lives.grains). With heat each quantile also breaks
-early: A, the integral of its rate over time, is kept for many of them.
+Of contacts that pinned together the share e^-(H - H_0) has not reached its threshold yet, H being
+the largest hazard of their law at their stretch and age so far (master.lives.grains). With heat they
+also break earlier: A, the integral of the rate over time, is kept for many quantiles.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# The longest time that grains are followed for, in pinning times: they hardly grow beyond.
+# Longest age of grains, in pinning times: they hardly grow beyond.
 LONGEST = 1e7
-# Columns of what is kept: the largest hazard, the hazard at birth, and the time since pinning.
+# Columns of a strand's numbers: largest hazard, hazard at birth, time since pinning, and from there A.
 WORST, FIRST, SINCE, SPENT = range(4)
-# Quantiles on the coarsest steps; changes of ln h over a step; A beyond which nothing is left.
+# Quantiles on the coarsest steps; change of ln h over a step; A beyond which no contact holds.
 CELLS, CHANGE, GONE = 16, 2.0, 90.0
-# Grid in the logarithm of the time since pinning, over the pinning time, of the quantiles' thresholds.
+# Range (in pinning times) and size of the logarithmic grid in the time since pinning, for thresholds.
 EARLIEST, LATEST, TIMES = 1e-5, 1e7, 400
 
 
 class GrainMemory(Memory):
-    """Growing grains without heat: largest hazard, that at birth, and the time since pinning."""
+    """Growing grains without heat: keeps the largest hazard, that at birth, and the time since pinning."""
 
     width, error = 3, 1e-13
 
@@ -40,9 +40,9 @@ class GrainMemory(Memory):
         life = GrainLife(contacts, LONGEST * self._first)
         self._start_since, self.reach = life.start_since, life.start_reach
         self.starts = FEW_STARTS + MORE_STARTS * level
-        # length over which births change, in the narrowest widths of the laws of thresholds
+        # births change over a length of some 2 narrowest widths of the laws of thresholds
         length = 2.0 * min(width_of(contacts), grains.quick_width)
-        # the first step of a hold, in pinning times
+        # first step of a hold: 0.05 pinning times
         self.scales = Scales(length, 0.05 * self._first)
 
     def start(self, stretch: Array) -> Array:
@@ -77,9 +77,9 @@ class GrainMemory(Memory):
 
 
 class WarmGrainMemory(GrainMemory):
-    """Growing grains with heat: also A at the middles of cells of the quantile.
+    """Growing grains with heat: keeps also A at the middles of cells of the quantile.
 
-    Both cells and steps are halved with each level, and what either leaves falls as the square.
+    Both cells and steps are halved with each level; the errors of both are of second order.
     """
 
     def __init__(self, contacts: Contacts, level: int) -> None:
@@ -93,7 +93,7 @@ class WarmGrainMemory(GrainMemory):
         rate = thermal.rates.scale
         self.scales = Scales(length, min(self.scales.time, 1.0 / rate), rate)
         self._thresholds = GrowingThresholds(self._grains, LONGEST * self._first)
-        # of contacts that pinned alike: by the logarithm of the time since then, over the pinning time
+        # thresholds of fresh contacts as functions of the logarithm of the time since pinning
         times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
         since = self._first * np.exp(times)[:, None]
         self._fresh = make_interp_spline(times, self._thresholds.at(self._hazards, since), k=1)
@@ -108,7 +108,7 @@ class WarmGrainMemory(GrainMemory):
         log_since, fresh = np.log(since / self._first), kept[:, FIRST] == 0.0
         early, late = np.log(EARLIEST), np.log(LATEST)
         limit = self._fresh(np.clip(log_since, early, late))
-        # right after pinning thresholds grow as the time
+        # right after pinning, thresholds are proportional to the time
         limit *= np.exp(np.minimum(log_since - early, 0.0))[:, None]
         own = kept[~fresh, FIRST, None] + self._hazards
         limit[~fresh] = self._thresholds.at(own, since[~fresh, None])

@@ -1,7 +1,7 @@
-"""Contacts that break by heat: of some laws one number tells all that a strand has spent.
+"""Contacts that break by heat, with laws for which a strand needs to keep one number only.
 
-A contact of the threshold x_s that was born at r still holds with the probability e^-A, A the
-integral of its rate h(|x|; x_s) over time, if x_s is above the largest |x| of its life.
+A contact of the threshold x_s still holds with the probability e^-A, A being the integral of its
+rate h(|x|; x_s) over time, if x_s is above the largest |x| of its life.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
 
-# Share of contacts to which sums over thresholds are known.
+# Error of sums over thresholds, as a share of the contacts.
 SUMS = 1e-12
-# The logarithm of a share that is none.
+# The logarithm of the smallest share above 0.
 NONE_LEFT = -745.0
 
 
 class ProportionalMemory(Memory):
     """Exact closure, where ln h is a sum of a function of x and one of the threshold (soft contacts).
 
-    A at one threshold tells it at all others: ln A = ln W + ln h(0; x_s), and ln W is kept.
+    Then ln A = ln W + ln h(0; x_s) with one number W for all thresholds; ln W is kept.
     """
 
     width, error = 1, SUMS
@@ -69,7 +69,7 @@ class ProportionalMemory(Memory):
 
 
 def replay_of(leg: Leg, rates: RateLaw, stiffness: Stiffness | None = None) -> Replay:
-    """What contacts spend on one leg, which takes time."""
+    """The integrals A on one leg, whose duration is above 0."""
     way = leg.end - leg.begin
     speed = float(way[0]) / leg.duration
     duration = np.full((way.size, 1), leg.duration)
@@ -78,16 +78,16 @@ def replay_of(leg: Leg, rates: RateLaw, stiffness: Stiffness | None = None) -> R
 
 
 def scales_of(contacts: Contacts) -> Scales:
-    """What steps resolve of contacts that break by heat."""
+    """The scales that steps resolve where contacts break by heat."""
     thermal, law = contacts.thermal, contacts.thresholds
     assert thermal is not None
     rates, unit = thermal.rates, contacts.mean_threshold
-    # the weakest three in ten of the fresh contacts do not count in the rate that steps resolve:
-    # they are gone soon, and others feel little of it
+    # steps need not resolve the rate of the weakest 30 % of fresh contacts: these break soon, with
+    # little effect on the others
     weak = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * unit)
     fresh_rate = float(rates.rate(0.0, weak, contacts.relative_stiffness(weak))[0])
     width, mean = width_of(contacts), np.array([unit])
-    # stretch below the threshold over which ln h changes by 1
+    # slope of ln h by the stretch, at 0.1 mean thresholds below the threshold
     below = unit * (1.0 - np.array([0.1, 0.11]))
     rise = -float(np.diff(rates.log_rate(below, mean, 1.0))[0]) / (0.01 * unit)
     # a thin skin: 0.005 widths of P_c over which the rate changes by more than a factor e
@@ -95,6 +95,6 @@ def scales_of(contacts: Contacts) -> Scales:
 
 
 def reach_of(contacts: Contacts) -> float:
-    """Stretch beyond which none holds."""
+    """Stretch beyond which no contact holds."""
     law = contacts.thresholds
     return max([min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]])

@@ -1,4 +1,4 @@
-"""Which memory the laws of contacts ask for."""
+"""Choice of the memory for the laws of contacts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from origins import Contacts, InputError
 
 
 def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
-    """What contacts on a drive no faster than this keep; meshes of their own are halved each level."""
+    """The memory of contacts on a drive of at most this speed; its meshes are halved with each level."""
     thermal = contacts.thermal
     if contacts.ageing is not None:
         return AgeingMemory(contacts, level, fastest)

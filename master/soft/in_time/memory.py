@@ -1,4 +1,4 @@
-"""Memory: the few numbers that contacts born together at one stretch keep of their way."""
+"""Memory: the numbers that describe the history of contacts born together at one stretch."""
 
 from __future__ import annotations
 
@@ -13,20 +13,18 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Nodes for a spread start where each is dear in a step: on the coarsest steps, and more on each
+# Nodes for a start with a width, where each is expensive: on the coarsest level, and more for each
 # finer level.
 FEW_STARTS, MORE_STARTS = 24, 8
 
 
 class Scales(NamedTuple):
-    """What the steps of a slider have to resolve.
+    """The scales that the steps of a slider have to resolve.
 
     length : travel over which shares and births change (a length)
-    time : the shortest time over which they change on a slider that stands still; inf where nothing
-        happens then
+    time : the shortest time over which they change in a hold; inf where nothing changes then
     rate : at which fresh contacts break (per time), 0 where steps need not resolve it
-    thin : whether heat breaks those that stand within a thin skin below their thresholds, and few
-        others
+    thin : whether heat breaks hardly any contacts but those very close to their thresholds
     """
 
     length: float
@@ -49,20 +47,20 @@ class Leg(NamedTuple):
 
 
 class Memory:
-    """What one law of contacts remembers and makes of it; here of contacts that remember nothing
-    but their largest |x|, as they break at their thresholds alone.
+    """The history of contacts under one law, and their survival; this class: T = 0, where the
+    largest |x| suffices, as contacts break only at their thresholds.
 
     Attributes
     ----------
     scales : Scales
     error : float
-        What `left` is off by, in contacts, however small the steps.
+        Error of the survival that `left` returns, however small the steps.
     reach : float
-        Stretch beyond which none holds (a length).
+        Stretch beyond which no contact holds (a length).
     width : int
-        Numbers kept for a strand.
+        Number of values kept for a strand.
     starts : int
-        Nodes that stand for a spread start at most.
+        Most nodes for a start with a width.
     """
 
     scales: Scales
@@ -73,28 +71,29 @@ class Memory:
         self.reach, self.scales = self._life.reach, Scales(width_of(contacts))
 
     def start(self, stretch: Array) -> Array:
-        """Numbers, shape (n, width), of contacts that stand at stretches (n,) at t = 0."""
+        """Values, shape (n, width), of contacts with stretches (n,) at t = 0."""
         return np.zeros((stretch.size, self.width))
 
     def fresh(self, stretch: Array, speed: float) -> Array:
-        """Numbers of contacts that are born at stretches (n,) on a slider of this speed."""
+        """Values of contacts that are born at stretches (n,) on a slider of this speed."""
         return self.start(stretch)
 
     def advance(self, kept: Array, leg: Leg) -> Array:
-        """Numbers after a move, shape (n, width)."""
+        """Values after a move, shape (n, width)."""
         return kept
 
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n).
 
-        Both times the share that holds at birth, by numbers, stretches and largest |x|.
+        Both are multiplied by the share that holds at birth. kept : values; stretch, furthest :
+        stretch and largest |x|, shape (n,).
         """
         seen: Any = _Seen(stretch[:, None], furthest[:, None], np.zeros((furthest.size, 1)))
         return self._life.left(np.zeros((1, 1)), seen)[:, :, 0]
 
 
 class _Seen(NamedTuple):
-    """What a cold contact is asked, as a History: arrays of shape (n, 1)."""
+    """The part of a History that a ColdLife uses: arrays of shape (n, 1)."""
 
     now: Array
     high: Array

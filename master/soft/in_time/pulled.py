@@ -1,4 +1,4 @@
-"""Pulled: one drive of a soft slider, K (X_T - X) = F, step by step and slip after slip."""
+"""Pulled: a soft slider along its whole path, K (X_T - X) = F, step by step and slip after slip."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from master.soft.in_time.steps import Steps
 from master.soft.in_time.track import Piece, Track
 from origins.drive import SlipRule
 
-# Length of a step in a search for the end of a slip in which none is born, as a share of the length
-# over which births change; and share of a step by which a slip goes on at least.
+# Step of the search for the end of a slip without births, as a share of the length over which births
+# change; and the shortest slip, as a share of a step.
 SCAN, LEAST_SLIP = 0.06, 1e-4
-# Slips, and steps of a search for the end of one.
+# Most slips, and most steps of a search for the end of one.
 MOST_SLIPS = 20_000
 
 
 class Slip(NamedTuple):
-    """Lengths, as in master.soft.slips.Slips."""
+    """One slip; lengths, as in master.soft.slips.Slips."""
 
     drive: float
     before: float
@@ -31,7 +31,7 @@ class Slip(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What is asked of a slider.
+    """The parameters of a soft slider that are the same on all levels.
 
     pieces : of the drive
     spring : K/(N_c <k>); rule : what a slip does
@@ -50,7 +50,7 @@ class Task(NamedTuple):
 
 
 class Pulled:
-    """The whole way, on steps of 2^-level of the coarsest.
+    """The solution along the whole path, with steps of 2^-level of the coarsest.
 
     Parameters
     ----------
@@ -59,16 +59,16 @@ class Pulled:
     task : Task
     level : int
     plan : list of float
-        Lengths, in steps of the coarsest, of the smooth stretches as coarser steps found them; empty
-        on the coarsest.
+        Lengths, in coarsest steps, of the smooth sections between bends and slips, as the next
+        coarser level found them; empty on the coarsest level.
     allowed : Allowed
-        TooLongError says how far they came.
+        Limits; TooLongError says how far the steps came.
 
     Attributes
     ----------
     tracks : list of Track
     stretches : list of float
-        Their lengths in steps, and those of instant slips, as `plan` has them.
+        Lengths of the smooth sections, and of instant slips, in the units of `plan`.
     slips : list of Slip
     contacts : Carried
     """
@@ -93,7 +93,7 @@ class Pulled:
             self._follow(piece, piece is self._task.pieces[-1])
 
     def _follow(self, piece: Piece, last: bool) -> None:
-        """The drive goes on to the end of a piece."""
+        """Follow the drive to the end of a piece."""
         here, since = self.contacts, [len(self.tracks)]
         self._steps.begin(piece)
         while True:
@@ -109,7 +109,7 @@ class Pulled:
                 return None
 
     def _repeat(self, tracks: list[Track]) -> None:
-        """After a reset all is as after the one before, on the tracks since then: to the end."""
+        """Repeat the tracks since the last reset up to the end: after each reset all is the same."""
         here, before, slip = self.contacts, *self.slips[-2:]
         period, way = here.now - tracks[0].clock[0], slip.after - before.after
         while True:
@@ -125,7 +125,7 @@ class Pulled:
                 raise TooLongError
 
     def _slide(self, end: float) -> bool:
-        """Until `end`, or until the slider lets go: which of them."""
+        """Take steps until `end`, or until a slip begins; returns whether one does."""
         here, steps, track = self.contacts, self._steps, Track()
         self.tracks.append(track)
         here.bend()
@@ -135,14 +135,14 @@ class Pulled:
         total, share, taken, let_go = 0.0, 0.5, 0, False
         while not let_go and here.now < end:
             taken += 1
-            # the last of the planned steps takes what is left
+            # the last of the planned steps covers the rest
             late = taken >= number
             trial = steps.step(1.5 * size if late else size, share)
             if trial.now >= end:
                 trial = steps.to(end, trial.travel)
             if trial.now <= here.now or steps.past(trial, size):
                 let_go = True
-                # the last step is halved, to be near
+                # approach the slip by steps of half the rest
                 for _ in range(4):
                     half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
                     total += self._take(half, track, total)
@@ -159,9 +159,9 @@ class Pulled:
         return let_go
 
     def _planned(self) -> tuple[float, float]:
-        """Steps of the next smooth stretch: how many, inf where that is not known, and their size.
+        """Number (inf where unknown) and size of the steps of the next smooth section.
 
-        They are as many times 2 as coarser steps found it to take, so that errors are even.
+        The number doubles with each level, so that errors are series in the square of the step.
         """
         number = len(self.stretches)
         length = self._plan[number] if number < len(self._plan) else 0.0
@@ -171,7 +171,7 @@ class Pulled:
         return count, length / count
 
     def _take(self, trial: Trial, track: Track, total: float) -> float:
-        """Take a step, the size of which is returned; none that goes nowhere in no time."""
+        """Take a step, unless it has neither travel nor duration; returns its size."""
         size = max(self._steps.size(trial), 0.0)
         if trial.travel or trial.now > self.contacts.now:
             self.contacts.take(trial)
@@ -186,7 +186,7 @@ class Pulled:
         track.holding.append(here.holding)
 
     def _slip(self) -> Slip:
-        """The slider slips while the drive stands."""
+        """Let the slider slip while the drive holds."""
         here, rule = self.contacts, self._task.rule
         drive, before, force = self._steps.piece.at(here.now), here.place, here.force
         if rule == "reset":
@@ -198,14 +198,14 @@ class Pulled:
         return Slip(drive, before, here.place, force, here.force)
 
     def _rush(self, out: bool) -> None:
-        """On to the first balance; where `out` what breaks is born no sooner than that."""
+        """Move the slider to the first balance; with `out`, broken contacts stay out until then."""
         here, unit = self.contacts, self._task.unit
         steps = self._steps
         step = SCAN * steps.scales.length if out else self._planned()[1] * steps.length
         size = steps.sign * step
         here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
-        # where heat has broken the weakest those that are left hold again when they are pushed
+        # with `thin`, heat has broken the weakest, and the others first carry more as they stretch
         away = not steps.scales.thin
         for _ in range(MOST_SLIPS):
             trial = here.tried(travel + size, here.now, out)

@@ -1,8 +1,8 @@
-"""Refining: the whole way on steps halved each time, and what follows of the answers.
+"""Refining: the whole path solved with steps halved each time, and extrapolated.
 
-Errors of the answers are series in the square of the step. The error told is what answers
-extrapolated to steps of no length still change by, what the contacts' memory errs by, what steps do
-not resolve, and rounding.
+Errors of the answers are series in the square of the step. The error estimate is the last change of
+the answers extrapolated to step 0, plus the error of the contacts' memory and rounding, or what the
+steps do not resolve if that is larger.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-# Scales, and numbers looked at in all of them: these take a minute or less; so much more where slips
-# come and go, and there is no error yet.
+# Most steps, and most operations in them, which take a minute or less; MORE times as many where the
+# number of slips still changes from level to level, so that there is no error estimate yet.
 MOST_STEPS, MOST_WORK, MORE = 6e3, 1e9, 10.0
-# Of the tolerance, the share of a step to which its balance is found; no less and no more than.
+# Accuracy of a step's balance, as a share of the step: this share of the tolerance, between limits.
 CLOSE, CLOSEST = 1e-2, (1e-10, 1e-6)
-# The error told is twice the last change of extrapolated answers: of thresholds that grow changes fall
-# by a half or less with each level, and where births jump or P_c bends they do not fall evenly.
+# Factor on the last change of extrapolated answers: with growing thresholds changes fall only by about
+# a half with each level, and where births jump or P_c bends they fall irregularly.
 MARGIN = 2.0
 
 
@@ -45,7 +45,7 @@ def refined(
 ) -> Followed:
     """Slips, and force and holding at the points of the path, on finer and finer steps.
 
-    until : reading of time.monotonic() at which to stop with what there is
+    until : reading of time.monotonic() at which to stop
     """
     unit, course, asked = contacts.mean_threshold, pieces(drive, balance), reached(drive, balance)
     fastest, spring = max((one.speed for one in course), default=0.0), float(drive.spring or 0.0)
@@ -55,8 +55,7 @@ def refined(
     for level in count():
         memory = memory_of(contacts, level, fastest)
         cohorts, again = (Cohorts.of(contacts, memory, level, reset) for reset in (False, True))
-        # there is an error from the second halving on; coarse steps may find slips that finer ones
-        # do not: then there is none yet
+        # an error estimate needs three levels with the same number of slips
         share = 0.5 ** max(2 - level, 0)
         more = 1.0 if best is None or np.isfinite(best.error) else MORE
         allowed = Allowed(more * MOST_STEPS * share, more * MOST_WORK * share**2, until)
@@ -73,13 +72,13 @@ def refined(
                 refuse("path[-1]", drive.path[-1], f"{reason}; end the path sooner")
             return answers.add(pulled, asked[asked <= here.now], np.inf)._replace(reason=reason)
         stiff = spring if pulled.slips else min(spring, 1.0)
-        # round-off of the force for each step, in mean thresholds
+        # round-off of the force grows with the number of steps
         rounding = 1e-13 * (1.0 + here.steps) * (1.0 + stiff)
         found = answers.add(pulled, asked, memory.error + rounding)
         progress(found.error)
         if best is None or found.error <= best.error:
             best = found
-        # the next steps are twice as many, and take as much more work as these did
+        # the next level doubles the steps, and multiplies the work as this level did
         more = 1.0 if np.isfinite(best.error) else MORE
         work = here.work * max(here.work / before, 4.0) if before else 0.0
         too_many = max(2.0 * here.steps / MOST_STEPS, work / MOST_WORK) > more
@@ -92,16 +91,16 @@ def refined(
 
 
 class Answers:
-    """The answers on steps halved each time."""
+    """The answers of all levels, and their extrapolation."""
 
     def __init__(self, contacts: Contacts, drive: Drive, balance: float) -> None:
         self._unit, self._spring = contacts.mean_threshold, float(drive.spring or 0.0)
         self._path, self._balance = drive.path, balance
-        self._told: list[Array] = []  # of the last levels, of as many slips each
+        self._told: list[Array] = []  # answers of the last levels with the same number of slips
         self._drives: list[Array] = []
 
     def add(self, pulled: Pulled, asked: Array, beside: float) -> Followed:
-        """The answer of all levels so far; `beside` is what steps do not tell of the error."""
+        """The answer of all levels so far; `beside` is the error that finer steps do not reduce."""
         unit, here, n = self._unit, pulled.contacts, asked.size
         path, slips = self._path[:n], np.array(pulled.slips).reshape(-1, 5).T
         scale = np.array([self._spring, 1.0, 1.0, 1.0, 1.0])[:, None] / unit
@@ -113,13 +112,13 @@ class Answers:
         answer, error = told, np.inf
         if len(self._told) == 3:
             first, second = np.diff(self._told, axis=0)
-            # points that a slip's last change takes to its other side are not told; where only the
-            # change before did, the last two levels tell
+            # points that the last change of a slip moves across it are left out of the error; where
+            # only the change before did, the last two levels are used
             crossed = [_beside(path, *pair) for pair in pairwise(self._drives)]
             now, ever = crossed[1], crossed[0] | crossed[1]
             none = np.zeros(slips.size, dtype=bool)
             off, other = (np.concatenate([some, some, none]) for some in (now, ever & ~now))
-            # where F + K X is flat, X before and after is not known as well
+            # X at slips is left out of the error: F + K X is flat there
             watched = ~(off | other)
             watched[2 * n :] = np.repeat([True, False, False, True, True], slips.shape[1])
             changes = np.abs((second + (second - first) / 3.0)[watched])
@@ -135,6 +134,6 @@ class Answers:
 
 
 def _beside(path: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
-    """Points of the path that the change of a slip takes, or might take, to its other side."""
+    """Points of the path that the change of a slip moves across it, or nearly so."""
     apart, crossed = path[:, None] - now, (path[:, None] < now) != (path[:, None] < before)
     return np.asarray(((np.abs(apart) <= np.abs(now - before)) | crossed).any(axis=1))

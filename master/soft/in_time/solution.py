@@ -1,4 +1,4 @@
-"""Sliders whose contacts have laws that tell time, followed in steps, to the tolerance asked."""
+"""Sliders whose contacts have laws that depend on time, followed in steps to a tolerance."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
 
-# A start whose mean stretch is this near to nothing, over K, balances the drive where it begins; in
-# mean thresholds.
+# Two positions of the drive nearer than this, in mean thresholds, count as equal.
 SAME = 1e-12
 
 
@@ -28,16 +27,16 @@ def solve_given(
     progress: Progress = unheard,
     wall_time: float | None = None,
 ) -> Solution:
-    """Force on a rigid slider on steps halved until they tell it to the tolerance; see `solve`.
+    """Force on a rigid slider, with steps halved until the tolerance is reached; see `solve`.
 
-    As where grains grow in heat and the path turns or holds: a slider on a spring so stiff that it
-    stands where the drive does.
+    It is used for growing grains with heat on paths that turn or hold. The slider is taken as one on
+    a spring so stiff that it follows the drive.
 
     Raises InputError where a path takes too many steps.
     """
     began = clock.perf_counter()
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
-    # on this spring, K/(N_c <k>), a slider is as good as rigid: X is off by F/K
+    # K/(N_c <k>) = 1e10: the slider is nearly rigid, with an error F/K of X
     stiff = Drive(drive.path, drive.velocity, drive.time, 1e10, drive.slip)
     found = refined(contacts, stiff, 0.0, tolerance, progress, until)
     end = drive.path[: found.force.size]
@@ -69,11 +68,11 @@ def solve_in_time(
     progress: Progress = unheard,
     wall_time: float | None = None,
 ) -> SoftSolution:
-    """Force as the drive moves and pulls the slider, for contacts with any laws.
+    """Force while the drive moves and pulls the slider, for contacts with any laws.
 
-    Rates, delay and holds run on the drive's clock; arguments are checked before. The drive begins
+    Rates, delay and holds run on the drive's clock; the caller checks the arguments. The drive begins
     at t = 0 where it balances the start, X_T = F(0)/K with the slider at X = 0. A contact that breaks
-    in a slip waits out its delay, where there is one, under every rule but "reset".
+    in a slip is out for the delay, if there is one, under every rule but "reset".
 
     Raises InputError for re-forming elsewhere than at x = 0 under "reform-after", and with a delay
     under "instant"; where a drive in time does not begin at the balance; where a path takes too
@@ -88,7 +87,7 @@ def solve_in_time(
     held = Cohorts.of(contacts, memory_of(contacts, 0, 1.0), 0).left
     balance = float(held[1, 0]) / float(drive.spring or 0.0)
     if abs(drive.path[0] - balance) <= SAME * unit:
-        balance = float(drive.path[0])  # a start of no mean stretch is one of rounding
+        balance = float(drive.path[0])  # the difference is rounding
     late = drive.time is not None and drive.time[0] == 0.0
     if late and abs(drive.path[0] - balance) > SAME * unit:
         rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"

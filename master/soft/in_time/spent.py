@@ -1,8 +1,8 @@
 """Contacts that break by heat at rates of any form, closure "exact": A of a strand in cells of thresholds.
 
-A, the integral of the rate h(|x|; x_s) over time, is kept at the ends of cells, between which e^-A is
-taken for straight. Where the largest |x| has come into a cell, only the thresholds above it still
-hold: there the line through the next cell goes on.
+A, the integral of the rate h(|x|; x_s) over time, is kept at the ends of cells; between them e^-A is
+taken as linear. Where the largest |x| lies within a cell, only contacts with thresholds above it
+hold: there e^-A is extrapolated linearly from the next cell.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from origins.laws.rate_law import RateLaw
 
 Array = npt.NDArray[np.float64]
 
-# Cells of a panel of the law on the coarsest steps, and e-folds of the rate over one; shares of a
-# threshold at which the rate is looked at; and share of the contacts beyond both ends.
+# Fewest cells of a panel of the law on the coarsest level, and largest change of ln h over a cell,
+# evaluated at these shares of a threshold; share of the contacts beyond the ends of all cells.
 CELLS, CHANGE, LOOKS, TAIL = 4, 1.25, np.array([0.0, 0.5, 0.9]), 1e-14
-# Cells on the coarsest steps at most: with those of colder contacts steps take too long.
+# Most cells on the coarsest level: colder contacts would need more, and steps would take too long.
 MOST_CELLS = 8_000
 
 
 class SpentMemory(Memory):
-    """A at the ends of cells; these are halved with each level, their errors fall as the square.
+    """Keeps A at the ends of cells, which are halved with each level; errors are of second order.
 
-    Raises InputError where it is so cold that cells are too many.
+    Raises InputError where the temperature is so low that too many cells are needed.
     """
 
     error = 0.0
@@ -61,10 +61,10 @@ class SpentMemory(Memory):
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
         edges, survived = self._edges, np.exp(-kept)
-        # the cell that the largest |x| has come into, and one that ends above it
+        # the cell in which the largest |x| lies
         cut = np.clip(np.searchsorted(edges, furthest, "right") - 1, 0, edges.size - 3)
         inside, every = furthest > edges[cut], np.arange(cut.size)
-        # a cell that holds one exact threshold tells no slope
+        # the narrow cell of an exact threshold has no meaningful slope
         next_width = edges[cut + 2] - edges[cut + 1]
         next_width[next_width < 1e-9 * edges[cut + 2]] = np.inf
         weight = np.minimum(self._law.sf(furthest * (1.0 + TIE))[:, None], self._beyond[:-1])
@@ -86,7 +86,7 @@ def _cells(contacts: Contacts, rates: RateLaw, level: int) -> Array:
     ends = np.append(
         np.clip(law_edges(law), float(law.ppf(TAIL)), float(law.isf(TAIL))), reach_of(contacts)
     )
-    # a cell of next to no width for each exact threshold
+    # a very narrow cell for each exact threshold
     ends = np.unique(
         np.concatenate([ends, *(law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5))])
     )

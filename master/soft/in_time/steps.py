@@ -1,9 +1,9 @@
-"""Steps: one step of a slider that a spring pulls, K (X_T - X) = F, and where the spring lets go.
+"""Steps: one step of a slider that a spring pulls, K (X_T - X) = F, and where a slip begins.
 
-A step is so long in X and in time together, dX/length + d(count of the clock), that it is even where
-the slider creeps and where it runs ahead of a slip, in which dX/dt grows without end: there X_T is
-smooth in X. The slider lets go where X_T, as a function of X, has come furthest: where the force
-falls as fast as the spring's.
+The size of a step combines X and time, dX/length + d(count of the clock). So steps are uniform both
+where the slider creeps and just before a slip, where dX/dt diverges while X_T is smooth in X. The
+slip begins where X_T, as a function of X, has its maximum: there the force falls as fast as the
+spring's.
 """
 
 from __future__ import annotations
@@ -19,24 +19,23 @@ from master.soft.in_time.track import Clock, Piece, Track
 
 # A step on the coarsest level, as a share of the length over which births change.
 COARSEST = 0.5
-# What the way of the drive counts less than that of the slider in a step: it is the slider that must
-# be followed.
+# Weight of the drive's travel in the size of a step, relative to the slider's, which matters more.
 LESS = 0.25
-# Share of a step from which on it is looked for where the slider lets go, and nodes of the polynomial
-# that tells how the drive goes on.
+# Share of a step from which on the beginning of a slip is searched; and nodes of the polynomial for
+# the derivative of the drive's clock.
 LEAST_WAY, SLOPE_NODES = 0.01, 5
-# Share of a step's time to which a balance is found where the slider is about to let go.
+# Accuracy of a balance just before a slip, as a share of a step's time.
 CLOSE = 1e-10
-# Force left over, in mean thresholds, of a balance; and doublings of the time in which to find one.
+# Largest residual force of a balance, in mean thresholds; most doublings of the time to find one.
 BALANCED, DOUBLINGS = 1e-9, 60
-# A time that is none, as a share of a step: in truly none thresholds that fluctuate are not met.
+# Time that counts as none, as a share of a step: in exactly none, diffusing thresholds cannot break.
 NO_TIME = 1e-11
-ITERATIONS = 40  # of secants
+ITERATIONS = 40  # most steps of the secant method
 Function = Callable[[float], float]
 
 
 class Steps:
-    """Steps of contacts along one piece of the drive's way.
+    """Steps of contacts along one piece of the drive's path.
 
     Parameters
     ----------
@@ -46,26 +45,26 @@ class Steps:
     unit : float
         Mean threshold (a length).
     close : float
-        Share of a step to which its balance is found.
+        Accuracy of a step's balance, as a share of the step.
     """
 
     def __init__(self, contacts: Carried, spring: float, unit: float, close: float) -> None:
         self.contacts, self._spring, self._unit, self._close = contacts, spring, unit, close
         self.scales = contacts.cohorts.memory.scales
         self.length = COARSEST * self.scales.length
-        # how fast the spring's force less F grows with the count of the clock
+        # first guesses of how fast the spring's force minus F grows with the count of the clock
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
         self._rise = (1.0 + spring) * self.length / LESS
 
     def begin(self, piece: Piece) -> None:
-        """The drive begins a piece of its way."""
+        """Begin a piece of the drive's path."""
         self.piece = piece
         self.sign = float(np.sign(piece.travel) or np.sign(self.contacts.force) or 1.0)
 
     def start(self, end: float, track: Track) -> None:
-        """A smooth stretch begins, the next bend being at `end`."""
+        """Begin a smooth section; the next bend is at `end`."""
         self._track, piece, spring = track, self.piece, self._spring
-        # while contacts hold, the slider follows a soft spring's drive from far
+        # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
         even = self.scales.rate / COARSEST
         even += LESS * piece.speed * spring / (self.length * (1.0 + spring))
         held = piece.travel == 0.0
@@ -73,19 +72,19 @@ class Steps:
         self.clock = Clock(self.contacts.now, end, held, even, self.scales.time)
 
     def size(self, trial: Trial) -> float:
-        """Of a step."""
+        """The size of a step."""
         time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
         return time + self.sign * trial.travel / self.length
 
     def lack(self, trial: Trial) -> float:
-        """By how much the spring pulls more than the contacts hold, along the motion."""
+        """The spring's force minus that of the contacts, along the motion."""
         ahead = self.piece.at(trial.now) - self.contacts.place - trial.travel
         return self.sign * (self._spring * ahead - trial.force)
 
     def step(self, size: float, share: float) -> Trial:
-        """A step of this size; at a time before now where there is none.
+        """A balanced step of this size; if there is none, one with a time before now.
 
-        share : of the size, what time is expected to take
+        share : expected share of the time in the size
         """
         here, clock = self.contacts, self.clock
         begin = clock.count(here.now)
@@ -101,7 +100,7 @@ class Steps:
         return found[0]
 
     def to(self, end: float, guess: float) -> Trial:
-        """A step up to a time."""
+        """A balanced step up to the time `end`."""
         here, spring = self.contacts, self._spring
         found: list[Trial] = []
 
@@ -113,38 +112,37 @@ class Steps:
         return found[0]
 
     def past(self, trial: Trial, size: float) -> bool:
-        """Whether the slider has let go by the end of a step."""
-        # it runs ahead of its drive before
+        """Whether a slip begins within a step."""
+        # before a slip the slider runs ahead of its drive, and steps take less than 0.3 of their time
         time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
-        # share of a step's usual time that it takes where the slider may be about to let go
         return time < 0.3 * LESS * size and self._drive_slope(trial) <= 0.0
 
     def _drive_slope(self, trial: Trial) -> float:
-        """How fast the drive goes on at the end of a step, by a polynomial through those before."""
+        """Derivative of the clock by the size of steps, at the end of a step, by interpolation."""
         track, count = self._track, self.clock.count
         steps = [*track.step[-SLOPE_NODES:], track.step[-1] + self.size(trial)]
         counts = [*map(count, track.clock[-SLOPE_NODES:]), count(trial.now)]
         return float(KroghInterpolator(steps, counts).derivative(steps[-1]))
 
     def onset(self, travel: float) -> Trial:
-        """The step that ends where the slider lets go, within one that goes beyond."""
+        """The step up to the beginning of a slip, within a step that goes beyond it."""
         here = self.contacts
 
         def slope(way: float) -> float:
             trial = self.balanced(way)
-            # else the drive would have to come back
+            # no balance: the drive would have to move back
             gone = self.clock.count(trial.now) - self.clock.count(here.now)
             return -1.0 if gone < 2.0 * NO_TIME else self._drive_slope(trial)
 
         way, low = travel, LEAST_WAY * travel
         if slope(travel) <= 0.0:
-            way = low  # by rounding, or by what a coarse step before it has wrong
+            way = low  # possible by rounding, or by the error of a coarse step before
             if slope(low) > 0.0:
                 way = float(brentq(slope, low, travel, xtol=self._close * abs(travel)))
         return self.balanced(way)
 
     def balanced(self, way: float) -> Trial:
-        """The step by a travel until it balances the drive; in no time, where it did before."""
+        """The step by a travel `way` up to the time of balance; in no time if that has passed."""
         here, clock = self.contacts, self.clock
         begin = clock.count(here.now)
         found: list[Trial] = []
@@ -160,7 +158,7 @@ class Steps:
         if abs(self.lack(found[0])) <= BALANCED * self._unit:
             self._rise = rise
             return found[0]
-        # where births jump secants need not end
+        # where births jump, the secant method may fail: bracket the root
         most = max(2.0 * CLOSE, -1.5 * short / self._rise)
         for _ in range(DOUBLINGS):
             if lack(most) >= 0.0:
@@ -173,10 +171,10 @@ class Steps:
 def secant(
     function: Function, guess: float, slope: float, close: float, least: float = -np.inf
 ) -> float:
-    """Ask for the root by secants from guesses of it and of the slope there, which is returned.
+    """Find a root by the secant method, from guesses of it and of the slope there; returns the slope.
 
-    Asked last is the root, or `least` where a function that rises has none above. Where the
-    function turns on the way secants may leave what is known to hold the root: then that is halved.
+    The function's last call is at the root, or at `least` where an increasing function has no root
+    above. A secant step that leaves the bracket of the root is replaced by bisection.
     """
     given, rises = slope, float(np.sign(slope))
     low, high = -np.inf, np.inf
@@ -193,7 +191,7 @@ def secant(
             break
         if fb != fa:
             slope = (fb - fa) / (b - a)
-        # what is left is the error of the slope, not worth another step
+        # the next correction would be below the required accuracy
         if rises * slope > 0.0 and abs(fb / slope) <= close:
             break
         a, fa = b, fb

@@ -1,4 +1,4 @@
-"""Tracks: the drive's straight ways, the clock in which steps are even, and what steps found."""
+"""Tracks: the drive's straight pieces, the clock in which steps are uniform, and the steps' results."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from origins import Drive
 
 Array = npt.NDArray[np.float64]
 
-# Steps, on the coarsest level, in which the time since a bend grows by a factor e: of a drive that
-# holds, and of one that moves, where these come beside those of its way.
+# Steps, on the coarsest level, in which the time since a bend grows by a factor e: while the drive
+# holds; and while it moves, in addition to the steps of its travel.
 PER_FOLD_HELD, PER_FOLD = 2.0, 0.4
 
 
@@ -48,19 +48,19 @@ class Piece(NamedTuple):
         return self.way / self.duration
 
     def at(self, now: float) -> float:
-        """Where the drive is."""
+        """X_T at a time."""
         return self.before + self.travel / self.duration * (now - self.begin)
 
 
 def reached(drive: Drive, balance: float) -> Array:
-    """When the points of the path are reached, from the balance at t = 0."""
+    """Times at which the points of the path are reached, from the balance at t = 0."""
     if drive.time is not None:
         return drive.time
     return np.asarray(np.abs(np.diff(drive.path, prepend=balance)).cumsum() / drive.velocity)
 
 
 def pieces(drive: Drive, balance: float) -> list[Piece]:
-    """The drive's way from the balance at t = 0 to the end of its path."""
+    """The drive's straight pieces from the balance at t = 0 to the end of its path."""
     times = np.append(0.0, reached(drive, balance))
     motion = Motion(times, np.append(balance, drive.path)) if times[-1] > 0.0 else None
     if motion is None:
@@ -71,18 +71,18 @@ def pieces(drive: Drive, balance: float) -> list[Piece]:
 
 
 class Clock:
-    """Steps of equal counts: even in time, and after a bend even in its logarithm.
+    """Count of steps: uniform in time, and after a bend, where changes slow down, in its logarithm.
 
     Parameters
     ----------
     begin, end : float
-        Of the time between two bends: what happens after one does so ever more slowly.
+        Times of two consecutive bends.
     held : bool
         Whether the drive holds.
     rate : float
-        Even steps per time that are asked for.
+        Uniform steps per time.
     first : float
-        The shortest time over which contacts change after a bend; inf where nothing happens then.
+        The shortest time over which contacts change after a bend; inf where nothing changes then.
     """
 
     def __init__(self, begin: float, end: float, held: bool, rate: float, first: float) -> None:
@@ -112,7 +112,7 @@ class Clock:
 
 @dataclass
 class Track:
-    """One smooth stretch: step parameter, time, force and holding at its nodes."""
+    """One smooth section: step parameter, time, force and holding at its nodes."""
 
     step: list[float] = field(default_factory=list)
     clock: list[float] = field(default_factory=list)
@@ -120,21 +120,21 @@ class Track:
     holding: list[float] = field(default_factory=list)
 
     def later(self, time: float) -> Track:
-        """The same once more, after a time."""
+        """The same track, `time` later."""
         return Track(self.step, [at + time for at in self.clock], self.force, self.holding)
 
     def read(self, at: Array) -> Array:
-        """Force and holding at times (n,), shape (2, n), by the step parameter, in which all is smooth."""
+        """Force and holding at times (n,), shape (2, n), by splines in the step parameter."""
         step, first = np.unique(self.step, return_index=True)
         told = np.array([self.clock, self.force, self.holding]).T[first]
         if step.size == 1:
             return np.repeat(told[0, 1:, None], at.size, axis=1)
-        # degree of the polynomials that tell force and holding between steps
-        degree = min(5, 2 * ((step.size - 2) // 2) + 1)  # odd, as splines are at best
+        # splines are best at odd degrees
+        degree = min(5, 2 * ((step.size - 2) // 2) + 1)
         values = make_interp_spline(step, told, k=degree)
         cell = np.clip(np.searchsorted(told[:, 0], at, side="left"), 1, step.size - 1)
         low, high = step[cell - 1], step[cell]
-        # halvings of a step, of which the last are below rounding
+        # 60 halvings of a step reach rounding
         for _ in range(60):
             middle = 0.5 * (low + high)
             early = values(middle)[:, 0] < at
