@@ -139,9 +139,9 @@ def without_kelvin(
 
 @contextmanager
 def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
-    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it.
+    """Put `where` before the message of any InputError raised within, and replace an argument's name by its key.
 
-    An argument that is None is a key that is missing, and True is written true.
+    An argument that is None is reported as a missing key, and True is written true.
     """
     try:
         yield
@@ -160,7 +160,7 @@ def read_file(
 ) -> T:
     """The result of `read` for the file in this folder, the same on all ranks, which must all call.
 
-    `key` is the scene's key that names it. Raises InputError for what is no plain file: a pipe or a device might never
+    `key` is the scene's key that names it. Raises InputError unless it is a plain file: a pipe or a device might never
     end.
     """
     if not isinstance(file, str):

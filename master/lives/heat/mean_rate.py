@@ -115,7 +115,7 @@ class MeanRateLife(ReplayedLife):
         share, begin, before = np.ones(pair.size), first, born
         for leg in range(legs.speed.size):
             x = born + legs.displacement[pair, leg + 1]
-            # a way out through 0 begins at |r|; on a way towards 0 end = begin and the factor is 1
+            # a way out through 0 begins at |r|; a way towards 0 (`turned`) has the factor 1
             begin = np.where(before * x < 0.0, first, begin)
             end = np.maximum(np.abs(x), first)
             turned = end < begin
