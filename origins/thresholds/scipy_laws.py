@@ -149,7 +149,7 @@ class FrozenThresholds(ScipyDensity):
         return self._mended("isf", "sf", q, super()._isf)
 
     def _mended(self, quantile: str, of: str, q: Array, invert: Callable[[Array], Array]) -> Array:
-        """The distribution's own quantiles; where they contradict its `of`, as in some far tails, recomputed from it."""
+        """The distribution's own quantiles; recomputed where they contradict its `of`, as in some far tails."""
         x = np.maximum(self._ask(quantile, q), self._support[0])
         bad = ~(np.abs(self._ask(of, x) - q) <= _LOOSE * q) | ~np.isfinite(x)
         if bad.any():
