@@ -48,7 +48,7 @@ def warm(law: str, temperature: float, closure: str = "exact", start: object = N
 
 
 def transient(end: float = 2.5, step: float = 2.5e-3) -> dict[str, AgeingTransient]:
-    """(Q15) along Fig. A04, by what is kept where mass and sign cannot both be."""
+    """(Q15) along Fig. A04, keyed by which of mass and sign is kept where both cannot be."""
     path = np.arange(0.0, end + 1e-9, 0.01)
     keeps: tuple[Any, ...] = ("positivity", "mass")
     return {keep: paper_transient(a04("paper"), path, step, keep=keep) for keep in keeps}

@@ -13,7 +13,7 @@ from toolkit.scene.scene import load_scene, shipped_scenes
 
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = ROOT / "build" / "gallery"  # made by docs/gallery.py
-# fenced, indented, or between backticks; CODE.split leaves it at the odd places
+# Code that is fenced, indented, or between backticks; CODE.split puts it at the odd places
 CODE = re.compile(r"(^```.*?^```|^    .*?$|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
 ROOMS = ("origins", "master", "eq_model", "toolkit")
 
@@ -32,7 +32,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: object) -> str:
-    """Outside code <x_s> is no tag of HTML, and the asterisk of K* begins no italics."""
+    """Escape, outside code, <x_s> (no tag of HTML) and the asterisk of K* (no italics)."""
     parts = CODE.split(markdown)
     for i in range(0, len(parts), 2):
         parts[i] = re.sub(r"(?<=[KX])\*", r"\*", re.sub(r"<(?=[A-Za-z])", "&lt;", parts[i]))

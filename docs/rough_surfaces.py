@@ -99,7 +99,7 @@ def plot_loads(axes: "Axes", found: list[Reading]) -> None:
             continue
         law, i = reading.thresholds, reading.thresholds.interface
         x = np.geomspace(law.ppf(1e-5), law.isf(1e-4), 2001)
-        # a jump is drawn as one
+        # points on both sides of a jump, so that it is drawn vertically
         x = np.sort(np.concatenate([x, law.breakpoints[1:] * (1 - 1e-9), law.breakpoints[1:] * (1 + 1e-9)]))
         load, bend = i.force_threshold(x) / i.mean_force_threshold, i.force_law
         steepness = np.where(x <= bend.at, bend.below.exponent, bend.above.exponent)

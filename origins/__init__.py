@@ -1,4 +1,4 @@
-"""What one contact is and what is asked of it: thresholds, where they come from, starts, the drive."""
+"""What one contact is, and how it is driven: thresholds and their origins, laws, starts, the drive."""
 
 # ruff: noqa: F401
 from origins.contacts import Contacts
@@ -53,5 +53,5 @@ from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import mixture
 from origins.thresholds.protocol import ThresholdLaw
 
-# the face is all that is imported above
+# the public names are all those imported above
 __all__ = [name for name, found in globals().items() if hasattr(found, "__qualname__")]

@@ -1,4 +1,4 @@
-"""Contacts that stand at stretches of a given law: their thresholds follow P_c conditional on x_s > |x|."""
+"""Contacts with stretches of a given law: their thresholds follow P_c conditional on x_s > |x|."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ _LEAST_SURVIVAL = 1e-300
 class Births:
     """Stretches from `law`, each with a threshold from P_c conditional on x_s > |x|.
 
-    So the contacts that hold at X = 0 stand, and so broken contacts form again.
+    This is the state of the contacts that hold at X = 0, and of broken contacts as they re-form.
 
     Attributes
     ----------
@@ -22,9 +22,9 @@ class Births:
     thresholds : Thresholds
         P_c.
     cut_weight : float
-        Weight of the law beyond every threshold, which is cut off; 0 unless said.
+        Weight of the law beyond every threshold, which is cut off; 0 by default.
 
-    Raises InputError, named `name`, where more than 1e-6 lies there: such contacts hold nothing.
+    Raises InputError, with `name` in its message, where this weight is above 1e-6: such contacts cannot hold.
     """
 
     def __init__(self, name: str, law: Start, thresholds: Thresholds) -> None:
@@ -48,7 +48,7 @@ class Births:
         return x, np.maximum(self.thresholds.isf(left), held)
 
     def _weight_beyond(self) -> tuple[float, float]:
-        """Weight where fewer thresholds are left than floating point can tell, and where that begins."""
+        """Weight of |x| at which the survival of thresholds is 0 or below 1e-300, and the least such |x|."""
         upper = self.thresholds.support()[1]
         if float(self.thresholds.sf(max(abs(end) for end in self.law.span))) > 0.0:
             return 0.0, upper

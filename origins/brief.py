@@ -10,8 +10,8 @@ _FEW, _LONGEST = 3, 100
 
 
 def brief(record: Any) -> str:
-    """The repr of a dataclass whose arrays are told by their shape and range, and whose texts are cut short: set it as
-    `__repr__` in the class."""
+    """The repr of a dataclass, with the shape and range of arrays in place of their values, and with long texts cut:
+    set it as `__repr__` in the class."""
     told = (
         f"{field.name}={_short(getattr(record, field.name))}"
         for field in fields(record)

@@ -1,4 +1,4 @@
-"""Contacts: what one contact is, and how all of them stand at X = 0."""
+"""Contacts: the laws that each contact follows, and the stretches of all contacts at X = 0."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from origins.start import as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
-# All that a contact may have beside thresholds and a start; thresholds that grow are "grains". Each
-# is None (stiffness: "independent") where it is not there. Solvers ask this list, Contacts.laws and
+# All laws that a contact may have beside thresholds and a start; thresholds that grow are "grains".
+# A law that is absent is None (stiffness: "independent"). Solvers use this list, Contacts.laws and
 # Contacts.replace, and keep no list of their own.
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 # Laws that do not go together, and why; "mean rate" is the thermal closure "paper".
@@ -44,30 +44,30 @@ _APART = {
 }
 
 _UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
-_LONGEST = 1e150  # <x_s>, so that its square is a number; the shortest is the inverse
-_HOTTEST = 100.0  # k_BT/<k> of <x_s²>: barriers are below k_BT/200
-_COLDEST = 1e-20  # k_BT/<k> of <x_s>²: barriers are beyond all that rates could tell
+_LONGEST = 1e150  # largest <x_s>, a length, whose square is finite; the smallest is its inverse
+_HOTTEST = 100.0  # k_BT/<k> over <x_s²>, above which we warn: barriers are below k_BT/200
+_COLDEST = 1e-20  # least k_BT/<k> over <x_s>²: below it rates are 0 up to the threshold
 
 
 class Contacts:
-    """Contacts that break at random thresholds, or before, and form again; what is None is not there.
+    """Contacts that break at random thresholds, or before, and form again; a law that is None is absent.
 
     Parameters
     ----------
     thresholds : Thresholds, scipy.stats distribution on x >= 0, or GrainContact
         Law P_c(x) of fresh thresholds (a length). Distributions of scipy are frozen ones, stats.gamma(2.5), or objects
-        of its newer interface, stats.Normal(mu=1.0, sigma=0.05), here and below; of weight below 0 up to 1e-6 is cut
-        off, which solvers say. Of a GrainContact with an age, such as growing_grains(...): they grow
-        as long as a contact is there, also where it rests, and P_c is that of all contacts at X = 0; a broken contact
-        is out until its new grains pin, and after that for the delay.
+        of its newer interface, stats.Normal(mu=1.0, sigma=0.05), here and below; a weight below 0 of up to 1e-6 is cut
+        off, and solvers report it. The thresholds of a GrainContact with an age, such as growing_grains(...), grow
+        until the contact breaks, also at rest, and P_c is that of all contacts at X = 0; a broken contact re-forms
+        when its new grains pin and the delay after that is over.
     start : None, float, Start or scipy.stats distribution
         Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
         threshold from P_c conditional on x_s > |x|.
     thermal : Thermal or RateLaw, optional
-        Breaking below the threshold, at a rate. Of a RateLaw each contact breaks at its own rate.
+        Breaking below the threshold, at a rate. With a RateLaw each contact breaks at its own rate.
     ageing : Ageing, optional
-        Diffusion of the threshold while the contact holds; at rate 0 there is none (but for the paper's closure,
-        which differs from no ageing then too).
+        Diffusion of the threshold while the contact holds. At rate 0 the law is dropped, except in the paper's
+        closure, which differs from no ageing even then.
     delay : Delay, optional
         How long a broken contact stays out; at time 0 there is none.
     reforming : None, float, Start or scipy.stats distribution
@@ -82,24 +82,24 @@ class Contacts:
     grains : GrainContact or None
         None where thresholds do not grow with age.
     waiting_time : float
-        How long a broken contact is out, delay and the time until grains pin together; one that is stretched too fast
-        to hold then waits once more.
+        Time from a break to re-forming: the delay plus the time until grains pin. A contact that is then stretched
+        too fast to hold waits once more.
     mean_threshold : float
         <x_s>, the unit in which tolerances are stated.
     interface : Interface or None
         Load, contact density, <k> and friction in SI units, where the thresholds come from a rough surface.
     cut_weight : float
-        Starting weight that lay beyond every threshold and was cut off; 0 unless said.
+        Starting weight that lay beyond every threshold and was cut off; 0 by default.
     reforming : Births or None
         None where contacts form again at x = 0.
     thermal, ageing, delay
-        None where nothing breaks at a rate, nothing ages and nothing waits. `thermal.rates` is the RateLaw.
+        The laws as given; None where the law is absent. `thermal.rates` is the RateLaw.
     laws : tuple of str
-        Names of the laws that are there, of origins.contacts.LAWS.
+        Names of the laws that are present, from origins.contacts.LAWS.
 
-    Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold: such contacts
-    hold nothing; for laws that do not go together, with the reason; for fresh thresholds where the final law has no
-    weight; and for temperatures below 1e-20 <x_s>², at which rates tell nothing.
+    Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold, as such
+    contacts cannot hold; for laws that cannot be combined, with the reason; for fresh thresholds where the final law
+    has no weight; and for temperatures below 1e-20 <x_s>², at which rates are 0 up to the threshold.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class Contacts:
             raise InputError(f"thresholds: the mean threshold is {self.mean_threshold}; {rule}")
         if not 1.0 / _LONGEST < self.mean_threshold < _LONGEST:
             raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {_UNIT}")
-        # a family that is no law is refused here, by its name, and not in the middle of a solution
+        # a family whose survival is invalid is refused here, by name, and not in the middle of a solution
         x = self.mean_threshold * np.linspace(0.05, 3.0, 60)
         self.thresholds.check_survival(x, self.thresholds.sf(x))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
@@ -140,7 +140,7 @@ class Contacts:
         reforming: object,
         stiffness: Literal["independent", "linked"],
     ) -> None:
-        """Check these laws and keep them, beside thresholds and start."""
+        """Check these laws and store them."""
         again = as_start(reforming, "reforming")
         self.reforming: Births | None = None
         if again.span != (0.0, 0.0):
@@ -159,10 +159,10 @@ class Contacts:
         return tuple(name for name, law in own if law is not None and law != "independent")
 
     def replace(self, **changes: Any) -> Contacts:
-        """These contacts with some of the constructor's arguments exchanged, by their names.
+        """These contacts with some of the constructor's arguments replaced, by name.
 
-        None takes a law away (stiffness: "independent"). What is not named stays. All is checked again: raises
-        InputError as the constructor does, and for a name that it does not know.
+        None removes a law (stiffness: "independent"). Arguments not named stay. All are checked again: raises
+        InputError as the constructor does, and for an unknown name.
         """
         again = None if self.reforming is None else self.reforming.law
         given = {name: getattr(self, name) for name in LAWS if name != "grains"}
@@ -185,8 +185,8 @@ class Contacts:
         return threshold / self.mean_threshold if linked else np.ones_like(threshold)[()]
 
     def each_by_itself(self) -> Contacts:
-        """These contacts with both closures "exact": each breaks at its own rate, and ages by itself; itself where it
-        has no other."""
+        """These contacts with both closures "exact", so that each breaks at its own rate and ages by itself; `self`
+        where both are exact already."""
         if all(law is None or law.closure == "exact" for law in (self.thermal, self.ageing)):
             return self
         thermal, ageing = self.thermal, self.ageing
@@ -197,7 +197,7 @@ class Contacts:
         return self.replace(thermal=thermal, ageing=ageing)
 
     def _check_laws(self) -> None:
-        """InputError for what is no law, and for laws that do not go together."""
+        """InputError for arguments that are no laws, and for laws that cannot be combined."""
         if isinstance(self.thermal, Thermal):
             temperature = self.thermal.temperature
             if rule := too_cold(temperature, self.thresholds):
@@ -227,8 +227,8 @@ class Contacts:
 def check_contacts(
     contacts: object, solver: str, takes: tuple[str, ...] = (), own_rates: bool = False
 ) -> None:
-    """Raise InputError for anything but Contacts, such as thresholds alone, and for what `solver` does not take: of
-    LAWS all that is not in `takes`, and unless `own_rates` a RateLaw that is none of origins.laws."""
+    """Raise InputError for anything but Contacts, such as thresholds alone, and for laws that `solver` does not take:
+    those not in `takes`, and unless `own_rates` a RateLaw that is not one of origins.laws."""
     if not isinstance(contacts, Contacts):
         such = "origins.Contacts(origins.gaussian(mean=1.0, std=0.05))"
         refuse("contacts", contacts, f"must be contacts, such as {such}")
@@ -251,7 +251,7 @@ class TooHot(UserWarning):
 
 
 def too_hot(temperature: float, thresholds: Thresholds) -> str:
-    """What to tell of a temperature k_BT/<k> (a length squared) at which contacts hold nothing; "" of a lower one."""
+    """A warning for a temperature k_BT/<k> (a length squared) at which no contact holds; "" for a lower one."""
     share = temperature / thresholds.moment(2)
     if not share > _HOTTEST:
         return ""
@@ -263,8 +263,7 @@ def too_hot(temperature: float, thresholds: Thresholds) -> str:
 
 
 def too_cold(temperature: float, thresholds: Thresholds) -> str:
-    """Why contacts of these thresholds take no temperature k_BT/<k> as low as this (a length squared); "" where they
-    do."""
+    """Why a temperature k_BT/<k> (a length squared) is too low for these thresholds; "" where it is high enough."""
     mean = thresholds.mean()
     if not temperature < _COLDEST * mean**2:
         return ""

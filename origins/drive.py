@@ -1,4 +1,4 @@
-"""The drive: where the slider, or the spring that pulls it, goes; checked once for both solvers."""
+"""The drive: the path of the slider, or of the spring that pulls it; checked once for both solvers."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ class Drive:
     Parameters
     ----------
     path : array of shape (n,)
-        Positions (lengths), n >= 1, which may turn round: X of a rigid slider, from X = 0 straight to the first of
-        them; X_T, the drive's own, of a soft one.
+        Positions (lengths), n >= 1, which may turn round: X of a rigid slider, which moves from X = 0 straight to the
+        first of them; X_T, the position of the drive, of a soft one.
     velocity : float
-        Speed along the path (length per time), the same everywhere; what only rates, ageing and delay tell.
+        Constant speed along the path (length per time); results depend on it only with rates, ageing or delay.
     time : array of shape (n,), optional
         When each point is reached, from 0 on and in order, instead of the velocity: for holds and velocity steps.
     spring : float, optional
         K/(N_c <k>); None: the slider is rigid.
     slip : "reset", "reform-after" or "instant"
-        What a slip of a soft slider does; left as it is for a rigid one.
+        The slip rule of a soft slider; a rigid one takes the default only.
 
     Attributes
     ----------
     forward : bool
         Whether the path begins at 0 or above and never turns back.
 
-    Raises InputError for what is not finite, not positive or not in order, and for an unknown slip.
+    Raises InputError for values that are not finite, not positive or not in order, and for an unknown slip rule.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Drive:
         self.forward = not self._back.size
 
     def only_forward(self, solver: str) -> Drive:
-        """Itself, if it is a rigid slider's that moves forward; InputError with the name of what only solves that."""
+        """`self` for a rigid slider that moves forward; else InputError, which says that `solver` takes only that."""
         if self.spring is not None:
             refuse("spring", self.spring, f"{solver} takes a rigid slider; leave it out")
         if self._back.size:

@@ -12,7 +12,7 @@ _TOLERANCE = "such as 1e-8"
 
 
 class InputError(ValueError):
-    """A value that cannot be used: which one, what it was, what holds, what to write instead."""
+    """A value that cannot be used; the message gives its name, the value, the rule, and what to write instead."""
 
 
 def refuse(name: str, value: object, rule: str) -> NoReturn:
@@ -47,8 +47,8 @@ def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
 
 
 def positive(name: str, value: object, instead: str = "") -> float:
-    """`value` as a finite float above zero; else, as where it is no number, the message ends in what to write
-    `instead`, such as "such as 1e-8"."""
+    """`value` as a finite float above zero; else InputError, whose message ends in what to write `instead`, for
+    example "such as 1e-8"."""
     ending = f", {instead}" if instead else ""
     number = finite(name, value, instead or "such as 1.0")
     if number <= 0.0:
@@ -67,7 +67,7 @@ def between(
 
 
 def check_tolerance(name: str, value: object) -> float:
-    """`value` as a tolerance in mean thresholds: a finite float above zero and below 1, as large as forces are."""
+    """`value` as a tolerance in mean thresholds: a finite float above zero and below 1, the size of a force."""
     number = positive(name, value, _TOLERANCE)
     if number >= 1.0:
         refuse(name, value, f"must be below 1, in mean thresholds, {_TOLERANCE}")
@@ -100,7 +100,7 @@ def finite_array(name: str, value: object) -> np.ndarray:
         array = np.atleast_1d(np.asarray(value, dtype=float))
     except (TypeError, ValueError, OverflowError):
         refuse(name, value, "must be an array of numbers")
-    # numbers in quotes would be read as numbers
+    # asarray would read numbers in quotes as numbers
     if np.asarray(value).dtype.kind not in "iufO":
         refuse(name, value, "must be an array of numbers")
     if array.ndim != 1 or array.size == 0:

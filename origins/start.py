@@ -13,13 +13,13 @@ from origins.thresholds.law import Array
 from origins.thresholds.scipy_laws import as_frozen, single_mean
 
 _BEYOND = 1e-16  # weight that lies beyond either end of a span
-_REACH = 8.3  # standard deviations of a Gaussian with that weight beyond
+_REACH = 8.3  # standard deviations beyond which a Gaussian has that weight
 
 
 class Start:
     """Distribution Q_ini(x) of the starting stretches (lengths, of either sign).
 
-    `span` is the interval that holds all but 1e-16 of the weight; `breakpoints` are points inside it where the
+    `span` is the interval with all but 1e-16 of the weight on either side; `breakpoints` are points inside it where the
     density is not smooth. An exact single value has span (value, value) and no density.
     """
 
@@ -122,15 +122,15 @@ def gaussian_start(mean: float, std: float) -> Start:
 def boltzmann_reforming(temperature: float) -> Start:
     """R(x) ~ exp(-x²/2T), the normal law of width T^(1/2) = (k_BT/<k>)^(1/2) about x = 0 (paper, Sec. IV).
 
-    temperature : k_BT/<k>, a length squared. With linked stiffness too the width is that of <k>: a contact's stretch
-    is drawn before its threshold, on which its own k_i depends.
+    temperature : k_BT/<k>, a length squared. With linked stiffness the width is that of <k> too, since a contact's
+    stretch is drawn before its threshold, on which k_i depends.
     Raises InputError unless it is finite and above zero.
     """
     return gaussian_start(0.0, float(np.sqrt(positive("temperature", temperature, TEMPERATURE))))
 
 
 def as_start(start: object, name: str = "start") -> Start:
-    """None (all relaxed, x = 0), a number, a Start or a frozen scipy.stats distribution, as a Start; InputErrors say
+    """None (all relaxed, x = 0), a number, a Start or a frozen scipy.stats distribution, as a Start; messages use
     `name`."""
     if start is None:
         return SingleStart(0.0)

@@ -1,7 +1,7 @@
 """Random streams by counter: Philox4x32-10 (Salmon, Moraes, Dror and Shaw, SC11, 2011; Random123).
 
-A number depends only on the seed and on where it is used, never on who draws it or when: ranks, blocks and
-batches may be cut in any way. The key is the seed; the counter is (draw block, purpose and replica, contact).
+A number depends only on the seed and on its use, not on the rank or the order in which it is drawn: ranks, blocks
+and batches may be cut in any way. The key is the seed; the counter is (draw block, purpose and replica, contact).
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ MULTIPLIERS = (0xD2511F53, 0xCD9E8D57)
 KEY_STEPS = (0x9E3779B9, 0xBB67AE85)
 ROUNDS = 10
 
-# what a stream is for: the top four bits of the counter's second word, the replica below
+# purposes of streams: the top four bits of the counter's second word; the replica is in the lower bits
 THRESHOLDS, START, THRESHOLD_TAILS, START_TAILS, DOMAINS, LIVES, LIFE_TAILS, LIFE_STEPS = range(8)
 PURPOSE_SHIFT = 28
 MOST_REPLICAS = 1 << PURPOSE_SHIFT

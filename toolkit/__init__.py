@@ -2,7 +2,7 @@
 
 result = toolkit.run("gaussian")         # a shipped scene, a scene file or a dict
 toolkit.save(result, "gaussian-output")  # result.h5, summary.json, picture.png
-toolkit.run("gaussian", folder="gaussian-output")  # both, and a long run goes on where it was cut short
+toolkit.run("gaussian", folder="gaussian-output")  # both; a long run continues where it was interrupted
 result = toolkit.load("gaussian-output")
 toolkit.plot(result)
 """
@@ -25,7 +25,7 @@ _HOMES |= {"run": "running.runner", "load_scene": "scene.scene"}
 
 
 def __getattr__(name: str) -> Any:
-    # imported when first asked for: the command's --help needs none of it
+    # imported on first use: the command's --help needs none of it
     if name not in _HOMES:
         raise AttributeError(f"module 'toolkit' has no attribute {name!r}")
     return getattr(import_module(f"toolkit.{_HOMES[name]}"), name)

@@ -3,7 +3,7 @@
 import sys
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # else imported within, so that an interrupt of any import is met in `main`
+if TYPE_CHECKING:  # else imported in functions, so that `main` catches an interrupt
     import argparse
     from collections.abc import Sequence
 
@@ -21,7 +21,7 @@ COMMANDS = {
 def main(words: "Sequence[str] | None" = None) -> int:
     """Run the command and return its exit status: 0 done, 1 a solver or the program failed, 2 bad input, 130
     interrupted, 143 terminated."""
-    # before there was anything to end: all the time that the imports take
+    # these cover the time of the imports, before there is a run to end
     try:
         from toolkit.running.signals import Terminated, terminable
 
@@ -45,7 +45,7 @@ def _run(words: list[str]) -> int:
     launched = read_environment()
     if launched.rank == 0:
         return _execute(_parse(words), launched)
-    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):  # rank 0 speaks for all
+    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):  # rank 0 prints for all
         with redirect_stderr(nowhere):
             parsed = _parse(words)
         return _execute(parsed, launched)
@@ -87,7 +87,7 @@ def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     command = getattr(commands, parsed.command)
     if parsed.command not in commands.ON_ONE_RANK:
         return end_together(lambda comm: int(command(parsed, comm)), launched)
-    # the other ranks wait: what rank 0 imports may start MPI, which starts on all or on none
+    # the other ranks take part: imports of rank 0 may start MPI, which all ranks must start together
     return end_together(lambda comm: on_root(comm, lambda: int(command(parsed))), launched)
 
 

@@ -1,4 +1,4 @@
-"""The subcommands of `mesofriction`: each is given its words and the communicator, and returns its exit status."""
+"""The subcommands of `mesofriction`: each takes its arguments and the communicator, and returns its exit status."""
 
 import argparse
 import textwrap
@@ -30,7 +30,7 @@ _APART = 6.0  # standard errors
 
 
 def scenes(arguments: argparse.Namespace) -> int:
-    """Print the names in one column and the titles in another, 100 columns in all; long titles go on below."""
+    """Print the names in one column and the titles in another, 100 characters wide; long titles are wrapped."""
     width = max(map(len, shipped_scenes())) + 2
     for name in shipped_scenes():
         title = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))["title"]
@@ -39,8 +39,8 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 
 def run(arguments: argparse.Namespace, comm: Any) -> int:
-    """Every solver the scene names: run, report, write; 1 where a solver did not reach its tolerance (the results are
-    written all the same)."""
+    """Run every solver that the scene names, report, and write; returns 1 where a solver missed its tolerance (results
+    are written nevertheless)."""
     scene = load_scene(arguments.scene, comm=comm)
     first = comm is None or comm.Get_rank() == 0
     before = foreseen(scene)
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
     if arguments.dry_run:
         print("\n".join(forecast.forecast_lines(scene, folder, comm)))
         return 0
-    # refused before the work, not after it
+    # a folder that cannot be used is refused before the work
     with runner.open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
         result, finished = runner.solve(scene, comm, kept=kept, told=first)
         said_before = {f"note    {note}" for note in before}
@@ -125,7 +125,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     folder = arguments.out or f"{scene.name}-output"
 
     def describe_it() -> Description:
-        # what a run may have taken hours for is not taken away for a table
+        # do not replace the result of another scene, which may have taken hours
         if (whose := another(folder, scene.name, scene.text)) is not None:
             rule = f"holds the result of {whose}; choose another, or run this scene there"
             refuse("out", str(folder), rule)
@@ -156,8 +156,8 @@ def _lines(found: Description) -> list[str]:
 
 
 def compare(arguments: argparse.Namespace, comm: Any) -> int:
-    """How prone to stick-slip each scene is, as one table, which is printed, and one picture; 1 where a solver missed
-    its tolerance."""
+    """Propensity of each scene to stick-slip, as a printed table and a picture; returns 1 where a solver missed its
+    tolerance."""
     scenes: dict[str, Any] = {}
     for given in arguments.scene:
         with judge.naming(given):
@@ -177,8 +177,8 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
 
 
 def precision(arguments: argparse.Namespace) -> int:
-    """True error against run time of each solver the scene names, as picture and table, of which each point is printed
-    once it is measured."""
+    """True error against run time of each solver the scene names, as picture and table; each line is printed once it
+    is measured."""
     scene = load_scene(arguments.scene)
     folder = arguments.out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it

@@ -1,1 +1,1 @@
-"""What is left, after any motion, of contacts born at one moment: one file a law."""
+"""Survival and force, after any motion, of contacts born at one moment: one file for each law."""

@@ -1,4 +1,4 @@
-"""Contacts that break at their thresholds alone (T = 0): E = S(m)/S(|r|), m the largest |x| so far."""
+"""Contacts that break only at their thresholds (T = 0): E = S(m)/S(|r|), m the largest |x| so far."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from origins.start import Start
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Survivals below this count as 0, and survivals closer to 1 as 1: a hundredth of the rounding of the
-# sums that they enter.
+# Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of the
+# sums that contain them.
 NONE_LEFT = 1e-18
-# Thresholds below this, in mean thresholds, underflow in sums; their weight must be below LOST.
+# Thresholds below LOWEST mean thresholds underflow in sums; their weight must be below LOST.
 LOWEST, LOST = 1e-290, 1e-12
 # The table of a heavy tail has edges at these survivals: without them all nodes could lie beyond most
-# thresholds. A tail is heavy where it reaches HEAVY times as far as the first of these.
+# thresholds. A tail is heavy where the reach is over HEAVY times the x at which the survival is 1e-2.
 FEW = np.array([1e-2, 1e-4, 1e-7, 1e-10, 1e-13])
 HEAVY = 20.0
-# Smallest survival that floating point divides by.
+# Smallest survival by which we divide.
 LEAST_SURVIVAL = 1e-280
-# A threshold that a contact's |x| has come this near, relatively, is met: a turning point that was
-# meant to lie at an exact threshold is off by rounding.
+# An exact threshold within this relative distance above |x| counts as met: a turning point placed
+# exactly at it may be off by rounding.
 TIE = 1e-12
 # Panels of the table narrower than NARROW grains are searched for a corner; panels narrower than
-# CORNER grains hold one in any case. A jump of P_c below LEAST_BEND per grain changes nothing.
+# CORNER grains always contain one. A jump of P_c below LEAST_BEND per grain is ignored.
 NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
-# The size of a bend is the difference, half a panel beyond it, of the polynomials of its two sides,
-# times this: the panels that resolve the breaks may be a few times wider.
+# The size of a bend is SEEN times the difference, half a panel beyond it, of the polynomials of its
+# two sides: the panels of the solution may be a few times wider than those of the table.
 SEEN = 30.0
-# Factor on the largest measured error of an average over stretches, as only some are measured.
+# Factor on the largest measured error of an average over stretches, as only some errors are measured.
 MARGIN = 2.0
-# Last coefficients at which pieces of the stretches are no longer halved: beside a cusp of S(|r|) the
-# sums are off by a twentieth of it, and a larger error would look like a slip of a soft slider.
+# Last coefficients below which pieces of the stretches are not halved: near a cusp of S(|r|) the error
+# of the sums is a twentieth of it; a larger error could appear as a slip of a soft slider.
 RESOLVED = 1e-12
 
 
@@ -64,7 +64,7 @@ class ColdLife:
                 f"thresholds: a weight of {beneath:.2g} lies below {LOWEST:g} of the mean, where floating "
                 "point ends; leave such contacts out and count them apart"
             )
-        # a contact that is born in the far tail has a threshold beyond
+        # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         furthest = max(abs(end) for born in births for end in born.span)
         least = max(float(law.sf(furthest)), LEAST_SURVIVAL)
@@ -74,15 +74,15 @@ class ColdLife:
         marks = np.concatenate([law.breakpoints, self.atoms])
         self.bends: Array = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
         self.quiet = self._quiet()
-        # halving then never ends by chance at a corner that the law does not declare
+        # an irrational edge, so that halving does not hit undeclared corners by chance
         odd = self.reach * (0.5 * 5.0**0.5 - 0.5)
-        # a narrow law breaks between `quiet` and `reach` alone, where nodes of wider panels see none
+        # a narrow law breaks only between `quiet` and `reach`, and nodes of wider panels would miss it
         self._end = self.reach
         edges = np.unique(np.concatenate([[0.0, self.quiet, odd, self.reach], self.bends]))
         if self.reach > HEAVY * float(law.isf(FEW[0])):
             far = law.isf(FEW)
             edges = np.union1d(edges, far[(far > 0.0) & (far < self.reach)])
-            self._end = float(upper)  # the few that hold beyond may carry a force that counts
+            self._end = float(upper)  # the few contacts that hold beyond may carry much force
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
         lost = -np.diff(self._smooth(self._table.edges))
@@ -93,7 +93,7 @@ class ColdLife:
         self.error = 0.0
 
     def _corners(self) -> Array:
-        """Corners that the law does not declare: where halving ended at panels much narrower."""
+        """Corners that the law does not declare, found where halving led to very narrow panels."""
         begin, widths = self._table.begin, self._table.widths
         width = NARROW * self.grain
         narrow = np.flatnonzero(widths < width)
@@ -112,11 +112,10 @@ class ColdLife:
         return np.array(found)
 
     def _crossing(self, near: float, width: float) -> float | None:
-        """Where the survival's slope jumps, or None where it does not.
+        """The x near `near` at which the slope of the survival jumps; None if it does not.
 
-        Polynomials from either side of the corner cross there. (Halving ends at some 1e-9 beside it,
-        but sums of corners that are multiples of one length are one edge only where they agree to
-        rounding.)
+        Polynomials fitted on either side cross there. (The panel is within about 1e-9 of the corner,
+        but corners must be exact to rounding, so that sums of them that should coincide form one edge.)
         """
         width = max(width, CORNER * self.grain)
         steps = width * np.arange(1.0, 5.0)
@@ -131,9 +130,9 @@ class ColdLife:
         return near + shift if abs(shift) < width else None
 
     def _size(self, bend: float) -> float:
-        """How much of the survival is not smooth at a bend: 1 at most, as where P_c jumps.
+        """Size of the survival's non-smooth part at a bend: at most 1, as where P_c jumps.
 
-        Polynomials from either side are compared half a panel beyond.
+        It compares the polynomials of both sides half a panel beyond the bend.
         """
         panel = int(np.searchsorted(self._table.begin, bend, "right")) - 1
         before = int(np.searchsorted(self._table.end, bend * (1.0 - TIE)))
@@ -154,7 +153,7 @@ class ColdLife:
         return float(self._weights[self.atoms == atom].sum() / self._held(whole, whole)[0])
 
     def _quiet(self) -> float:
-        """The largest |x| up to which none breaks."""
+        """The largest |x| up to which no contact breaks."""
         low = float(self._law.ppf(NONE_LEFT)) if self._law.support()[0] == 0.0 else 0.0
         low = max(low, float(self._law.support()[0]))
         return min([low, *self.atoms])
@@ -169,7 +168,7 @@ class ColdLife:
     def _held(self, m: Array, side: Array) -> Array:
         """Survival at m; exact thresholds below `side` are broken."""
         if not self.atoms.size:
-            # all contacts that are less stretched hold: the law need not be evaluated
+            # contacts with m <= quiet all hold: the law need not be evaluated there
             some, out = m > self.quiet, np.ones(m.shape)
             out[some] = self._law.sf(m[some])
             return out
@@ -183,7 +182,7 @@ class ColdLife:
         if not self._linked:
             return held
         smooth = self._smooth(m)
-        # in the far tail the table knows less than that the few that hold have thresholds in reach
+        # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
         most = np.maximum(self.reach - m, 0.0) * smooth
         out = m * smooth + np.clip(self._table.beyond(np.minimum(m, self.reach)), 0.0, most)
         for position, weight in zip(self.atoms, self._weights, strict=True):
@@ -207,7 +206,7 @@ class ColdLife:
         return found.value.reshape(2, *history.now.shape)
 
     def _left(self, r: Array, m: Array, x: Array) -> Array:
-        """Share and force of contacts born at r, by the largest |x| so far, m, and x."""
+        """Share and force of contacts born at r, with the largest |x| so far, m, and the stretch x."""
         share = self._held(np.abs(r), np.abs(r[:, r.shape[1] // 2, None]))
         share = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
         side = m[:, m.shape[1] // 2, None]

@@ -1,12 +1,12 @@
 """Contacts whose thresholds grow with their age, as coalescing grains do (paper, Sec. VI).
 
-Each contact keeps its quantile for life. It breaks where the hazard H(|x|; age) of the law of
-thresholds at its age reaches that of its quantile, so that of those that pinned together
+Each contact keeps its quantile for life. It breaks where the cumulative hazard H(|x|; age) of the law
+of thresholds at its age reaches that of its quantile, so that of the contacts that pinned together
 
-    share left = exp(-(H_worst - H_0)),      H_worst = the largest H since the birth,
+    share that holds = exp(-(H_worst - H_0)),      H_worst = the largest H since the birth,
 
-H_0 being that of contacts which stand stretched at t = 0. On a straight leg H first falls, while
-the contact relaxes or its threshold outgrows the stretch, and then rises: it is largest at an end.
+H_0 being H at t = 0 of contacts that are stretched then. On a straight leg H first falls, while the
+contact relaxes or its threshold outgrows the stretch, and then rises: it is largest at an end.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from origins.thresholds.quadrature import finite_density
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Hazard above which the survival e^-H is below 1e-17: nothing to speak of holds.
+# H above which the survival e^-H, below 1e-17, counts as 0.
 GONE = 39.2
-# Length over which survivals are resolved, in standard deviations of the thresholds at first.
+# Length over which survivals are resolved, in standard deviations of the thresholds at t = 0.
 GRAIN = 0.25
-# Share of contacts by which hazards are off; and by how much what is seen of the error of sums over
-# the starting stretches counts, as some are looked at.
+# Error of the share by that of the hazards; and factor on the measured error of sums over the
+# starting stretches, as only some are measured.
 ERROR, SEEN = 5e-14, 2.0
 
 
@@ -42,14 +42,14 @@ class GrainLife(UnbentLife):
     contacts : Contacts
         With `grains`.
     longest : float
-        Time > 0 after which no contact is looked at any more.
+        The latest time > 0 at which `left` is called.
 
-    Contacts born at t = 0 with the law `contacts.start` itself, that very object, have their
-    grains' starting age; all others pin as they are born, at the stretch 0, an age of tau_m.
+    Contacts born with the law `contacts.start`, the same object, are those of t = 0 and have the
+    grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
     """
 
     error, fresh_start = ERROR, False
-    # pieces of a start to begin with, and last coefficients at which they are not halved
+    # first number of pieces of a start, and last coefficients below which they are not halved
     pieces, resolved = 8, 1e-12
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
@@ -59,7 +59,7 @@ class GrainLife(UnbentLife):
         self.start = contacts.start
         self.start_since = grains.age - grains.growth.first_pinning_time
         self.reach = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
-        # the start reaches as far as its youngest thresholds do
+        # no contact of the start is stretched beyond the largest threshold at t = 0
         self.start_reach = grains.at_start.support()[1]
         self.grain = GRAIN * grains.at_start.std()
 
@@ -86,7 +86,7 @@ class GrainLife(UnbentLife):
         return self._holding(every, nodes, moves, since, lost).reshape(2, *shape)
 
     def _of_spread(self, moves: Legs) -> Array:
-        """Share and force of the start; what is left bends where another moment becomes the worst."""
+        """Share and force of the start; the share has a kink where another moment has the largest H."""
         start, count = self.start, moves.displacement.shape[0]
         edges = np.concatenate(
             [np.linspace(*start.span, self.pieces + 1), start.breakpoints, [0.0]]
@@ -107,7 +107,7 @@ class GrainLife(UnbentLife):
     def _holding(self, row: Rows, nodes: Array, moves: Legs, since: float, lost: Array) -> Array:
         """Share and force of contacts born at `nodes` (n, k), with the moves of the rows (n,).
 
-        since : time between pinning and the moves; lost : the least of the worst hazards
+        since : time between pinning and the moves; lost : lower bound of H_worst, from birth
         """
         stretch = nodes[..., None] + moves.displacement[row][:, None]
         stretch = stretch.reshape(-1, stretch.shape[-1])
@@ -115,7 +115,7 @@ class GrainLife(UnbentLife):
         elapsed = np.cumsum(own.duration, axis=-1)
         times = since + np.concatenate([np.zeros((elapsed.shape[0], 1)), elapsed], axis=-1)
         hazards = pinned_hazard(self.grains, stretch, times)
-        # contacts whose thresholds were met at first never hold
+        # contacts with |x| above the largest threshold at t = 0 never hold
         met = ~np.isfinite(hazards[:, 0])
         before = np.where(met, 0.0, hazards[:, 0])
         worst = np.where(met, np.inf, np.maximum(hazards.max(axis=-1), lost))
@@ -126,12 +126,12 @@ class GrainLife(UnbentLife):
         """Share that holds of contacts with these moves (their stretches), array (n,).
 
         since : time between pinning and the first of them
-        worst, before : arrays (n,), the largest hazard so far and the one at first
+        worst, before : arrays (n,), H_worst and H_0
         """
         return np.exp(before - worst)
 
     def _lost(self, legs: Legs) -> Array:
-        """H as contacts pin: some are stretched faster than their thresholds grow from 0 on.
+        """H_worst right after pinning: some contacts are stretched faster than their thresholds grow.
 
         Array of shape (rows, 1): all births of a row lie on one leg.
         """
@@ -145,8 +145,8 @@ class GrainLife(UnbentLife):
 def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:
     """-ln of the fraction of contacts with thresholds above |stretch|, `since` after they pinned.
 
-    GrainContact.hazard as a function of the time since pinning: no digit is lost right after it.
-    Stretches (lengths) and times broadcast; infinite where no threshold is as large.
+    GrainContact.hazard as a function of the time since pinning, so that no digits are lost right after
+    it. Stretches (lengths) and times broadcast; infinite where no threshold is as large.
     """
     stretch, since = np.broadcast_arrays(stretch, since)
     excess = np.expm1(np.log1p(since / grains.growth.first_pinning_time) / 3.0)

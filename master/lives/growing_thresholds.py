@@ -13,9 +13,9 @@ from origins.grains.lifshitz_slyozov import invert_beyond
 
 Array = npt.NDArray[np.float64]
 
-# Range of the table of thresholds, in the logarithms of the hazard and of the time since pinning
-# over tau_m: below, thresholds are powers of both; and its spacing, at which splines of this degree
-# are good to 1e-11.
+# Lower ends of the table of thresholds, in the logarithms of the hazard and of the time since pinning
+# over tau_m (below them thresholds are powers of both), and its spacing, at which splines of degree
+# DEGREE are accurate to 1e-11.
 LEAST_HAZARD, LEAST_TIME, SPACING, DEGREE = -20.0, -16.0, 0.08, 5
 
 
@@ -56,8 +56,8 @@ class GrowingThresholds:
     def each(self, hazard: Array, since: Array) -> Array:
         """x_s of each hazard of a row at each time since pinning of that row, shape (n, k, m).
 
-        hazard : array (n, m); since : array (n, k). The splines of either are told once a row, and
-        joined as sparse matrices: ten times as fast as one by one.
+        hazard : array (n, m); since : array (n, k). B-splines of both are evaluated once per row and
+        multiplied as sparse matrices: ten times as fast as point by point.
         """
         time = np.maximum(since / self._pinning_time, 1e-300)
         hazard = np.maximum(hazard, 1e-300)
@@ -71,7 +71,7 @@ class GrowingThresholds:
         of_hazard = parts[0] @ self._table.get_coeffs().reshape(parts[0].shape[1], -1)
         columns = of_hazard.shape[1]
         of_hazard = of_hazard.reshape(count, some, columns).transpose(0, 2, 1).reshape(-1, some)
-        # each row's times ask the splines of its own hazards
+        # shift columns so that each row's times use the coefficients of its own hazards
         own = parts[1].indices.reshape(count, -1) + columns * np.arange(count)[:, None]
         entries = parts[1].data, own.ravel(), parts[1].indptr
         of_time = csr_array(entries, shape=(count * many, count * columns))

@@ -1,4 +1,4 @@
-"""Integrals over many ranges at once: pieces are halved until a polynomial follows what is summed."""
+"""Integrals over many ranges at once: pieces are halved until a polynomial fits the integrand on each."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from numpy.polynomial import legendre
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Gauss nodes of a piece, and how near to its ends, of its length, the integrand is evaluated too: no
-# node would see a rise or fall right beside an end.
+# Gauss nodes of a piece, and the distance from its ends, over its length, at which the integrand is
+# evaluated too, because the nodes would miss a steep change right at an end.
 SIZE, BESIDE = 14, 1e-9
-# Allowed error of the polynomial at the ends of its piece, in units of that of its last coefficients.
+# Allowed error of the polynomial at the ends of its piece, over that of its last coefficients.
 ENDS = 3.0
-# Most halvings of a piece; and the least length of a piece, relative to its position, at which rounding
-# still leaves its nodes apart.
+# Most halvings of a piece; and the least length of a piece, relative to its position, at which its
+# nodes are still distinct in floating point.
 HALVINGS, NARROWEST = 40, 4e-15
 # One range in so many is summed again on halved pieces, to measure the error. A prime, so that all
 # columns of a history are measured in turn.
 CHECKED = 17
-# Pieces asked for together: their nodes stay in the processor's cache.
+# Pieces evaluated together, so that their nodes stay in the processor's cache.
 TOGETHER = 512
 
 _NODES, _WEIGHTS = legendre.leggauss(SIZE)
 _SERIES = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
 _AT = np.concatenate([[BESIDE], 0.5 * (_NODES + 1.0), [1.0 - BESIDE]])
-# from values to the last two coefficients and to what the polynomial misses at both ends
+# matrix from values to the last two coefficients and to the polynomial's errors at both ends
 _TAIL = np.zeros((SIZE + 2, 4))
 _TAIL[1:-1, :2] = _SERIES[:, -2:]
 _TAIL[1:-1, 2:] = _SERIES @ legendre.legvander(np.array([-1.0, 1.0]), SIZE - 1).T / ENDS
 _TAIL[[0, -1], [2, 3]] = -1.0 / ENDS
 _RULE = np.concatenate([[0.0], 0.5 * _WEIGHTS, [0.0]])
 
-# What is summed, of ranges (n,) at places (n, k), each row within one piece; (functions, n, k)
+# Values of the integrands of ranges (n,) at places (n, k), each row within one piece; (functions, n, k)
 Integrand = Callable[[Rows, Array], Array]
 
 
@@ -75,11 +75,11 @@ def integrals(
 ) -> Integrals:
     """Integrals of functions over ranges, of which each is cut into pieces.
 
-    integrand : smooth on pieces, but for their ends; pieces are halved by the first of its functions
-    accuracy : last coefficients, in units of the integral over the piece, at which it is not halved,
-        of all ranges or of each;
-        a sum over Gauss nodes then misses about their square, and 1e-3 of them beside an onset
-    relative : whether accuracy and error are shares of each range's integral, of the last function
+    integrand : smooth inside pieces; the first of its functions decides which pieces are halved
+    accuracy : last coefficients, as contributions to the integral, below which a piece is not halved,
+        for all ranges or for each;
+        the error of the Gauss sum is then about their square, or 1e-3 of them near an onset
+    relative : whether accuracy and error are relative to each range's integral of the last function
     """
     total, all_pieces, scale = _halved(integrand, pieces, ranges, accuracy, relative)
     looked = np.arange(ranges) % CHECKED == ranges // 2 % CHECKED
@@ -97,7 +97,7 @@ class Nodes(NamedTuple):
 
 
 def nodes_of(integrand: Integrand, pieces: Pieces, accuracy: float) -> Nodes:
-    """The nodes of one range, cut into pieces, that an integral takes; see `integrals`."""
+    """The nodes at which `integrals` sums one range, given in pieces."""
     pieces = _halved(integrand, pieces, 1, accuracy, relative=False).pieces
     length = (pieces.high - pieces.low)[:, None]
     at, weight = pieces.low[:, None] + length * _AT, _values(integrand, pieces)[0] * _RULE
@@ -105,7 +105,7 @@ def nodes_of(integrand: Integrand, pieces: Pieces, accuracy: float) -> Nodes:
 
 
 class _Halved(NamedTuple):
-    """Integrals (functions, ranges), the pieces that resolve them, and the ranges' units (ranges,)."""
+    """Integrals (functions, ranges), the pieces that resolve them, and the unit of each range's error (ranges,)."""
 
     total: Array
     pieces: Pieces
@@ -115,7 +115,7 @@ class _Halved(NamedTuple):
 def _halved(
     integrand: Integrand, pieces: Pieces, ranges: int, accuracy: Array | float, relative: bool
 ) -> _Halved:
-    """The pieces halved until a polynomial follows on each."""
+    """The pieces, halved until a polynomial fits the integrand on each."""
     done: list[Pieces] = []
     total, scale = np.zeros((1, ranges)), np.ones(ranges)
     for halving in range(HALVINGS + 1):

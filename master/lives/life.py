@@ -1,4 +1,4 @@
-"""Life: all that the master equation needs to know of a law of contacts."""
+"""Life: the protocol by which the master equation uses the laws of contacts."""
 
 from __future__ import annotations
 
@@ -14,39 +14,39 @@ Array = npt.NDArray[np.float64]
 
 
 class Life(Protocol):
-    """What is left, after any motion of the slider, of contacts that were born together.
+    """Survival and force, after any motion of the slider, of contacts that were born together.
 
-    The survival E(t, s) and the force kernel K(t, s) of number conservation are `left` of contacts
-    born at the stretches at which broken contacts re-form; G_0(t) and M_0(t) are `left` of contacts
-    born at t = 0 at the stretches of the start. One method serves both.
+    The method `left` gives the survival E(t, s) and the force kernel K(t, s) of number conservation for
+    contacts born at the stretches at which broken contacts re-form, and G_0(t) and M_0(t) for contacts
+    born at t = 0 at the stretches of the start.
 
     Attributes
     ----------
     reach : float
         Length: a contact whose |x| has been beyond it no longer holds (its survival is below 1e-17).
     quiet : float
-        Length: a contact whose |x| has never been beyond it still holds for sure (its survival is
-        1 to rounding); 0 where there is no such length.
+        Length: a contact whose |x| has never been beyond it still holds (its survival is 1 to rounding);
+        0 where there is no such length.
     atoms : array of shape (n,)
         Exact thresholds (lengths), at which finite shares of contacts break together.
     bends : array of shape (n,)
         Lengths, sorted: the largest |x| at which the survival of a contact is not smooth, such as
         jumps of P_c and exact thresholds.
     bend_sizes : array of shape (n,)
-        How strongly the survival bends at each, above 0: 1 where P_c jumps, less where only a
-        higher derivative does.
+        Size of the survival's non-smooth part at each bend, above 0: 1 where P_c jumps, less where only
+        a higher derivative jumps.
     grain : float
         Length over which the survival has to be resolved.
     quick : bool
-        Whether `left`, of births at one stretch, takes no longer than a look-up in a table.
+        Whether `left`, for births at one stretch, takes no longer than a look-up in a table.
     pair_work : int
-        What `left` of one birth at one moment costs, in look-ups in a table.
+        Work of `left` for one birth at one moment, in look-ups in a table.
     fresh_start : bool
-        Whether contacts of the start are as young as those that are born later on.
+        Whether contacts of the start follow the same law as contacts born later.
     timeless : bool
-        Whether only the way counts, and not the time that it took.
+        Whether the survival depends only on the way, and not on the time that it took.
     error : float
-        Bound on the error of what `left` returns, however fine the panels: of the share that holds.
+        Bound on the error of the share that `left` returns, which finer panels do not reduce.
     """
 
     reach: float
@@ -70,7 +70,7 @@ class Life(Protocol):
         ...
 
     def atom_share(self, atom: float, stretch: float) -> float:
-        """Share at most of contacts born at a stretch that have the exact threshold `atom`."""
+        """Upper bound of the share of contacts born at a stretch that have the exact threshold `atom`."""
         ...
 
     def left(self, born: Start | Array, history: History) -> Array:
@@ -88,7 +88,7 @@ class Life(Protocol):
 
 
 class UnbentLife:
-    """What lives share whose survival has no bend and that depend on time; attributes as in Life."""
+    """Defaults for lives that depend on time and whose survival has no bends; attributes as in Life."""
 
     bends: Array = np.empty(0)
     bend_sizes: Array = np.empty(0)

@@ -1,4 +1,4 @@
-"""Which life the laws of some contacts make."""
+"""The choice of the Life that belongs to the laws of some contacts."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
 
-# Last coefficients of averages over the stretches at birth, in units of the tolerance, and their least
-# and most. The averages are off by the square of this, or beside an onset of P_c by some 1e-3 of it.
+# Last coefficients of averages over the stretches at birth, over the tolerance, and their least and
+# largest value. The error of averages is their square, or near an onset of P_c some 1e-3 of them.
 _RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
 # Error of the share that holds of contacts that age, in units of the tolerance, and its least.
 _AGED, _FINEST = 0.2, 1e-10
-# The same in steady motion where strands are followed: finer ones take long.
+# The same in steady motion where strands are followed: smaller errors take too long.
 _STEPPED = 1e-7
-# Largest hazard of growing grains as they pin: e^-300 of them hold, near the end of floating point.
+# Largest hazard of growing grains as they pin: a share e^-300 holds, close to underflow.
 _MOST_LOST = 300.0
-# The change of the share that holds of growing grains with heat at which no finer nodes are tried,
-# in units of the tolerance, and its least and most.
+# For growing grains with heat: change of the share that holds below which no finer nodes are tried,
+# over the tolerance, and its least and largest value.
 _WARM, _WARM_ENDS = 0.02, (1e-11, 1e-6)
 
 
@@ -39,9 +39,9 @@ def life_of(
 ) -> Life:
     """The life of these contacts.
 
-    tolerance : of the force, in mean thresholds; 0: what is left is known as well as can be
-    motion : of the slider; contacts that age have no life that does not ask it
-    until : reading of time.monotonic() after which a life is known as well as it is by then
+    tolerance : of the force, in mean thresholds; 0: as accurate as possible
+    motion : of the slider; needed for contacts that age or have growing grains
+    until : reading of time.monotonic() after which a life is not refined any more
     """
     if contacts.grains is not None:
         assert motion is not None
@@ -66,7 +66,7 @@ def life_of(
 def steady_life(contacts: Contacts, velocity: float) -> Life:
     """The life of contacts on a slider that moves forward at one speed v > 0, for any time.
 
-    Raises InputError where contacts have no law each by itself, and where none holds that pins.
+    Raises InputError for closures in which single contacts have no law, and where no pinned contact holds.
     """
     if contacts.grains is not None:
         _check_some_hold(contacts.grains, velocity)
@@ -85,7 +85,7 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
 
 def _check_some_hold(grains: GrainContact, velocity: float) -> None:
-    """Refuse speeds at which so few of the contacts that pin hold that their lives are no numbers."""
+    """Refuse speeds at which so few of the contacts that pin ever hold that their survival underflows."""
     grains.check_speed(velocity)
     lost = grains.lost_hazard(velocity)
     if lost > _MOST_LOST:
@@ -106,7 +106,7 @@ def _outlived(contacts: Contacts, velocity: float) -> float:
 
 
 def check_ageing(contacts: Contacts) -> None:
-    """Raise InputError where contacts that age have no law each by itself."""
+    """Raise InputError for closures in which single contacts that age have no law of their own."""
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         raise InputError(
             'contacts.ageing: closure = "paper" (Q15) has one P_c for all contacts at each X, so '

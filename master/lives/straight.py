@@ -1,4 +1,4 @@
-"""What is left of contacts that have moved straight, at one speed, since their birth: one table."""
+"""Survival of contacts that have moved straight, at one speed, since their birth, in one table."""
 
 from __future__ import annotations
 
@@ -13,43 +13,43 @@ from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# Survival to which the table is refined, in contacts; forces, over the reach, likewise.
+# Error of the survival, and of the force over the reach, to which the table is refined.
 ACCURACY = 1e-13
-# Allowed error of polynomials at the ends of panels, in units of the accuracy: beside a root it is
-# larger there than in between.
+# Allowed error of polynomials at the ends of panels, over the accuracy: near a root it is larger there
+# than inside.
 _ENDS = 100.0
-# Halvings of the longest time, to see lives that are much shorter.
+# Halvings of the longest time, to resolve lives that are much shorter.
 _RUNGS = 64
-# Share of its time within which a moment is that of an exact threshold.
+# Relative distance within which a time counts as that at which an exact threshold is reached.
 _TIE = 1e-11
-# The narrowest panel of the table, of its length; lives may be far shorter in heat.
+# The narrowest panel of the table over its length; with heat lives may be far shorter.
 SHORTEST, SHORTEST_IN_HEAT = 1e-12, 1e-20
 
 
 class StraightLife:
-    """A Life, tabulated over the time since birth, of contacts born on a leg that goes on.
+    """A Life, tabulated over the time since birth, of contacts born on the present leg.
 
-    Where the slider keeps its speed, what is left depends on the time since birth alone. A table
-    of it takes some hundred evaluations, where number conservation needs many thousand.
+    While the slider keeps its speed, the survival depends only on the time since birth. A table of it
+    takes some hundred evaluations, where number conservation needs many thousand.
 
     Parameters
     ----------
     life : Life
     born : Start
-        The stretches at birth, the only ones that `left` is then asked for.
+        The stretches at birth; `left` may be called for these only.
     speed : float
         dX/dt of the leg.
     longest : float
-        The longest time since birth: that of the leg, or from where on none holds.
+        The longest time since birth: that of the leg, or one after which no contact holds.
     accuracy : float
-        Of the share that is left, and of the force over the reach.
+        Of the share that holds, and of the force over the reach.
 
     Attributes as in Life, and
 
     asked : float
-        The longest time that was asked for.
+        The longest time as given.
     longest, reach : float
-        The same, or a time from which on heat has left none.
+        The same, or an earlier time after which heat has broken all contacts.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class StraightLife:
                 longest, ladder = float(ladder[dead[0]]), ladder[: dead[0]]
         self.longest = self.reach = longest
         moving = bends_of(life, born, speed)
-        # at the longest time single thresholds may end all that is left
+        # at the longest time an exact threshold may break all remaining contacts
         self.bends: Array = np.append(moving[moving < longest * (1.0 - _TIE)], longest)
         self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
@@ -111,9 +111,9 @@ class StraightLife:
 
 
 def bends_of(life: Life, born: Start, speed: float, marks: Array | None = None) -> Array:
-    """Times since birth at which what is left bends; sorted, none where the slider stands still.
+    """Times since birth at which the survival has a bend; sorted, none where the slider rests.
 
-    marks : lengths at which it does; None: all bends of the life, and its reach
+    marks : lengths |x| of the bends; None: all bends of the life, and its reach
     """
     marks = np.append(life.bends, life.reach) if marks is None else marks
     first, last = sorted(np.sign(speed) * np.array(born.span))

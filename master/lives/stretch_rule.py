@@ -16,15 +16,15 @@ from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 
-# Panels that the span of a law is cut into at first, and last coefficients at which they are not halved.
+# First number of panels of a law's span, and last coefficients below which they are not halved.
 PANELS, ACCURACY = 8, 1e-12
-# Numbers of stretches that stand for a law, tried one after the other: with the last of them a start
-# across 0, where survivals of contacts that age bend, is good to some 1e-8.
+# Numbers of stretches that represent a law, tried in this order; the last one gives some 1e-8 for a
+# start across 0, where survivals of contacts that age have a kink.
 COUNTS = (6, 9, 13, 19, 28)
 
 
 class StretchRule(NamedTuple):
-    """Stretches that stand for a law of stretches, and their weights.
+    """Stretches that represent a law of stretches, and their weights.
 
     stretch : array of shape (n,), lengths
     weight : array of shape (n,), of sum 1
@@ -37,8 +37,8 @@ class StretchRule(NamedTuple):
 def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     """The Gauss rule of `count` nodes for the stretches of `born` below `most` in size.
 
-    It averages polynomials of degree 2 count - 1 over the law exactly. One node where all contacts
-    stand at one stretch.
+    It averages polynomials of degree 2 count - 1 over the law exactly. It has one node where all
+    contacts have the same stretch.
     """
     if born.is_single:
         return StretchRule(np.array([born.mean()]), np.ones(1))
@@ -60,23 +60,23 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
 
 
 class StretchRules:
-    """Gauss rules for laws of stretches, with as many nodes as the survivals ask for.
+    """Gauss rules for laws of stretches, with as many nodes as the survivals need.
 
     Parameters
     ----------
     most : float
-        Size of stretches beyond which none holds.
+        |x| beyond which no contact holds.
     accuracy : float
-        Error of the share that holds that is aimed at.
+        Aimed-at error of the share that holds.
     shares : callable
-        What holds, at many moments, of contacts born at the stretches of a rule.
+        Share that holds, at many moments, of contacts born at the stretches of a rule.
     until : float
         Reading of time.monotonic() after which no more nodes are tried.
 
     Attributes
     ----------
     error : float
-        By what the rules' shares changed last.
+        Largest last change of the shares with the number of nodes.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Averages over the stretches at birth: integrals over pieces on which nothing bends."""
+"""Averages over the stretches at birth: integrals over pieces on which the survival is smooth."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from origins.thresholds.quadrature import finite_density
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Share of the span: narrower pieces hold no weight.
+# Pieces narrower than this share of the span are left out.
 _NARROW = 1e-13
 
 
 class Moves(NamedTuple):
-    """What pairs of a birth and a later moment have in common, whatever the stretch at birth.
+    """Motion of the slider between birth and a later moment, for many pairs of these two.
 
     now, high, low : arrays of shape (n,), the slider's displacement, its largest and smallest value
     """
@@ -32,7 +32,7 @@ class Moves(NamedTuple):
 
     @classmethod
     def of(cls, history: History) -> Moves:
-        """Of all rows and columns, flat."""
+        """The moves of all rows and columns of a history, flattened."""
         parts = np.broadcast_arrays(history.now, history.high, history.low)
         return cls(*(part.ravel() for part in parts))
 
@@ -56,17 +56,17 @@ def averaged(
     resolved: float,
     pieces: int,
 ) -> Integrals:
-    """Share and force averaged over the law's stretches, shape (2, pairs), and what they miss.
+    """Share and force averaged over the law's stretches, shape (2, pairs), and their errors.
 
     Pieces of the law end where x is 0, and where the largest |x| changes sides or meets a bend.
 
     reach : length: no contact beyond it holds
-    bends : array of shape (n,), the largest |x| at which what is left bends
+    bends : array of shape (n,), the largest |x| at which the survival has a bend
     left : called with stretches of which each row lies within one smooth piece
-    resolved : last coefficients at which pieces are no longer halved
-    pieces : of the law's span, to begin with
+    resolved : last coefficients below which pieces are not halved
+    pieces : first number of pieces of the law's span
     """
-    # beyond the reach no contact holds, and a piece across it would be judged by its middle alone
+    # cut at the reach, beyond which no contact holds, as each piece is judged by its middle
     bends = np.append(bends, reach)
     first, last = max(law.span[0], -reach), min(law.span[1], reach)
     even = np.linspace(first, last, pieces + 1)

@@ -1,7 +1,7 @@
 """Contacts with growing grains at a temperature: each keeps its quantile, and may break early.
 
-A contact of the quantile's hazard η has at any age the threshold x_s(η; age). Of those born
-together the share
+A contact whose quantile has the hazard η has the threshold x_s(η; age) at each age. Of the contacts
+born together the share
 
     integral over η > H_worst of e^{-(η - H_0)} e^{-A(η)},      A(η) = integral of h(|x|; x_s) dt,
 
@@ -26,14 +26,14 @@ from origins.start import Start
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Sums over quantiles go over the root of the hazard above the worst one: their pieces to begin with, and
-# last coefficients at which these are not halved.
+# Sums over quantiles have the variable (η - H_worst)^(1/2): edges of their first pieces, and last
+# coefficients below which pieces are not halved.
 ROOTS, RESOLVED = np.array([0.0, 0.5, 2.0, GONE**0.5]), 1e-8
-# A above which nothing holds.
+# Largest A; e^-A is 0 there.
 SPENT = 700.0
 
 
-# Numbers of moments on a leg, tried one after the other until the share changes by no more than the
+# Numbers of moments on a leg, tried in this order until the share changes by no more than the
 # accuracy: colder contacts break within ever shorter parts of a leg.
 MOMENTS = (51, 101, 201, 401)
 ACCURACY = 1e-7
@@ -44,8 +44,8 @@ MARGIN, TABLE_ERROR = 4.0, 3e-11
 class Moved(NamedTuple):
     """Straight moves on which stretches do not change their sign, arrays (pieces,).
 
-    owner : which contacts, rising; begin, end : stretches (lengths); since : time since pinning as
-    they begin; duration : time
+    owner : numbers of the contacts, rising; begin, end : stretches (lengths); since : time from pinning
+    to the beginning; duration : time
     """
 
     owner: Rows
@@ -65,15 +65,15 @@ class WarmGrainLife(GrainLife):
     longest : float
         See GrainLife.
     accuracy : float
-        Change of the share that holds at which no finer nodes are tried.
+        Change of the share that holds below which no finer nodes are tried.
 
     Attributes
     ----------
     error : float
-        Measured: the first, the middle and the last of the rows' columns are told twice.
+        Measured: the first, middle and last rows and columns are computed with two numbers of moments.
     """
 
-    # normal laws are then summed to 1e-8
+    # with this `resolved` normal laws are summed to 1e-8
     pair_work, pieces, resolved = 1000, 4, 1e-5
 
     def __init__(self, contacts: Contacts, longest: float, accuracy: float = ACCURACY) -> None:
@@ -113,7 +113,7 @@ class WarmGrainLife(GrainLife):
             own = Legs(moves.displacement[some], moves.duration[some], moves.speed)
             spent = self._spent(_pieces(own, since), worst[some], roots, moments)
             share = 2.0 * np.exp(-roots * roots - spent)
-            # the weight is 0 right above the worst hazard: halving looks at the integrand without it
+            # the weight is 0 at H_worst; halving is decided by the integrand without it
             return np.stack([share * roots.max(axis=1, keepdims=True), share * roots])
 
         row, piece = np.divmod(np.arange(alive.size * (ROOTS.size - 1)), ROOTS.size - 1)
@@ -124,7 +124,7 @@ class WarmGrainLife(GrainLife):
         return out
 
     def _spent(self, pieces: Moved, worst: Array, roots: Array, moments: int) -> Array:
-        """A of quantiles of the hazards worst + roots², shape of `roots` (n, m)."""
+        """A of quantiles with the hazards worst + roots², shape of `roots` (n, m)."""
         out = np.zeros(roots.shape)
         if not pieces.owner.size:
             return out

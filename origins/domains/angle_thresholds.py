@@ -1,8 +1,8 @@
 """P_c of one rigid island over all angles, from its barrier b(angle) itself (paper, Sec. VI C).
 
-On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where b stands still and where the two are
+On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where db/dangle = 0 and where the two are
 equal: on each piece b rises or falls, and each piece has an inverse. P_c diverges as an inverse square root
-where b stands still, and jumps where the two are equal. Between these the share of angles below x is smooth
+where db/dangle = 0, and jumps where the two are equal. Between these the share of angles below x is smooth
 in s, x = lower + (upper - lower) sin²(pi s/2). All smooth functions are Chebyshev series.
 """
 
@@ -19,16 +19,16 @@ from origins.thresholds.law import Array, Thresholds
 
 Sizes = Callable[[Array], Array]
 
-_PER_RADIAN = 16  # angles looked at while the outermost atoms' phase moves by a radian
-_MOST = 12_000  # of them: larger islands are left to samples
-_START = 0.1234567  # radians: symmetric islands have their extrema at 0, which is to be within
-_NODES = 24  # Chebyshev's of a series, the ends among them
-_SMOOTH = 1e-9  # what the last three of a series leave out, of the share of its panel, or 1e-3
-_SPLITS = 10  # halvings of what a series does not resolve
-_SAME = 1e-10  # of the greatest barrier: values nearer than this are one
-_LEVEL = 1e-6  # of the greatest barrier: the barrier of one atom is the same at all angles
-_WEIGHT = 1e-3  # share of thresholds above which a peak or jump is declared, counted
-_BESIDE = 0.01  # within this distance, in mean thresholds
+_PER_RADIAN = 16  # angles evaluated per radian of the outermost atoms' phase
+_MOST = 12_000  # angles at most: P_c of larger islands comes from samples
+_START = 0.1234567  # radians; symmetric islands have extrema at 0, which must not be an end
+_NODES = 24  # Chebyshev nodes of a series, including both ends
+_SMOOTH = 1e-9  # largest of a series' last three coefficients, over the panel's share (or 1e-3)
+_SPLITS = 10  # most halvings of a panel that a series does not resolve
+_SAME = 1e-10  # of the greatest barrier: values closer than this count as equal
+_LEVEL = 1e-6  # of the greatest barrier: with less variation (one atom) b counts as constant
+_WEIGHT = 1e-3  # least share of thresholds within _BESIDE of a peak or jump that is declared
+_BESIDE = 0.01  # mean thresholds
 _TIGHT = {"xatol": 1e-15, "xrtol": 4e-16, "fatol": 0.0, "frtol": 0.0}
 
 _u = 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))  # on (0, 1)
@@ -45,13 +45,13 @@ def _series(coefficients: Array, panel: npt.NDArray[np.intp], u: Array) -> Array
 
 
 def _place(x: Array, low: Array, high: Array) -> Array:
-    """s in [0, 1] of x = low + (high - low) sin²(pi s/2), to the last bit at both ends."""
+    """s in [0, 1] for x = low + (high - low) sin²(pi s/2), to the last bit at both ends."""
     below, above = np.maximum(x - low, 0.0), np.maximum(high - x, 0.0)
     return 2.0 / np.pi * np.arctan2(np.sqrt(below), np.sqrt(above))
 
 
 class _Pieces:
-    """Pieces of the circle on which b rises from one end to the other, whichever of them comes first.
+    """Pieces of the circle on which b is monotonic, stored from their lower to their upper end.
 
     Attributes
     ----------
@@ -92,14 +92,14 @@ class _Pieces:
         ).x
         which, still = which[np.isfinite(still)], still[np.isfinite(still)]
         still = _START + (still - _START) % period
-        # a wave that vanishes is the smaller one for a moment only: look there, too
+        # near an angle where one wave vanishes it is the smaller one on a short interval: evaluate there, too
         looked = np.unique(np.concatenate([angle[:-1], still]))
         ahead = (each(looked)[2] < 0.0) & (not alike)
         k = np.flatnonzero(ahead[1:] != ahead[:-1])
         bends = find_root(lambda a: each(a)[2], (looked[k], looked[k + 1]), tolerances=_TIGHT).x
         there, own = each(still), np.arange(which.size)
         still = still[(which < 2) & (there[which, own] <= there[:2].min(0) + near)]
-        # at a ridge nothing stands still
+        # where the two waves are equal b has a kink, not a zero derivative
         still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
         cuts = np.append(bends, still)
         order = np.argsort(cuts)
@@ -112,7 +112,7 @@ class _Pieces:
         self._invert(pieces[:, pieces[2] < pieces[3]])
 
     def _invert(self, ends: Array) -> None:
-        """Fit the share of each piece with barriers up to x; a piece that no series resolves is halved.
+        """Fit the share of each piece that has barriers up to x; halve pieces that a series does not resolve.
 
         ends : array (4, pieces), angles of the lower and the upper end and the barriers there.
         """
@@ -154,7 +154,7 @@ class _Pieces:
     def mean(self, function: Callable[[Array], Array]) -> float:
         """Mean of function(b) over all angles."""
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        # so placed that a root of b is smooth where b vanishes, too
+        # nodes in this variable, in which a power of b is smooth even where b vanishes
         place, weights = np.sin(0.25 * np.pi * (1.0 + nodes)) ** 2, 0.25 * np.pi * weights
         bottom, top = self._ends[:2, :, None]
         values = function(np.maximum(self._barrier(bottom + (top - bottom) * place), 0.0))
@@ -162,7 +162,7 @@ class _Pieces:
 
 
 def _together(values: Array) -> tuple[Array, Array]:
-    """Sorted values, those that are the same but for rounding put together; and for each value its own."""
+    """Sorted distinct values, those equal but for rounding merged; and for each value the merged one."""
     order, greatest = np.argsort(values), values.max()
     starts = np.diff(values[order], prepend=-np.inf) > _SAME * greatest
     distinct = values[order][starts]
@@ -177,7 +177,7 @@ class AngleThresholds(Thresholds):
     """Law of scale * b(angle), all angles of the full circle equally likely.
 
     `breakpoints` are the ends of the support and the peaks and jumps that hold more than 1e-3 of the
-    thresholds within 1e-2 mean thresholds; lesser ones are there, but not declared.
+    thresholds within 1e-2 mean thresholds; smaller ones exist, but are not declared.
     """
 
     knows_breakpoints = False
@@ -186,8 +186,8 @@ class AngleThresholds(Thresholds):
         self._pieces, self._scale, edges = pieces, scale, pieces.values
         self._mean = pieces.mean(lambda b: b)
         self._tabulate(edges)
-        # dC/ds at both ends of each panel, which are 0 but at peaks, and d²C/ds²: with x - low ~ s²
-        # they are the weights of a peak and the density
+        # dC/ds at both ends of each panel, 0 except at peaks, and d²C/ds²: as x - low ~ s², these give
+        # the weight of a peak and the density beside it
         slopes, bows = (chebyshev.chebder(self._fits.T, n) * 2.0**n for n in (1, 2))
         ends, roots = np.array([-1.0, 1.0]), 0.5 * np.pi * np.sqrt(self._widths)[:, None]
         peaks = np.abs(chebyshev.chebval(ends, slopes)) / roots
@@ -203,7 +203,7 @@ class AngleThresholds(Thresholds):
         self.onset_power = -0.5 if heavy[0] else 0.0
 
     def _tabulate(self, edges: Array) -> None:
-        """Series of the share up to b between the edges; panels that these do not resolve are halved."""
+        """Fit series to the share of angles up to b between the edges; halve panels that they do not resolve."""
         left, right, done = edges[:-1], edges[1:], []
         for split in range(_SPLITS + 1):
             x = left[:, None] + (right - left)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
@@ -250,7 +250,7 @@ class AngleThresholds(Thresholds):
 
     def _pdf(self, x: Array) -> Array:
         panel, s = self._panel(x)
-        # at an edge that is no peak dC/ds vanishes with dx/ds: read it beside the edge
+        # at an edge without a peak both dC/ds and dx/ds vanish: evaluate beside the edge
         s = np.clip(s, 1e-6, 1.0 - 1e-6)
         slope = 2.0 * _series(chebyshev.chebder(self._fits, axis=1), panel, s)
         per_length = self._scale * self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
@@ -268,9 +268,9 @@ def angle_thresholds(sizes: Sizes, fastest: float, scale: float) -> Thresholds |
     """The law of scale * b(angle) of one island.
 
     sizes : |c_1 S_1|, |c_2 S_2| of angles (m,), shape (m, 2), energies.
-    fastest : the rate of its phases, the greatest |G| times the reach.
+    fastest : the largest derivative of its phases with the angle: the greatest |G| times the reach.
 
-    None where the island is so large that its barrier has too many peaks to be followed.
+    None where the island is so large that its barrier has too many peaks.
     """
     some = np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])
     known = sizes(some).min(-1)

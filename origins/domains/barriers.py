@@ -1,4 +1,4 @@
-"""Barriers of rigid islands: what it takes to slide one over a substrate at a fixed angle (paper, Sec. VI C).
+"""Barriers of rigid islands: the energy needed to slide one over a substrate at a fixed angle (paper, Sec. VI C).
 
 An island at R has the energy U(R) = sum_n c_n S(G_n) exp(i G_n·R). Its barrier is the least height over
 the lowest minimum of U at which a path leads to a copy of that minimum, in whichever direction is easiest.
@@ -26,7 +26,7 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
-_FULL_CIRCLE = 2.0 * np.pi * (1.0 + 1e-12)  # as rounded by whoever wrote it
+_FULL_CIRCLE = 2.0 * np.pi * (1.0 + 1e-12)  # radians, with room for rounding
 
 
 def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:
@@ -35,7 +35,7 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
     Parameters
     ----------
     atoms : ase.Atoms
-        The island; only x and y of its atoms count, and all feel the substrate alike.
+        The island; only x and y of its atoms matter, and the substrate acts on all atoms equally.
     angle : float or array
         Radians.
     substrate : Substrate
@@ -45,10 +45,9 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
     -------
     array of the shape of angle
         Zero where the island slides freely: on a substrate that varies in one direction only, and where
-        its structure factors vanish. The atoms are summed over once for each angle and wave. Two waves are
-        exact; for more the lowest saddle is known to about 1e-11 of the largest |c_n S(G_n)|, and in
-        valleys too level or too narrow for a grid, where one wave is far larger than the others, to about
-        1e-3 of it.
+        its structure factors vanish. For two waves it is exact; for more it is known to about 1e-11 of the
+        largest |c_n S(G_n)|, and to about 1e-3 of it in valleys too flat or too narrow for a grid, where one
+        wave is far larger than the others. The time is proportional to atoms times angles times waves.
 
     Raises InputError for other input, for angles beyond a full circle, which look like degrees, and for a
     substrate of more than two waves that never repeats.
@@ -65,7 +64,7 @@ def triangular_barrier(
     substrate: Substrate | None = None,
 ) -> Array:
     """barrier(triangular_island(lattice_constant, n_i, n_j), angle, substrate) without atoms, at a cost
-    free of N_a.
+    that does not grow with N_a.
 
     n_i, n_j and angle (radians) broadcast to the shape of the result. Raises InputError as barrier does,
     and unless lattice_constant is above zero and n_i, n_j are whole numbers of at least 1.
@@ -85,7 +84,7 @@ class Climb:
 
 
 def climb(substrate: Substrate, factors: Complex) -> Climb:
-    """What islands with structure factors of shape (..., n) climb; arrays of shape (...)."""
+    """Barriers and lowest energies of islands with structure factors (..., n); arrays of shape (...)."""
     amplitudes = substrate.coefficients * factors
     sizes = np.abs(amplitudes)
     if substrate.rank == 1:

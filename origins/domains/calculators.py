@@ -1,6 +1,6 @@
-"""What atoms of an island feel, as ASE calculators: a substrate under them, harmonic bonds between them.
+"""ASE calculators for the atoms of an island: a substrate under them, harmonic bonds between them.
 
-Energies are in the substrate's unit (without dimension by default) and lengths in that of its period; ASE's
+Energies are in the substrate's unit (dimensionless by default) and lengths in that of its period; ASE's
 own eV and Å are not assumed. ASE's SumCalculator adds a substrate to any other calculator.
 """
 
@@ -23,7 +23,7 @@ _REACH = 1.2  # between the first and the second neighbours of every plane latti
 def substrate_calculator(substrate: Substrate) -> Any:
     """A Calculator with the energy, energies and forces of atoms on `substrate`, each by its own x and y.
 
-    There is no force along z, and cell and boundary conditions of the atoms play no part. The calculator's
+    There is no force along z, and cell and boundary conditions of the atoms are ignored. The calculator's
     `periods` are substrate.cell. Raises InputError unless given a Substrate, such as square_substrate().
     """
     if not isinstance(substrate, Substrate):
@@ -43,7 +43,7 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
     Parameters
     ----------
     atoms : ase.Atoms
-        The island at rest; boundary conditions play no part.
+        The unstrained island; boundary conditions are ignored.
     stiffness : float
         Energy per length squared, above zero.
     reach : float
@@ -72,7 +72,7 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
         apart = points[second] - points[first]
         length = np.sqrt((apart * apart).sum(-1))
         stretch = length - lengths
-        # atoms in one place push along no direction
+        # two atoms in one place: the force has no direction, so it is 0
         pull = (stiffness * stretch / np.where(length > 0.0, length, 1.0))[:, None] * apart
         half, forces = 0.25 * stiffness * stretch**2, np.zeros_like(points)
         np.add.at(forces, first, pull)
@@ -86,12 +86,12 @@ def _calculator(
     function: Callable[[Array], tuple[Array, Array]], substrate: Substrate | None = None
 ) -> Any:
     """The ASE calculator of a function that gives the energies of the atoms at points (n, 3), shape (n,), and
-    the forces on them, shape (n, 3). Its `periods` (2, 2) leave energies as they are; None without substrate."""
+    the forces on them, shape (n, 3). Its `periods` (2, 2) change no energy; None without substrate."""
     from ase.calculators.calculator import Calculator, all_changes
 
     class OfPositions(Calculator):
         implemented_properties = ["energy", "energies", "forces"]  # noqa: RUF012
-        # a property, as some substrates have none and refuse
+        # a property, as `cell` raises InputError for substrates that never repeat
         periods = property(lambda self: None if substrate is None else substrate.cell)
 
         def check_state(self, atoms: "ase.Atoms", tol: float = 0.0) -> list[str]:

@@ -1,4 +1,4 @@
-"""What thresholds of rotated domains were made of: barriers, angles and sizes of the islands."""
+"""The islands from which thresholds of rotated domains were computed: barriers, angles and sizes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from origins.thresholds.law import Array
 
 @dataclass(frozen=True, eq=False)
 class DomainSamples:
-    """What the thresholds of rotated domains were made of.
+    """The islands from which thresholds of rotated domains were computed.
 
     Attributes
     ----------
@@ -41,19 +41,19 @@ class DomainSamples:
 
     @property
     def superlubric_weight(self) -> float:
-        """Share of islands without a barrier. They bear no force and never break, and are left out of P_c, of
-        N_c and of what follows."""
+        """Share of islands without a barrier. They carry no force and never break, and are left out of P_c, of
+        N_c and of the properties below."""
         return 1.0 - float(np.count_nonzero(self.barriers)) / self.barriers.size
 
     @property
     def mean_force(self) -> float:
-        """f of the fit exp(-f_s/f), the likeliest one: the mean of f_s."""
+        """f of the fit exp(-f_s/f) of maximum likelihood: the mean of f_s."""
         return float(self.forces.mean())
 
     @property
     def exponential_distance(self) -> float:
-        """How crude that fit is: the largest distance of its cdf from that of the forces (Kolmogorov and Smirnov),
-        to be held against the sampling error 1.36/samples^(1/2)."""
+        """Largest distance of that fit's cdf from that of the forces (Kolmogorov and Smirnov), to be compared with
+        the sampling error 1.36/samples^(1/2)."""
         fitted = -np.expm1(-self.forces / self.mean_force)
         steps = np.arange(fitted.size + 1) / fitted.size
         return float(max((steps[1:] - fitted).max(), (fitted - steps[:-1]).max()))

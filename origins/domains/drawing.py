@@ -1,4 +1,4 @@
-"""Islands drawn at random: which one, at what angle, with what barrier; each sample by its own number alone."""
+"""Islands drawn at random, with angle and barrier; each sample depends on the seed and its own number only."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 
 Whole = npt.NDArray[np.int64]
 
-_BLOCK = 4096  # samples worked on together, whoever does it
+_BLOCK = 4096  # samples computed together, always by one rank
 _LEAST_ANGLES = 64
-_PHASE = 0.25  # radians by which the outermost atoms' phase changes between angles to choose from
-_EXPONENT = 0.5  # U_min/k_BT changes by about the square of this between them near its lowest
+_PHASE = 0.25  # radians: change of the outermost atoms' phase between neighbouring trial angles
+_EXPONENT = 0.5  # U_min/k_BT near its minimum changes by about the square of this between them
 _MOST_ANGLES = 4_000_000
 
 
 @dataclass(frozen=True)
 class Island:
     """One kind of island on a substrate: its number of atoms, the distance of the outermost from the centre (a
-    length), and its structure factors (m, n) at angles (m,) in radians. A barrier that is less than
-    `rounding` of the most that the energy can be is none."""
+    length), and its structure factors (m, n) at angles (m,) in radians. A barrier below `rounding` times the
+    largest possible energy counts as 0."""
 
     substrate: Substrate
     atoms: int
@@ -47,12 +47,12 @@ class Island:
 
     @property
     def energy(self) -> float:
-        """The most that its energy can be."""
+        """Upper bound of its energy."""
         return self.atoms * float(np.abs(self.substrate.coefficients).sum())
 
     @property
     def phase(self) -> float:
-        """The fastest change of the outermost atoms' phase with the angle."""
+        """Largest derivative of the outermost atoms' phase with the angle."""
         return self.reach * float(np.hypot(*self.substrate.wavevectors.T).max())
 
     def sizes(self, angle: Array) -> Array:
@@ -86,7 +86,7 @@ def of_atoms(substrate: Substrate, atoms: ase.Atoms) -> Island:
 
 @dataclass(frozen=True)
 class FlexibleIsland(Island):
-    """An island whose atoms follow; `known` are barrier and lowest energy at each angle."""
+    """An island whose atoms relax; `known` has barrier and lowest energy at each angle."""
 
     known: dict[float, tuple[float, float]]
 
@@ -95,7 +95,7 @@ class FlexibleIsland(Island):
 
 
 def flexible(substrate: Substrate, atoms: ase.Atoms, bonds: float, angles: Array) -> Island:
-    """An island held together by harmonic bonds; seconds for each of the angles."""
+    """An island held together by harmonic bonds; takes seconds for each of the angles."""
     from ase.calculators.mixing import SumCalculator
 
     from origins.domains.calculators import harmonic_bonds, substrate_calculator
@@ -113,8 +113,8 @@ def flexible(substrate: Substrate, atoms: ase.Atoms, bonds: float, angles: Array
 
 @dataclass(frozen=True)
 class Islands:
-    """Islands to draw from: `pick` tells at quantiles in (0, 1), shape (m,), which, as rows of whole
-    numbers, and `make` makes the island of a row. `rows` and `shares` list them where they are few."""
+    """Islands to draw from: `pick` gives a row of whole numbers for each quantile in (0, 1), shape (m,), and
+    `make` makes the island of a row. `rows` and `shares` list the islands where there are few."""
 
     pick: Callable[[Array], Whole]
     make: Callable[..., Island]
@@ -124,7 +124,7 @@ class Islands:
 
 
 def listed(numbers: Whole, shares: Array, make: Callable[..., Island]) -> Islands:
-    """Islands of the rows of `numbers`, drawn with `shares`, which add up to 1."""
+    """Islands given by the rows of `numbers`, drawn with probabilities `shares`, which add up to 1."""
     rows = [tuple(row) for row in numbers.tolist()]
     mean = float(shares @ [make(*row).atoms for row in rows])
     bounds = np.cumsum(shares)[:-1]
@@ -132,8 +132,8 @@ def listed(numbers: Whole, shares: Array, make: Callable[..., Island]) -> Island
 
 
 def decaying(decay: float, make: Callable[..., Island]) -> Islands:
-    """P(N) ~ exp(-N/decay), N = 1, 2, ..., made as nearly as high as wide: n_j the whole number next to
-    (2N/sqrt(3))^(1/2), n_i the one next to N/n_j, both at least 1."""
+    """Islands of N atoms, P(N) ~ exp(-N/decay), N = 1, 2, ..., about as high as wide: n_j is (2N/sqrt(3))^(1/2)
+    and n_i is N/n_j, both rounded to whole numbers of at least 1."""
 
     def pick(quantile: Array) -> Whole:
         count = 1.0 + np.floor(-decay * np.log(quantile))
@@ -155,7 +155,7 @@ def draw(
     """Barrier (0 where there is none), angle and N_a of each sample, shape (3, samples), on every rank the
     same to the last bit.
 
-    Angles are those listed in turn, or any of the full circle; with a temperature they are weighted by
+    Angles are taken from the list in turn, or from the full circle; with a temperature they are weighted by
     exp(-U_min/k_BT). The ranks of the communicator `comm` share the work; an InputError of one is raised on
     all.
     """
@@ -164,7 +164,7 @@ def draw(
     own: list[Array] = []
     refused = None
     try:
-        # whole blocks: an array has the same length, and each number the same bits, whoever computes it
+        # whole blocks: arrays have the same length on any rank, so each number has the same bits
         for block in range(blocks * rank // size, blocks * (rank + 1) // size):
             numbers = np.arange(block * _BLOCK, min((block + 1) * _BLOCK, samples))
             own.append(_drawn(islands, angles, temperature, numbers, key))
@@ -211,7 +211,7 @@ def _drawn(
 
 
 def _resolving(island: Island, temperature: float) -> Array:
-    """Angles at one distance that resolve exp(-U_min/k_BT) of the island."""
+    """Equidistant angles that resolve exp(-U_min/k_BT) of the island."""
     steep = _PHASE / _EXPONENT * np.sqrt(island.energy / temperature)
     count = 2.0 * np.pi * island.phase / _PHASE * max(1.0, steep)
     if not count <= _MOST_ANGLES:

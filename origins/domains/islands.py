@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import ase
 
 LATTICES = ("triangular", "square")
-_EDGE = 1e-9  # atoms this near to an outline, in lattice constants, belong to it
+_EDGE = 1e-9  # lattice constants: atoms outside an outline by less than this belong to the island
 _MOST_ATOMS = 100_000_000
 _HARMONICS = 6
 _MOST_ROUGHNESS = 3.0
@@ -25,9 +25,9 @@ _MOST_ROUGHNESS = 3.0
 def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
     """n_i n_j atoms of a triangular lattice in n_j close-packed rows of n_i (paper, Sec. VI C).
 
-    Atom (i, j) stands at x = (i + j/2) a, y = j h, h = a sqrt(3)/2, with j = 0, ..., n_j - 1 and
+    Atom (i, j) is at x = (i + j/2) a, y = j h, h = a sqrt(3)/2, with j = 0, ..., n_j - 1 and
     i = -(j//2), ..., -(j//2) + n_i - 1, j//2 rounded down: odd rows are shifted by a/2 against even ones. (With
-    -j/2 as a fraction all rows would stand above one another, in a rectangular lattice; with (-j)//2 the island would
+    -j/2 as a fraction all rows would begin at one x, in a rectangular lattice; with (-j)//2 the island would
     be the mirror image.)
 
     lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
@@ -138,9 +138,9 @@ def _cut(
     beyond: Callable[[Array, Array], Array],
     offset: tuple[float, float] = (0.0, 0.0),
 ) -> "ase.Atoms":
-    """Atoms of a lattice that are not `beyond` an outline, by a length; none lies beyond `reach` along x and y.
+    """Atoms of a lattice inside an outline; `beyond` gives the distance outside it, a length.
 
-    `offset` shifts the lattice by fractions of its rows; without it an atom stands in the middle.
+    The outline lies within `reach` along x and y. `offset` shifts the lattice by fractions of its two periods.
     """
     a = positive("lattice_constant", lattice_constant)
     one_of("lattice", lattice, LATTICES)
@@ -164,7 +164,7 @@ def _atoms(x: np.ndarray, y: np.ndarray) -> "ase.Atoms":
 
 
 def points_of(atoms: object) -> Array:
-    """Where an island's atoms are, shape (N_a, 3), lengths.
+    """Positions of an island's atoms, shape (N_a, 3), lengths.
 
     Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
     """

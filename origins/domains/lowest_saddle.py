@@ -1,9 +1,9 @@
-"""How high a periodic landscape must be climbed to leave its lowest minimum for a copy of it.
+"""The lowest barrier on the way from the lowest minimum of a periodic landscape to a copy of it.
 
 A triangulated grid shows all minima, and all saddles with the minima on their two sides. Newton's
-method moves both to where the gradient vanishes. The minima are then joined over the saddles by rising
-level: the barrier is the first level at which the region around the lowest minimum winds round the
-torus.
+method moves both to where the gradient vanishes. The minima are then joined over the saddles in order
+of rising energy: the barrier is the first energy at which the region around the lowest minimum winds
+round the torus.
 """
 
 from __future__ import annotations
@@ -20,24 +20,24 @@ Whole = npt.NDArray[np.intp]
 Complex = npt.NDArray[np.complex128]
 
 _TURN = 2.0 * np.pi
-_PER_WAVE = 16  # grid nodes on an oscillation: they must tell each basin from the next
+_PER_WAVE = 16  # grid nodes per oscillation: enough to separate neighbouring basins
 _MOST_NODES = 160  # along each direction of the first grid
 _FINER = (1, 2, 4)  # grids tried until Newton's method finds the saddle beside its node
 _ORIGIN = (0.012345, 0.00789)  # radians: no node falls on a line of symmetry
-_NEWTON_STEPS = 80  # at a quartic minimum each takes a third of the distance
-_LONGEST = 0.5  # Newton step, radians of the fastest wave
-_ARRIVED = 1e-6  # radians: a last step so short changes energies by its square, or less
-_TOGETHER = 64  # landscapes worked on at once, to stay in the cache
-_NOTHING = 1e-13  # of the largest wave: smaller ones count as none; also the rounding of an energy
-_NOISE = 4e-15  # of the waves that have a part in it: rounding of a slope
-# the neighbours of a node on a triangulated grid, going round it
+_NEWTON_STEPS = 80  # at a quartic minimum each reduces the distance by a third
+_LONGEST = 0.5  # longest Newton step, radians of the fastest wave
+_ARRIVED = 1e-6  # radians: a last step below this changes energies by at most its square
+_TOGETHER = 64  # landscapes computed at once, to stay in the cache
+_NOTHING = 1e-13  # of the largest wave: smaller waves count as 0; also the rounding of an energy
+_NOISE = 4e-15  # rounding of a slope, relative to the sum of the waves in it
+# the neighbours of a node on a triangulated grid, in order around it
 _RING = ((1, 0), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1))
 
 
 @dataclass(frozen=True)
 class Climbs:
-    """Barriers, how far each may be off, and the energies of the lowest minima, shape (landscapes,);
-    where minimum and saddle are, shape (landscapes, 2), radians."""
+    """Barriers, their errors, and the energies of the lowest minima, shape (landscapes,);
+    positions of minimum and saddle, shape (landscapes, 2), radians."""
 
     barriers: Array
     errors: Array
@@ -51,14 +51,14 @@ def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> Climbs:
 
     K are whole numbers, shape (n, 2); c energies, shape (landscapes, n). Barriers are known to about
     1e-13 of the largest wave where Newton's method finds the saddle and all minima below it. Where it
-    does not beside the nodes of the finest grid, as in valleys that are level within rounding or narrow,
-    `errors` holds what a grid may be off.
+    finds none near a node of the finest grid, as in narrow valleys or valleys that are flat within
+    rounding, `errors` holds the error of the grid.
     """
     waves, sizes = np.asarray(indices, dtype=float), np.abs(amplitudes)
     scale = sizes.max(-1)
     sizes = sizes / np.where(scale > 0.0, scale, 1.0)[:, None]
     sizes[sizes <= _NOTHING] = 0.0
-    # the diagonals of the grid are to run along the valleys of the largest oblique wave
+    # mirror landscapes so that the grid's diagonals run along the valleys of the largest oblique wave
     oblique = waves[:, 0] * waves[:, 1]
     turned = oblique[(sizes * (oblique != 0.0)).argmax(-1)] > 0.0
     out = np.empty((len(sizes), 7))
@@ -86,10 +86,10 @@ class _Landscapes:
         return (self.sizes[which] * np.cos(t @ self.waves.T + self.phases[which])).sum(-1)
 
     def newton_step(self, which: Whole, t: Array, to_saddle: bool) -> Array:
-        """Towards the next minimum, or the next saddle, from t, shape (m, 2).
+        """The step from t towards the nearest minimum, or the nearest saddle, shape (m, 2).
 
-        Every curvature counts as positive, so that the step leads down; to a saddle it leads up along
-        the direction of least curvature.
+        Curvatures are replaced by their absolute values, so that the step leads down; towards a saddle it
+        leads up along the direction of least curvature.
         """
         angle, size = t @ self.waves.T + self.phases[which], self.sizes[which]
         cos, sin = size * np.cos(angle), size * np.sin(angle)
@@ -98,7 +98,7 @@ class _Landscapes:
         # the direction of greatest curvature comes first
         first = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
         directions = np.stack([first, np.stack([-first[:, 1], first[:, 0]], axis=-1)], axis=1)
-        # wave by wave: where the large waves are flat the small ones keep their digits
+        # summed wave by wave, so that small waves keep their digits where the large ones are flat
         along = directions @ self.waves.T
         slopes = -np.einsum("mkn,mn->mk", along, sin)
         curvatures = -np.einsum("mkn,mn->mk", along * along, cos)
@@ -113,7 +113,7 @@ class _Landscapes:
 
 @dataclass(frozen=True)
 class _Points:
-    """Minima or saddles of all landscapes: their energies, places, and whether Newton found them."""
+    """Minima or saddles of all landscapes: energies, places, and whether Newton's method found them."""
 
     energies: Array
     places: Array
@@ -131,7 +131,7 @@ class _Ways:
 
 
 def _searched(land: _Landscapes) -> Array:
-    """Rows of barrier, error, depth, minimum and saddle, from grids as fine as Newton's method needs."""
+    """Rows of barrier, error, depth, minimum and saddle; grids are refined until Newton's method succeeds."""
     strength = land.sizes @ (land.waves**2).sum(-1)
     total = np.maximum(land.sizes.sum(-1), 1e-300)
     nodes = int(np.clip(np.ceil(_PER_WAVE * np.sqrt((strength / total).max())), 16, _MOST_NODES))
@@ -139,13 +139,13 @@ def _searched(land: _Landscapes) -> Array:
     for n in (finer * nodes for finer in _FINER):
         some = _Landscapes(land.waves, land.sizes[left], land.phases[left])
         out[left] = _on_grid(some, n, 2.0 * _TURN / nodes)
-        # half a diagonal from the saddle U may have risen by this
+        # the saddle is within half a diagonal of its node: U changes at most by this
         off = out[left, 1] > 0.0
         out[left, 1] = off * 0.25 * strength[left] * (_TURN / n) ** 2 + 4.0 * _NOTHING * total[left]
         left = left[off]
         if not left.size:
             break
-    # where all waves are parallel there is nothing to climb along the valleys
+    # where all waves are parallel the barrier along the valleys is 0
     first = land.waves[land.sizes.argmax(-1)]
     across = first[:, :1] * land.waves[:, 1] - first[:, 1:] * land.waves[:, 0]
     level = ~((across != 0.0) & (land.sizes > 0.0)).any(-1)
@@ -154,21 +154,21 @@ def _searched(land: _Landscapes) -> Array:
 
 
 def _on_grid(land: _Landscapes, n: int, astray: float) -> Array:
-    """The rows by a grid of n x n nodes, with errors of 0 where Newton's method made them exact, else 1.
+    """The rows of _searched from a grid of n x n nodes, with error 0 where Newton's method succeeded, else 1.
 
-    Where it leads further than `astray` (radians) it has found another point.
+    A point farther than `astray` (radians) from its node is another one and is not accepted.
     """
     count = len(land.sizes)
     axes = [_TURN * np.arange(n) / n + start for start in _ORIGIN]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
     waves = np.exp(1j * (nodes @ land.waves.T))
     heights = (waves @ (land.sizes * np.exp(1j * land.phases)).T).real.T
-    # ranks in place of heights: no two nodes are level
+    # ranks in place of heights: no two nodes have equal ranks
     ranks = np.argsort(np.argsort(heights, axis=-1, kind="stable"), axis=-1).reshape(count, n, n)
     minima, ways = _ways(ranks)
     low = _polished(land, nodes, heights, minima, astray, to_saddle=False)
     top = _polished(land, nodes, heights, ways.top, astray, to_saddle=True)
-    # a minimum that only the grid shows, in a narrow oblique valley, may seem to lie above a saddle
+    # a minimum that only the grid shows, in a narrow oblique valley, may appear to lie above a saddle
     certain = np.where(low.found, low.energies, -np.inf)
     levels = np.maximum(top.energies, np.maximum(certain[ways.one], certain[ways.other]))
     out = []
@@ -181,7 +181,7 @@ def _on_grid(land: _Landscapes, n: int, astray: float) -> Array:
         ground = mine[0] + np.flatnonzero(energies <= energies.min() + _NOTHING)
         order = over[0] + np.argsort(levels[slice(*over)], kind="stable")
         deciding = _first_loop(ways, order, ground.tolist())
-        # minima that only the grid shows tell of valleys too narrow for it
+        # minima that only the grid shows indicate valleys too narrow for it
         narrow = ~low.found[slice(*mine)] & (energies < levels[deciding])
         error, depth = float(narrow.any() or not top.found[deciding]), low.energies[lowest]
         climb = max(levels[deciding] - depth, 0.0)
@@ -199,7 +199,7 @@ def _ways(ranks: Whole) -> tuple[Whole, _Ways]:
     beside = np.stack([_moved(ranks, step) for step in _RING])
     to = np.stack([_moved(flat, step) for step in _RING])
     crossed = np.stack([_crossed(n, step) for step in _RING])
-    # the minimum that each node leads down to, and the periods in between
+    # the minimum below each node by steepest descent, and the periods crossed on the way
     steepest = beside.argmin(0)[None]
     down = np.take_along_axis(beside, steepest, 0)[0] < ranks
     target = np.where(down, np.take_along_axis(to, steepest, 0)[0], flat).ravel()
@@ -216,14 +216,14 @@ def _ways(ranks: Whole) -> tuple[Whole, _Ways]:
     top, way = np.nonzero(begins.T & (begins.sum(0) > 1)[:, None])
     foot = to.reshape(len(_RING), -1)[way, top]
     periods = crossed.reshape(len(_RING), -1, 2)[way, top % (n * n)] + shift[foot]
-    # from the foot of each part to that of the next one of the same saddle
+    # pairs of neighbouring parts of the same saddle's ring
     pair = np.flatnonzero(top[1:] == top[:-1])
     basin = number.ravel()[foot]
     return minima, _Ways(basin[pair], basin[pair + 1], periods[pair + 1] - periods[pair], top[pair])
 
 
 def _moved(grid: Whole, step: tuple[int, int]) -> Whole:
-    """At each node what stands `step` nodes further on."""
+    """At each node the value `step` nodes further on."""
     return np.roll(grid, (-step[0], -step[1]), axis=(1, 2))
 
 
@@ -255,7 +255,7 @@ def _polished(
 
 
 def _first_loop(ways: _Ways, order: Whole, ground: list[int]) -> int:
-    """The way over which the region around one of the minima `ground` first winds round the torus."""
+    """Number of the first way, in `order`, that makes the region around a minimum in `ground` wind round the torus."""
     parent: dict[int, int] = {}
     offset: dict[int, tuple[int, int]] = {}  # periods from a minimum to its parent's copy
     winding: set[int] = set()
@@ -271,7 +271,7 @@ def _first_loop(ways: _Ways, order: Whole, ground: list[int]) -> int:
         a, ax, ay = root(int(ways.one[number]))
         b, bx, by = root(int(ways.other[number]))
         along, across = ways.shift[number].tolist()
-        # from the root of one through both to the root of the other
+        # periods from the root of `one`, over this way, to the root of `other`
         x, y = along + bx - ax, across + by - ay
         if a != b:
             parent[b], offset[b] = a, (-x, -y)

@@ -1,5 +1,5 @@
-"""An island that is moved through the energy of any ASE calculator, and its easiest way on where its atoms or
-height follow: ASE's climbing-image elastic bands.
+"""An island that moves through the energy of any ASE calculator, and its lowest saddle where atoms or heights
+relax, by ASE's climbing-image elastic bands.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
-_KNOWN = 1e-9  # of force times radian: minima nearer than this are the same
-_STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods that bands lead over
+_KNOWN = 1e-9  # of force times radian: energies of minima closer than this count as equal
+_STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))  # periods between the two ends of a band
 _IMAGES = 11
 _SHAKE = 0.02  # radians
-_LOOSE, _TIGHT = 1e-2, 1e-10  # of the greatest force: left by ASE, and by Newton's method after it
-_MOST_STEPS, _BAND_STEPS = 2000, 300  # of a relaxation, of a band: Newton's method does the rest
+_LOOSE, _TIGHT = 1e-2, 1e-10  # forces over the greatest one: after ASE, and after Newton's method
+_MOST_STEPS, _BAND_STEPS = 2000, 300  # of a relaxation, of a band; Newton's method then refines
 _MOST_MINIMA = 10
 
 
 @dataclass(frozen=True)
 class Ends:
-    """Shifts of the atoms (N_a, 3) to the minimum and the saddle, and what is not known of their energies."""
+    """Shifts of the atoms (N_a, 3) to the minimum and the saddle, and the error of the energy difference."""
 
     minimum: Array
     saddle: Array
@@ -35,16 +35,16 @@ class Ends:
 
 
 class MovingIsland:
-    """Atoms that FixAtoms holds are the surroundings and stay; all others are the island.
+    """The atoms that move: all but those fixed by FixAtoms, which are the surroundings.
 
     A rigid island is shifted as a whole, a planar one keeps its heights. A flexible one keeps its
-    orientation: sum_i r_i0 x u_i = 0 along z, r_i0 its atoms at rest about their centre, u_i their shifts.
-    For ASE's tools this is a constraint of the atoms.
+    orientation: sum_i r_i0 x u_i = 0 along z, r_i0 its given atoms about their centre, u_i their shifts.
+    For ASE's tools this object is a constraint of the atoms.
 
     Attributes
     ----------
     rest : array (N_a, 3)
-        Where the island's atoms are as given.
+        Given positions of the island's atoms.
     radian, force : float
         The shorter period over 2 pi; the greatest force on one atom at nine places of the cell.
     places, energies : arrays (9, N_a, 3), (9,)
@@ -71,7 +71,7 @@ class MovingIsland:
         self.rest = atoms.get_positions()[self.moving]
         turn = self.rest.mean(axis=0) - self.rest
         turn = np.column_stack([turn[:, 1], -turn[:, 0], np.zeros(len(turn))])
-        # atoms above one another do not turn, but for rounding
+        # atoms on one vertical line have no rotation, except by rounding
         size = max(float(np.linalg.norm(turn)), 1e-12 * float(np.abs(self.rest).max()), 1e-300)
         self._turn = turn / size
         self._here = self.placed(np.zeros_like(self.rest))
@@ -86,7 +86,7 @@ class MovingIsland:
         return np.broadcast_to(np.append(share @ self.periods, 0.0), self.rest.shape)
 
     def free(self, shifts: Array) -> Array:
-        """What of shifts, or forces, (N_a, 3) is left to the atoms."""
+        """The part of shifts, or forces, (N_a, 3) that the constraints allow."""
         left = shifts * [1.0, 1.0, 0.0] if self.planar else shifts
         if self.rigid:
             return np.broadcast_to(left.mean(axis=0), left.shape)
@@ -128,7 +128,7 @@ class MovingIsland:
         atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=forces)
         return atoms
 
-    # -- what ASE asks of a constraint -----------------------------------------------------------------
+    # -- the methods of an ASE constraint ---------------------------------------------------------------
     def adjust_positions(self, atoms: ase.Atoms, new: Array) -> None:
         shifts = self.free(new[self.moving] - self.rest)
         new[:] = self.given.positions
@@ -145,7 +145,7 @@ class MovingIsland:
 
 
 def by_bands(island: MovingIsland) -> Ends:
-    """The lowest minimum found from 16 places and along the bands, and the lowest top of four bands."""
+    """The lowest minimum found from 16 places and along the bands, and the lowest saddle of four bands."""
     starts = [island.shifted([i / 4.0, j / 4.0]) for i in range(4) for j in range(4)]
     found = (_relaxed(island, start) for start in starts)
     lowest = _level(island, min(found, key=island.energy))
@@ -168,7 +168,7 @@ def by_bands(island: MovingIsland) -> Ends:
 
 
 def _relaxed(island: MovingIsland, shifts: Array) -> Array:
-    """The minimum that L-BFGS leads to from `shifts`."""
+    """The minimum that L-BFGS finds from `shifts`."""
     from scipy.optimize import minimize
 
     def energy_and_slope(q: Array) -> tuple[float, Array]:
@@ -185,7 +185,7 @@ def _relaxed(island: MovingIsland, shifts: Array) -> Array:
 
 
 def _level(island: MovingIsland, shifts: Array) -> Array:
-    """Where the forces vanish, beside `shifts`; these themselves where none is found."""
+    """The nearby shifts at which the forces vanish; `shifts` themselves where none is found."""
     from scipy.optimize import root
 
     def forces(q: Array) -> Array:
@@ -199,12 +199,12 @@ def _level(island: MovingIsland, shifts: Array) -> Array:
 
 
 def _band(island: MovingIsland, minimum: Array, step: Array) -> list[Array]:
-    """Shifts along the way over one step, by ASE's climbing-image NEB."""
+    """Shifts along the band from `minimum` to its copy at `step`, by ASE's climbing-image NEB."""
     from ase.mep import NEB
     from ase.optimize import FIRE
 
     class Band(NEB):
-        """FIRE asks three times for the forces at each step; images share one calculator, which forgets them."""
+        """Keeps the last forces: FIRE requests them three times per step, and a shared calculator forgets them."""
 
         asked = answer = np.zeros(0)
 
@@ -217,7 +217,7 @@ def _band(island: MovingIsland, minimum: Array, step: Array) -> list[Array]:
     shake = np.random.default_rng(0)
     images = []
     for share in np.linspace(0.0, 1.0, _IMAGES):
-        # a band of one symmetry could not leave it
+        # without noise a symmetric band would stay symmetric
         noise = _SHAKE * island.radian * shake.standard_normal(minimum.shape)
         inner = 0.0 if share in (0.0, 1.0) else 1.0
         images.append(island.placed(minimum + share * step + inner * noise))

@@ -1,7 +1,7 @@
-"""The barrier an island must climb to move on, for any ASE calculator: a Fourier series, or relaxation and bands.
+"""The barrier of an island on any ASE calculator, by a Fourier series, or by relaxation and bands.
 
 Where the closed form of a rigid island (triangular_barrier) or the exact search on a Fourier substrate (barrier)
-holds, this is a second road to the same number; for other calculators and for flexible islands it is the only one.
+is valid, this gives the same number; for other calculators and for flexible islands it is the only method.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
-_MOST_FLEXIBLE = 1500  # atoms that move by themselves
-_GRIDS = (16, 32, 64, 128)  # places along each period where a rigid island's energy is asked
-_FORCES = 1e-3  # of the greatest force: where forces belong to another energy they are further off
-_POLISHED = 1e-9  # of the largest wave: the search found the saddle itself
-_NOTHING = 2e-13  # of the largest wave: waves below do not count
-_LEAST_CURVATURE = 1e-6  # of force over radian: flatter places are known less well than is said
+_MOST_FLEXIBLE = 1500  # atoms of a flexible island
+_GRIDS = (16, 32, 64, 128)  # places along each period at which a rigid island's energy is computed
+_FORCES = 1e-3  # of the greatest force: largest difference between forces and the energy's slopes
+_POLISHED = 1e-9  # of the largest wave: with a smaller error the search found the saddle itself
+_NOTHING = 2e-13  # of the largest wave: smaller waves are ignored
+_LEAST_CURVATURE = 1e-6  # of force over radian; at flatter places the stated error is too small
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class RelaxedBarrier:
     barrier : float
         Energy of the saddle above the minimum, at least zero.
     barrier_error : float
-        How far it may be off by forces that remain and by rounding; it does not know of ways that were not found.
+        Error due to remaining forces and rounding; it does not include lower ways that were not found.
     minimum, saddle : ase.Atoms
         Copies of the atoms there, with their energy and forces.
     evaluations : int
@@ -71,19 +71,19 @@ def relaxed_barrier(
     Parameters
     ----------
     atoms : ase.Atoms
-        The island, turned as it shall stand (atoms.rotate). Atoms that FixAtoms holds are not part of it but of its
-        surroundings, such as a slab. Left as they are.
+        The island, already turned (atoms.rotate). Atoms fixed by FixAtoms are not part of it but of its
+        surroundings, such as a slab. The object is not changed.
     calculator : ASE calculator
         Energy and forces of all atoms: substrate_calculator, any other, or ASE's SumCalculator of several. Its units
         are those of the result.
     rigid : bool
         True moves the island as a whole, without turning it. False lets every atom move; the calculator must then
-        hold the island together. Its orientation is held as by the crystal around it: sum_i r_i0 x u_i = 0, r_i0
-        the atoms as given about their centre, u_i their displacements along the plane.
+        hold the island together. It cannot rotate, as if the crystal around prevented that: sum_i r_i0 x u_i = 0,
+        r_i0 the given atoms about their centre, u_i their displacements along the plane.
     planar : bool
-        True keeps all heights z; False lets them follow the forces.
+        True keeps all heights z; False relaxes them.
     periods : array of shape (2, 2)
-        Two translations along x and y that change no energy. When left out: those a substrate_calculator knows, also
+        Two translations along x and y that change no energy. When left out: those of a substrate_calculator, also
         within a SumCalculator; else the cell vectors of the atoms along which they are periodic.
 
     Energies are in the unit of the calculator, lengths in that of the atoms. For a rigid planar island the energy over
@@ -91,8 +91,8 @@ def relaxed_barrier(
     places by L-BFGS, and ASE's climbing-image bands lead over four steps of the lattice: the barrier is the lowest of
     the ways tried.
 
-    With its atoms free both the minimum and the saddle of an island lie no higher than those of the rigid one, as its
-    paths hold the rigid ones; the barrier, their difference, may lie on either side.
+    Both the minimum and the saddle of a flexible island lie no higher than those of the rigid one, since its paths
+    include the rigid ones; the barrier, their difference, may be higher or lower.
 
     Raises InputError for input that cannot be used, RuntimeError where forces do not vanish.
     """
@@ -114,7 +114,7 @@ def relaxed_barrier(
     ends = _by_search(island, noise) if rigid and planar else by_bands(island)
     minimum, saddle = island.finished(ends.minimum), island.finished(ends.saddle)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
-    # forces that remain move a point that is level by themselves over its curvature
+    # forces that remain displace a stationary point by their size over its curvature
     left = [island.free(island.forces(shifts)) for shifts in (ends.minimum, ends.saddle)]
     remain = (count if rigid else 1) * np.abs(left).max() / island.force
     unsure = island.radian * island.force * remain**2 / _LEAST_CURVATURE
@@ -124,7 +124,7 @@ def relaxed_barrier(
 
 
 def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
-    """The periods as given, or as calculator or atoms know them."""
+    """The periods as given, or those of the calculator or of the atoms."""
     if given is None:
         parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
         known = [getattr(part, "periods", None) for part in parts]
@@ -171,9 +171,9 @@ def _checked(island: MovingIsland) -> float:
 
 
 def _series(island: MovingIsland, noise: float) -> tuple[Whole, Complex]:
-    """Energy of the shifted island as waves of whole numbers: U = Re sum_n c_n exp(2 pi i K_n·share).
+    """Energy of the shifted island as a Fourier series: U = Re sum_n c_n exp(2 pi i K_n·share).
 
-    Returns K (n, 2) and c (n,), from the first grid of which what it does not resolve is rounding.
+    Returns whole numbers K (n, 2) and c (n,), from the first grid whose unresolved part is only rounding.
     """
 
     @cache

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 LAWS = ("area", "equal", "paper")
 _MOST_ATOMS = 1e12
-_FEW = 2  # sizes whose curves of barriers are followed: solvers take half a minute for the peaks of three
+_FEW = 2  # islands for which P_c comes from b(angle): solvers take half a minute for the peaks of three
 
 
 def domains(
@@ -58,8 +58,8 @@ def domains(
 ) -> Thresholds:
     """Thresholds of islands that lie on a substrate at random angles (paper, Sec. VI C).
 
-    The paper prints neither lattice constant nor sizes nor angles: none of them has a default here but the
-    angles, and all other defaults are this package's own.
+    The paper prints neither lattice constant nor sizes nor angles: of these only the angles have a default
+    here, and all other defaults are this package's own.
 
     Parameters
     ----------
@@ -71,8 +71,8 @@ def domains(
         Decay N of the weight exp(-N_a/N) over N_a = 1, 2, ...; the islands are as high as wide, like the
         paper's: n_j is N_a^(1/2) (4/3)^(1/4) and n_i is N_a/n_j, both rounded.
     islands : sequence of ase.Atoms
-        Instead of all that, islands of your own, drawn with `weights`. Their barriers cost a sum over the
-        atoms.
+        Instead of these three, islands of your own, drawn with `weights`. The time for their barriers grows
+        with the number of atoms.
     weights : array of shape (m,)
         Shares of `sizes` or `islands`, above zero; equal when left out.
     bonds : float
@@ -80,8 +80,8 @@ def domains(
         Their barriers are those of relaxed_barrier and take seconds for each island and angle, so the
         angles must be listed. Left out, islands are rigid.
     angles : array
-        Radians, from -2 pi to 2 pi. Taken in turn, sample by sample; left out, each island lies at any
-        angle of the full circle.
+        Radians, from -2 pi to 2 pi. Taken in turn, sample by sample; left out, all angles of the full circle
+        are possible.
     temperature : float
         k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest
         energy at that angle; left out, all angles are equally likely.
@@ -107,12 +107,12 @@ def domains(
     thresholds : Thresholds
         As from_samples makes them of x_s, with their sampling error, and with `.domains`, a DomainSamples:
         barriers, histogram, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force
-        and holding fraction of a run count the islands that resist only.
+        and holding fraction of a run count only the islands that resist.
 
         One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
-        P_c comes from b(angle) itself. It diverges where b stands still, so that K* is infinite, and jumps
-        where min(|S_x|, |S_y|) changes sides. Elsewhere, and for islands of some hundred periods across,
-        samples smooth such peaks away.
+        P_c comes from b(angle) itself. It diverges where db/dangle = 0, so that K* is infinite, and jumps
+        where |S_x| = |S_y|. In all other cases, and for islands of some hundred periods across, P_c comes
+        from samples, which smooth such peaks.
 
     Raises InputError for values outside these, for a substrate that varies in one direction only, and where
     no island resists.
@@ -194,7 +194,7 @@ def _islands(
     angles: Array | None,
     substrate: Substrate,
 ) -> Islands:
-    """What to draw from; InputError unless it is told in one way."""
+    """The islands to draw from; InputError unless they are given in exactly one way."""
     if sum(way is not None for way in (sizes, mean_atoms, islands)) != 1:
         raise InputError(
             "domains: give exactly one of sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a "

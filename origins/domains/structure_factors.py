@@ -1,7 +1,7 @@
 """Structure factors S(G) = sum_j exp(i G·r_j) of a rigid island, r_j its atoms about their centre of mass.
 
 An island at R has the energy sum_n c_n S(G_n) exp(i G_n·R) on the substrate sum_n c_n exp(i G_n·r):
-its atoms enter by S alone. Turning the island by an angle turns the wavevectors by the opposite one.
+it depends on the atoms through S only. To turn the island by an angle, turn the wavevectors by its opposite.
 """
 
 from __future__ import annotations
@@ -67,12 +67,11 @@ def triangular_structure_factors(
     wavevectors: npt.ArrayLike = SQUARE,
 ) -> Complex:
     """S(G) of triangular_island(lattice_constant, n_i, n_j) turned by `angle`, by geometric sums at a cost
-    free of N_a.
+    that does not grow with N_a.
 
     n_i, n_j and angle (radians) broadcast; the result is complex and has their shape + (n,), n wavevectors
-    (those of sin x + sin y when left out). The sums are those of an island whose angle differs by no more
-    than rounding. Raises InputError unless lattice_constant is above zero and n_i, n_j are whole numbers of
-    at least 1.
+    (those of sin x + sin y when left out). The error is that of an angle rounded to floating point. Raises
+    InputError unless lattice_constant is above zero and n_i, n_j are whole numbers of at least 1.
     """
     a = positive("lattice_constant", lattice_constant)
     angle = angles_of(angle)
@@ -86,7 +85,7 @@ def triangular_structure_factors(
     columns, rows = (count[..., None] for count in counts)
     even, odd = (rows + 1) // 2, rows // 2
     along, up = a * turned[..., 0], 0.5 * sqrt(3.0) * a * turned[..., 1]
-    # centres of the even and odd rows against the island's own
+    # distances of the centres of the even and odd rows from the island's centre
     sideways = 0.5 * along / rows
     upwards = np.where(even == odd, 0.5 * up, 0.0)
     total = np.exp(-1j * (sideways * odd + upwards)) * row_sum(even, 2.0 * up)
@@ -95,7 +94,7 @@ def triangular_structure_factors(
 
 
 def row_sum(n: Whole, theta: Array) -> Array:
-    """sin(n theta/2)/sin(theta/2): the sum of n waves, each theta further on, about the middle of the row."""
+    """sin(n theta/2)/sin(theta/2): the sum of n waves with phases theta apart, symmetric about 0."""
     turns = np.rint(theta * (0.5 / pi))
     # theta less whole turns, to the last bit
     half = 0.5 * ((theta - turns * _TURN) - turns * _TURN_REST)

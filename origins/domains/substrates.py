@@ -1,4 +1,4 @@
-"""Substrates: what a flat crystal does to one atom above it, as a finite Fourier series (paper, Sec. VI C)."""
+"""Substrates: the energy of one atom above a flat crystal, as a finite Fourier series (paper, Sec. VI C)."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy.typing as npt
 from origins.errors import InputError, finite, positive, refuse
 from origins.thresholds.law import Array
 
-_LARGEST_DENOMINATOR = 64  # of the shortest wavevector, whole multiples of the lattice's own
-_AGREEMENT = 1e-9  # how near a wavevector must come to a point of the reciprocal lattice
+_LARGEST_DENOMINATOR = 64  # shortest wavevector over the shortest one of the reciprocal lattice
+_AGREEMENT = 1e-9  # of the longest wavevector: distance at which two wavevectors count as equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class Substrate:
     constant : float
         Energy; no barrier depends on it.
 
-    Made by fourier_substrate, square_substrate or hexagonal_substrate, which check what they are given.
+    Made by fourier_substrate, square_substrate or hexagonal_substrate, which check their arguments.
     """
 
     wavevectors: Array
@@ -66,7 +66,7 @@ class Substrate:
 
     @cached_property
     def cell(self) -> Array:
-        """The two shortest translations that leave V as it is, as rows, lengths.
+        """The two shortest translations that do not change V, as rows, lengths.
 
         Raises InputError where all wavevectors are parallel (V then repeats in one direction only) and where they
         are not whole multiples of two of them (V then never repeats).
@@ -100,13 +100,13 @@ def fourier_substrate(
     Parameters
     ----------
     wavevectors : array of shape (n, 2)
-        G_n, per length. Equal and opposite ones are put together, G = 0 goes into the constant.
+        G_n, per length. Equal and opposite ones are combined, G = 0 is added to the constant.
     coefficients : real or complex array of shape (n,)
         c_n, energies; c_n = A gives A cos(G_n·r), c_n = -1j*A gives A sin(G_n·r).
     constant : float
         Energy.
 
-    Raises InputError for other shapes, values that are not finite, and where nothing but a constant is left.
+    Raises InputError for other shapes, values that are not finite, and where V is constant.
     """
     G = _numbers("wavevectors", wavevectors, float)
     c = _numbers("coefficients", coefficients, complex)
@@ -130,7 +130,7 @@ def fourier_substrate(
                 break
         else:
             kept.append((wave, complex(share)))
-    # what is left of waves that cancel is rounding
+    # where waves cancel only rounding remains
     kept = [(wave, share) for wave, share in kept if abs(share) > 1e-15 * np.abs(c).max()]
     if not kept:
         raise InputError(
@@ -197,7 +197,7 @@ def _shortest_basis(vectors: Array) -> Array:
         if second @ second < first @ first * (1.0 - 1e-12):
             rest = np.vstack([first, left])
             continue
-        # what the others hold beside whole multiples of the two shortest
+        # remainders of the others after subtracting whole multiples of the two shortest
         basis = np.array([first, second])
         left -= np.rint(left @ np.linalg.inv(basis)) @ basis
         left = left[np.hypot(*left.T) > nothing]

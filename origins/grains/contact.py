@@ -1,4 +1,4 @@
-"""A contact whose threshold grows while it slides: each keeps its quantile of the coalescing grains' law."""
+"""Contacts whose thresholds grow with age: each keeps its quantile in the law of the coalescing grains."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from origins.grains.growth import GrainGrowth
 from origins.grains.lifshitz_slyozov import hazard_beyond, invert_beyond
 from origins.thresholds.law import Array, Thresholds
 
-_FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m): powers of speeds must stay numbers
-# of the stretches, times B^(1/2), at which contacts break that slide at B^(1/2) v tau_m = 1
+_FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m): powers of speeds must stay finite
+# width, in B^(-1/2), of the law of stretches at which contacts break when B^(1/2) v tau_m = 1
 _QUICK_WIDTH = 0.0504
 
 
 class GrainContact:
-    """Contacts that keep their quantile u for life: the threshold is Q(u; age), Q the quantile of P_c then.
+    """Contacts that keep their quantile u for life: the threshold is Q(u; age), Q the quantile of P_c at that age.
 
     Exact Jacobian. A contact pins from the age tau_m on, at stretch 0. Where it rests there for a time
     `rest` and then slides at `velocity`, its age at stretch x is tau_m + rest + x/velocity; it breaks where
     it first meets its threshold, and holds beyond x with the probability
     exp(-hazard(x, tau_m + rest + x/velocity)).
 
-    origins.Contacts takes it in the place of thresholds. A contact that breaks is then out for tau_m, until
-    its new grains pin; one whose threshold grows more slowly than it is stretched never holds, and is out
-    once more.
+    origins.Contacts takes it in the place of thresholds. A contact that breaks then carries no force for
+    tau_m, until its new grains pin; one that is stretched faster than its threshold grows never holds, and
+    waits once more.
 
     Parameters
     ----------
     growth : GrainGrowth
     age : float, optional
-        Time since coalescence began of all contacts at X = 0, above tau_m; what origins.Contacts needs.
+        Time since coalescence began of all contacts at X = 0, above tau_m; origins.Contacts needs it.
 
     Raises InputError for anything but a GrainGrowth, and for an age at which no grain pins.
     """
@@ -64,13 +64,13 @@ class GrainContact:
     def hazard(self, x: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """-ln of the fraction of contacts of `age` whose thresholds exceed x >= 0 (a length); shapes broadcast.
 
-        As each contact keeps its quantile, exp(-(the most this ever was)) of those that pinned together still
-        hold. Up to tau_m it is infinite but for x = 0.
+        As each contact keeps its quantile, of those that pinned together the share exp(-h) still holds, h being
+        the largest hazard so far. For ages up to tau_m it is infinite, except at x = 0.
         """
         x, age = np.asarray(x, dtype=float), np.asarray(age, dtype=float)
         stretch, excess = np.broadcast_arrays(x, self.growth.excess(age))
         s = np.sqrt(self.growth.B) * stretch
-        over = s * (s / (1.0 + np.hypot(1.0, s)))  # of the grain that breaks over the film
+        over = s * (s / (1.0 + np.hypot(1.0, s)))  # diameter of the breaking grain over d, less 1
         left = excess - over
         out = np.where(over > 0.0, np.inf, 0.0)
         held = (left > 0.0) & (over > 0.0)
@@ -80,13 +80,13 @@ class GrainContact:
         return out[()]
 
     def lost_hazard(self, velocity: float) -> float:
-        """(9/2) B (velocity tau_m)²: exp(-this) of the contacts hold at all where sliding begins as they pin."""
+        """h = (9/2) B (velocity tau_m)²: a share exp(-h) of the contacts ever holds if sliding begins as they pin."""
         way = np.float64(velocity * self.growth.first_pinning_time)
         with np.errstate(over="ignore"):
             return float(4.5 * self.growth.B * way**2)
 
     def check_speed(self, velocity: float) -> None:
-        """InputError for speeds so far from that at which thresholds grow that their powers are no numbers."""
+        """InputError for speeds so far from that at which thresholds grow that their powers overflow."""
         share = velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))
         if not 1.0 / _FASTEST < share < _FASTEST:
             rule = f"take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it"
@@ -94,8 +94,8 @@ class GrainContact:
 
     @property
     def quick_width(self) -> float:
-        """Width (a length) of the sharpest tenth of the stretches at which contacts break that slide as fast as
-        grains grow: few hold, and at small stretches."""
+        """Width (a length) of the narrowest interval with a tenth of the stretches at which contacts break that
+        slide as fast as grains grow: few hold, and at small stretches."""
         return _QUICK_WIDTH / float(np.sqrt(self.growth.B))
 
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:

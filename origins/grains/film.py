@@ -14,7 +14,7 @@ from origins.errors import between, one_of, positive, refuse
 from origins.grains.lifshitz_slyozov import OfHazard, hazard_beyond, invert_beyond
 from origins.thresholds.law import Array, Thresholds
 
-_LARGEST = 1e50  # rho, whose powers must stay numbers
+_LARGEST = 1e50  # largest rho, whose powers must stay finite
 _REST = -3.700743415417188e-17  # 2/3 as a float less 2/3
 
 
@@ -36,7 +36,7 @@ def grains(
     rho : float
         Mean grain diameter over film thickness, 2<r>/d; a number above 2/3.
     B : float
-        How stiff a contact is beside a grain's strength, in length^-2: 4c/(pi tau d²) where f_s = c x_s².
+        Stiffness of a contact relative to a grain's strength, in length^-2: 4c/(pi tau d²) where f_s = c x_s².
     alpha, time : float
         Instead of rho: rho = alpha time^(1/3), with `time` since coalescence began and alpha in time^(-1/3).
     jacobian : "exact" or "paper"
@@ -53,7 +53,7 @@ def grains(
         if alpha is not None or time is not None:
             refuse("rho", rho, "is alpha time^(1/3): give rho, or alpha and time")
         rho = positive("rho", rho)
-        # to the last bit: it rules everything while the first grains pin
+        # to the last bit: near rho = 2/3 all thresholds depend on this difference
         excess = 1.5 * ((rho - 2.0 / 3.0) + _REST)
         if excess <= 0.0:
             rule = (
@@ -88,7 +88,7 @@ class _Film(Thresholds):
         upper = np.sqrt(np.longdouble(excess) * (np.longdouble(excess) + 2)) / np.sqrt(
             np.longdouble(B)
         )
-        # beside the end a distance is a difference: what the float lacks is kept
+        # near the end distances are small differences: keep the part of `upper` that the float rounds off
         self._upper = float(upper)
         self._upper_rest = float(upper - np.longdouble(self._upper))
 
@@ -96,7 +96,7 @@ class _Film(Thresholds):
         return 0.0, self._upper
 
     def _sizes(self, x: Array) -> tuple[Array, Array, Array]:
-        """k, how far it is below the largest, m0 - k, and q, how far the grain lies towards the largest."""
+        """k, its distance m0 - k from the largest one, and the q of lifshitz_slyozov for this grain size."""
         s = self._root_b * x
         k = np.hypot(1.0, s)
         left = self._root_b * ((self._upper - x) + self._upper_rest)

@@ -1,4 +1,4 @@
-"""Coalescing grains in time: how many there are, how many pin, what those hold (paper, Sec. VI, around Eq. LS2)."""
+"""Coalescing grains in time: their number, the number that pins, their thresholds (paper, Sec. VI, around Eq. LS2)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from origins.grains.film import grains
 from origins.grains.lifshitz_slyozov import hazard_beyond
 from origins.thresholds.law import Array, Thresholds
 
-_LARGEST = 1e50  # alpha and 1/alpha, whose powers must stay numbers
+_LARGEST = 1e50  # of alpha and 1/alpha, whose powers must stay finite
 
 
 @dataclass(frozen=True)
@@ -63,14 +63,14 @@ class GrainGrowth:
         return np.exp(-hazard_beyond(q, 0.0, 1.0)).reshape(excess.shape)[()]
 
     def pinning_number(self, time: npt.ArrayLike) -> Array:
-        """Grains that span the film, per grain there was at tau_m: greatest at rho = 1, and ~ 1/time in the end.
+        """Grains that span the film, over the number of all grains at tau_m: largest at rho = 1, finally ~ 1/time.
 
         The contact density of the film over N(tau_m). InputError for times not above zero.
         """
         return self.number(time) * self.pinned_fraction(time)
 
     def thresholds(self, time: float, jacobian: Literal["exact", "paper"] = "exact") -> Thresholds:
-        """P_c of the grains that pin at `time`; see grains. InputError for times up to tau_m, when none does."""
+        """P_c of the grains that pin at `time`; see grains. InputError for times up to tau_m, when none pins."""
         return grains(alpha=self.alpha, time=time, B=self.B, jacobian=jacobian)
 
     def _times(self, time: npt.ArrayLike) -> Array:

@@ -4,8 +4,8 @@ Sizes are written y = r/(3<r>/2), relative to the largest grain. The density is 
 
     psi(y) = (4/3) ln(1 + y/2) + (5/3) ln(1 - y) + y/(1 - y),      survival = e^-psi,
 
-since the shape keeps itself while grains grow and vanish. With q = 1/(1 - y) - 1/(1 - y0), psi(y) - psi(y0)
-is convex in q, and q has no end: the essential singularity at the largest grain is gone.
+since the shape of the law stays the same while grains grow and vanish. With q = 1/(1 - y) - 1/(1 - y0),
+psi(y) - psi(y0) is convex in q, and q goes to infinity at the largest grain, which removes the singularity.
 """
 
 from abc import abstractmethod
@@ -17,7 +17,7 @@ from origins.thresholds.quadrature import gauss
 
 _SMALL = 0.4
 _STEPS = 60
-_MISS = 1e-5  # Halley's step leaves the cube of what is missing
+_MISS = 1e-5  # relative step after which to stop: the error that a Halley step leaves is cubic
 
 
 def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
@@ -39,7 +39,7 @@ def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
 def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
     """q >= 0 with psi(y) - psi(y0) = hazard >= 0, finite; shapes broadcast to that of hazard.
 
-    Halley's steps come down on the root from the first guess, since the hazard is convex in q.
+    Halley's steps approach the root from above from the first guess, since the hazard is convex in q.
     """
     goal = hazard.ravel()
     ends = (np.broadcast_to(np.asarray(end, dtype=float), hazard.shape).ravel() for end in (y0, e0))
@@ -63,7 +63,7 @@ def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
 
 
 class OfHazard(Thresholds):
-    """A law that states -log of its survival, as `_hazard`, beside its density and the inverse."""
+    """A law given by -log of its survival, `_hazard`, its density and the inverse."""
 
     @abstractmethod
     def _hazard(self, x: Array) -> Array: ...
@@ -81,7 +81,7 @@ class OfHazard(Thresholds):
 class LifshitzSlyozov(OfHazard):
     """Law of u = r/<r> on (0, 3/2), normalised: constant 3^4 e/2^(5/3), mean 1 (paper, Eq. LS1).
 
-    u is a number, not a stretch; methods and names are those of every law.
+    u is a number, not a stretch; the methods are those of every law.
     """
 
     onset_power = 2.0

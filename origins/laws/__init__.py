@@ -5,7 +5,7 @@ from typing import Literal
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
 
-# every law that origins.Thermal, and with it a scene file, knows by its name
+# the laws that origins.Thermal and scene files take by name
 RATE_LAWS: dict[Literal["soft", "stiff"], type[SoftRates] | type[StiffRates]] = {
     "soft": SoftRates,
     "stiff": StiffRates,

@@ -10,12 +10,12 @@ from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
-_FASTEST = 1e100  # D, whose powers must stay numbers
+_FASTEST = 1e100  # largest D, whose powers must stay finite
 _ROUND_OFF = 1e-15
 _NEAR, _JUMP = (
     1e4,
     1e-6,
-)  # roundings of x beside a point, and what the logarithm of a density may change there
+)  # distance from a corner in roundings of x, and the change of log P_cf there that counts as a jump
 
 
 class Ageing:
@@ -24,27 +24,26 @@ class Ageing:
     Parameters
     ----------
     final : Thresholds or frozen scipy.stats distribution on x >= 0
-        P_cf, of contacts that have held for long. P_ci are the thresholds of origins.Contacts.
+        P_cf, of contacts that have held for a long time. P_ci are the thresholds of origins.Contacts.
     rate : float
         D, a length squared per time. 0: nothing ages.
     closure : "exact" or "paper"
-        "exact": the threshold of every contact is its own diffusion, and the contact breaks where its |x| meets it.
-        "paper": one P_c(x; X) for all contacts, the law of fresh thresholds and their histogram at once (Eq. Q15).
+        "exact": the threshold of each contact diffuses independently, and the contact breaks where |x| meets it.
+        "paper": one P_c(x; X) for all contacts is both the law of fresh thresholds and their histogram (Eq. Q15).
 
     Attributes
     ----------
     normal : OrnsteinUhlenbeck or None
-        Where `final` is a Gaussian cut at 0, the exact transition of one threshold, relaxing at D/std², std (and mean)
-        being those of the parent normal law, which is not cut. While a contact holds its threshold exceeds |x| >= 0,
-        and where it comes down to that the contact breaks: so the exact closure never sees what lies below 0. Only a
-        histogram of thresholds that is not depleted there does, such as the paper's; it takes the cut law and a wall
-        at 0, and differs by the weight below 0, ndtr(-mean/std) in the end.
-        None for any other law: origins.laws.diffusion.Diffusion(final, edges) tells how the weights of its
-        thresholds move.
+        Where `final` is a Gaussian cut at 0: the exact transition of one threshold, relaxing at the rate D/std², with
+        mean and std of the normal law before the cut. A contact breaks where its threshold falls to |x| >= 0, so in
+        the exact closure thresholds never go below 0. In the paper's closure the histogram of thresholds is not
+        depleted there; it has the cut law and a wall at 0, which changes it by the weight below 0, finally
+        ndtr(-mean/std).
+        None for any other law: origins.laws.diffusion.Diffusion(final, edges) gives the motion of its weights.
 
-    Raises InputError for a rate that is negative or not finite, and for a P_cf that holds single values or has gaps:
-    its Ũ would be infinite; for closure "exact" also for one that jumps inside its support. Where P_cf ends at a
-    positive density, thresholds are reflected.
+    Raises InputError for a rate that is negative or not finite, and for a P_cf with atoms or gaps, where Ũ would be
+    infinite; for closure "exact" also for one that jumps inside its support. Where P_cf ends at a positive density,
+    thresholds are reflected.
     """
 
     def __init__(
@@ -97,12 +96,12 @@ class Ageing:
 
 
 class OrnsteinUhlenbeck:
-    """dx = λ (mean - x) dt + std (2λ)^(1/2) dW: from x(0) = x0 the normal law of mean_after and std_after.
+    """dx = λ (mean - x) dt + std (2λ)^(1/2) dW: x(t) is normal with mean_after and std_after, given x(0) = x0.
 
     Parameters
     ----------
     mean, std : float
-        Of the normal law that is reached in the end, lengths.
+        Of the stationary normal law, lengths.
     rate : float
         λ, per time.
 

@@ -1,4 +1,4 @@
-"""The rate at which contacts break on any way: either sign of stretch, either direction."""
+"""The rate at which contacts break, for stretches of either sign and motion in either direction."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HALVINGS = 60  # of the way from -x_s to x_s: down to the last bit of x_s
 
 
 class BreakingRate:
-    """A RateLaw as solvers and users ask it: of stretches of either sign, and checked.
+    """A RateLaw for solvers and users: extended to stretches of either sign, with checked arguments.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class BreakingRate:
     closure : "exact" or "paper"
         Whether each contact breaks at its own rate, or all at the mean one.
 
-    Unless said otherwise the methods take numbers or arrays that broadcast: stretches x and
+    Unless stated otherwise the methods take numbers or arrays that broadcast: stretches x and
     thresholds x_s > 0 with |x| <= x_s (lengths), and the relative stiffness κ = k_i/<k> > 0; else
     they raise InputError. Results have the common shape; relative errors stay below 1e-12.
     """
@@ -42,7 +42,7 @@ class BreakingRate:
     def plain_rate(self, x: Array, threshold: Array, stiffness: Array | float = 1.0) -> Array:
         """h for sums over many contacts, not checked.
 
-        Where |x| exceeds the threshold a rate that does not vanish there goes on by its formula.
+        Where |x| exceeds the threshold, a rate that does not vanish there is continued by its formula.
         """
         stretch = np.abs(x)
         if self.rates.vanishes_at_threshold:
@@ -55,7 +55,7 @@ class BreakingRate:
     def log_rate(
         self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
     ) -> Array:
-        """ln h, finite where h underflows; -inf where h = 0, as of a stiff contact at x_s."""
+        """ln h, finite where h underflows; -inf where h = 0, as for a stiff contact at x_s."""
         shape, (stretch, limit, spring) = _prepare(threshold, stiffness, x=x)
         return self.rates.log_rate(np.abs(stretch), limit, spring).reshape(shape)[()]
 
@@ -102,9 +102,9 @@ class BreakingRate:
         start: npt.ArrayLike = 0.0,
         stiffness: npt.ArrayLike = 1.0,
     ) -> Array:
-        """Stretch x >= start at which A from `start` on reaches `amount` >= 0 (a length per time).
+        """Stretch x >= start at which A, integrated from `start`, reaches `amount` >= 0 (a length per time).
 
-        The threshold where it never does. At a speed v a contact breaks at inverse(v e, x_s, start)
+        The threshold where A stays below it. At a speed v a contact breaks at inverse(v e, x_s, start)
         with e from the exponential law of mean 1. Backward motion is the mirror image:
         -inverse(amount, threshold, -start).
         """
@@ -121,7 +121,7 @@ class BreakingRate:
         return out.reshape(shape)[()]
 
     def _from_behind(self, log_amount: Array, begin: Array, limit: Array, spring: Array) -> Array:
-        """Stretch at which contacts that move forward from begin < 0 have spent the amount, by halving."""
+        """Stretch at which A of contacts that move forward from begin < 0 reaches the amount, by halving."""
         low, high = begin, limit
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)

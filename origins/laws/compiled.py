@@ -1,4 +1,4 @@
-"""What a RateLaw may bring for compiled loops: its rate, integral and inverse, of one contact at a time."""
+"""Optional compiled functions of a RateLaw: its rate, integral and inverse, for one contact at a time."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from typing import Any
 
 @dataclass(frozen=True)
 class CompiledRates:
-    """Plain functions of numbers that numba can compile; those that they call must be compiled already.
+    """Plain functions of numbers that numba can compile; functions that they call must be compiled already.
 
-    Their arguments have the names told here.
+    Their arguments must have the names given here.
 
     law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first
         argument of all functions, lengths and times in it those of the RateLaw.
-    rate(law, x, threshold, stiffness) : h at 0 <= x <= threshold, not of its logarithm.
+    rate(law, x, threshold, stiffness) : h at 0 <= x <= threshold, not its logarithm.
     passed(law, x, threshold, stiffness) : the integral of h over the stretches from 0 to x; 0 where
         it underflows.
-    reached(law, log_amount, threshold, stiffness) : as RateLaw.reached, from 0 on.
-    most(law, least_x, largest_x, least_y, largest_y, stiffness) : a number that h does not exceed for
-        stretches and thresholds between these, the closer the faster.
+    reached(law, log_amount, threshold, stiffness) : as RateLaw.reached, from stretch 0.
+    most(law, least_x, largest_x, least_y, largest_y, stiffness) : an upper bound of h for stretches x
+        and thresholds y between these; a tighter bound is faster.
     """
 
     law: Any
@@ -40,9 +40,9 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 
 def called(rates: Any) -> CompiledRates:
-    """Of a RateLaw without functions of its own: calls of its methods, of some microseconds each.
+    """For a RateLaw without compiled functions: calls of its methods, some microseconds each.
 
-    A bound of its rate is its scale.
+    The bound of its rate is its scale.
     """
     from ctypes import CFUNCTYPE, c_double
     from typing import NamedTuple
@@ -50,7 +50,7 @@ def called(rates: Any) -> CompiledRates:
     def number(count: int, function: Callable[..., Any]) -> Any:
         return CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(function(*given)))
 
-    # of a class of its own, so that no two laws share what is compiled
+    # a separate class for each law, so that no two laws share compiled code
     class Called(NamedTuple):
         scale: float
 

@@ -6,8 +6,8 @@ from scipy.special import dawsn
 
 Array = npt.NDArray[np.float64]
 
-_STEPS = 5  # from a start within 1.3 of y; each squares what is missing
-_LEAST = 1e-290  # y below which levels are ln y to the last bit, and whose square is no number
+_STEPS = 5  # Newton steps from a start within 1.3 of y; each squares the error
+_LEAST = 1e-290  # y below which ln G = ln y to the last bit; its square underflows
 
 
 def log_growth(y: npt.ArrayLike) -> Array:
@@ -20,7 +20,7 @@ def log_growth(y: npt.ArrayLike) -> Array:
 def inverse_log_growth(level: npt.ArrayLike) -> Array:
     """The y >= 0 at which ln G(y) = level, for any level; shape as level. To a relative 1e-14."""
     level = np.asarray(level, dtype=float)
-    # infinite levels and those below all numbers are what they are
+    # levels outside these bounds are handled in the last line
     goal = np.clip(level, np.log(_LEAST), 1e300)
     # ln G is convex in ln y, so that Newton's steps from above never overshoot;
     # G(y) > y below, and G(y) > exp(y²)/(2y + 1) above

@@ -7,7 +7,7 @@ from origins.errors import non_negative
 
 @dataclass(frozen=True)
 class Delay:
-    """A broken contact bears nothing for a time τ_m and then forms again (paper, Eq. Q5adelay).
+    """A broken contact carries no force for a time τ_m and then forms again (paper, Eq. Q5adelay).
 
     At a speed v the slider moves by v τ_m meanwhile. Of N contacts the fraction C/(C + v τ_m) holds in smooth sliding,
     C being the mean way between a contact's birth and its break.

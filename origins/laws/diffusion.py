@@ -9,25 +9,25 @@ from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
 
 _BEYOND = 1e-12
-_FAINT = 1e-200  # weights below it are sums over the density, whose logarithms do not underflow
+_FAINT = 1e-200  # smaller weights are summed from the log-density, which does not underflow
 
 
 class Diffusion:
-    """∂P/∂t = D ∂_x (Ũ' + ∂_x) P with P_cf ~ exp(-Ũ) (paper, Eq. L), between walls that nothing crosses.
+    """∂P/∂t = D ∂_x (Ũ' + ∂_x) P with P_cf ~ exp(-Ũ) (paper, Eq. L), between impermeable walls.
 
     The weights of P in n cells obey a master equation of hops between neighbours (Scharfetter and Gummel, IEEE Trans.
     Electron Devices 16, 64, 1969): up[i] from cell i to i + 1, down[i] back, both per unit of D. Their ratio is that
-    of the densities of P_cf, averaged over the cells, so the weights of P_cf are at rest at any resolution. Errors
-    fall as the square of the cell width. What weights become in time is for a propagator to say,
-    such as scipy.linalg.expm or master/paper/q15_step.py.
+    of the densities of P_cf, averaged over the cells, so the weights of P_cf are stationary at any resolution. Errors
+    fall as the square of the cell width. A propagator, such as scipy.linalg.expm or master/paper/q15_step.py,
+    gives the weights after a time.
 
     Parameters
     ----------
     final : Thresholds
         P_cf.
     edges : array of shape (n + 1,)
-        Ends of the cells, increasing (lengths); the outermost are the walls, the lower one usually 0. Put one on
-        every corner of P_cf.
+        Ends of the cells, increasing (lengths); the outermost are the walls, the lower one usually 0. Every
+        breakpoint of P_cf should be among them.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Diffusion:
         return out
 
     def _weights(self, law: Thresholds) -> Array:
-        """Weight between neighbouring edges, from whichever of cdf and survival is the smaller."""
+        """Weight between neighbouring edges, from the smaller of cdf and survival, which has more digits."""
         cdf, sf = law.cdf(self.edges), law.sf(self.edges)
         return np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
 

@@ -1,4 +1,4 @@
-"""The seam for rates: all that a solver may ask of the law by which contacts break early."""
+"""The protocol of rates: all that solvers use of the law by which contacts break below their threshold."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Numbers = float | Array
 
-# logarithm of the integral of h/v: its exponential is still a number, and no contact holds there
+# ln of the integral of h/v at which no contact holds any more; its exponential is still finite
 LARGEST_EXPONENT = 650.0
 
 
@@ -19,22 +19,22 @@ LARGEST_EXPONENT = 650.0
 class RateLaw(Protocol):
     """The rate h(x; x_s) at which a contact breaks below its threshold (paper, Eq. temper1).
 
-    Every method takes numbers or arrays that broadcast, and answers in their common shape; that of
-    stiffness need not count in a law that does not depend on it. Nothing is checked, and no method
+    Every method takes numbers or arrays that broadcast, and returns their common shape; a law that
+    does not depend on stiffness may ignore its shape. Arguments are not checked, and no method
     warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that
     is stretched backward is that of |x|. `threshold` is x_s > 0 (a length). `stiffness` is
     k_i/<k> > 0, the contact's stiffness over the mean one (no unit). At a constant speed v a
     contact survives the way from near to far with the probability exp(-passed/v).
 
-    A law of one's own defines `name`, `scale`, `log_rate`, `log_passed` and `reached`; where it
-    names RateLaw as its base, it inherits the rest. Give it to origins.Contacts as `thermal`.
-    For the ensemble it may bring `compiled()`, which returns an origins.laws.compiled.CompiledRates:
-    without it each break takes some microseconds.
+    A law of your own defines `name`, `scale`, `log_rate`, `log_passed` and `reached`; as a subclass
+    of RateLaw it inherits the rest. Give it to origins.Contacts as `thermal`. For the ensemble it may
+    define `compiled()`, which returns an origins.laws.compiled.CompiledRates: without it each break
+    takes some microseconds.
     """
 
     @property
     def name(self) -> str:
-        """What messages call the law, such as "soft"."""
+        """The name of the law in messages, such as "soft"."""
         ...
 
     @property
@@ -54,7 +54,7 @@ class RateLaw(Protocol):
     def separable(self) -> bool:
         """Whether ln h, at one stiffness, is a function of x plus one of the threshold.
 
-        Then contacts with one history have integrals in one proportion whatever they went through.
+        The integrals of two contacts with the same history then have the same ratio for every history.
         """
         return False
 
@@ -73,7 +73,7 @@ class RateLaw(Protocol):
         """ln of the integral of h over the stretches from near to far (a length per time).
 
         0 <= near <= far <= threshold; -inf where near = far. To 1e-13 of max(1, |ln|), also where
-        near ~ far: no difference of two large integrals.
+        near ~ far, so do not subtract two large integrals.
         """
         ...
 
@@ -81,10 +81,10 @@ class RateLaw(Protocol):
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """Stretch >= near up to which the integral of h from near on has this logarithm.
+        """Stretch >= near at which the logarithm of the integral of h from near is log_amount.
 
-        The threshold where it never has. To 1e-12 of the threshold, or in the integral that leads
-        there.
+        The threshold where the integral stays below that. Accurate to 1e-12 of the threshold, or in
+        the integral up to the stretch.
         """
         ...
 

@@ -17,7 +17,7 @@ from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 
 Array = npt.NDArray[np.float64]
 
-_FLAT = 1.0  # logarithm: over ways on which h changes by less than e, eight Gauss nodes are exact
+_FLAT = 1.0  # change of ln h over a way below which eight Gauss nodes are exact
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class SoftRates(RateLaw):
     attempt_frequency : float
         ω, per time.
 
-    Raises InputError unless both are finite and above zero. The formulas go on beyond the
+    Raises InputError unless both are finite and above zero. The formulas continue beyond the
     threshold.
     """
 
@@ -61,7 +61,7 @@ class SoftRates(RateLaw):
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """ln of the integral of h from near to far; -inf where they are one."""
+        """ln of the integral of h from near to far; -inf where they are equal."""
         near, far, threshold = np.asarray(near), np.asarray(far), np.asarray(threshold)
         spring = self._spring(stiffness)
         rise = np.asarray(spring * (far - near) * (far + near))
@@ -73,7 +73,7 @@ class SoftRates(RateLaw):
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """Stretch up to which the integral of h from near on is e^log_amount, or the threshold."""
+        """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         spring, threshold = self._spring(stiffness), np.asarray(threshold)
         root = np.sqrt(spring)
         log_share = log_amount - np.log(self.attempt_frequency)
@@ -100,7 +100,7 @@ def _length(rise: Array, near: Array, far: Array, spring: Array) -> Array:
     flat = (rise < _FLAT) & (near > 0.0)
     if not flat.any():
         return np.asarray(steep)
-    # the difference of two integrals would cancel; Gauss nodes, placed from `far` back, do not
+    # the difference of two integrals would lose digits; a sum over Gauss nodes back from `far` does not
     across = far - near
     back = np.multiply.outer(GAUSS_NODES, across)
     total = np.tensordot(GAUSS_WEIGHTS, np.exp(-spring * back * (2.0 * far - back)), 1)

@@ -14,11 +14,11 @@ Array = npt.NDArray[np.float64]
 
 _STEP = 1.0 / 128.0  # of the tables: cubics are then exact to 1e-12
 _SERIES, _LAST = 0.02, 12.0  # below and above which Dawson's integral is a series
-_LOW, _HIGH = -4.0, 36.0  # levels between which the inverse is tabled
+_LOW, _HIGH = -4.0, 36.0  # levels y² + ln D(y) between which the inverse is tabulated
 
 
 class SoftLaw(NamedTuple):
-    """b = k/2k_BT of mean stiffness, per length squared; ω; D(y) and the y at which y² + ln D(y) is a level."""
+    """b = k/2k_BT at mean stiffness, per length squared; ω; tables of D(y) and of the inverse of y² + ln D(y)."""
 
     spring: float
     root: float  # b^(1/2)
@@ -38,7 +38,7 @@ def _tables() -> tuple[Array, Array, Array, Array]:
 
 
 def soft_compiled(temperature: float, omega: float) -> CompiledRates:
-    """Of SoftRates."""
+    """The compiled functions of SoftRates."""
     root = float(np.sqrt(0.5 / temperature))
     law = SoftLaw(0.5 / temperature, root, float(np.log(root / omega)), omega, *_tables())
     return CompiledRates(law, _rate, _passed, _reached, _most)

@@ -52,13 +52,13 @@ class StiffRates(RateLaw):
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """ln of the integral of h from near to far; -inf where they are one."""
+        """ln of the integral of h from near to far; -inf where they are equal."""
         return self._of(log_passed, near, far, threshold, stiffness)
 
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """Stretch up to which the integral of h from near on is e^log_amount, or the threshold."""
+        """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         return self._of(reached, log_amount, near, threshold, stiffness)
 
     def compiled(self) -> CompiledRates:

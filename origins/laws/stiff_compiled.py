@@ -10,7 +10,7 @@ _reached_from = inlined(stiff_formulas.reached)
 
 
 def stiff_compiled(law: stiff_formulas.StiffLaw) -> CompiledRates:
-    """Of StiffRates."""
+    """The compiled functions of StiffRates."""
     return CompiledRates(law, _rate, _passed, _reached, _most)
 
 

@@ -18,8 +18,8 @@ class Thermal(BreakingRate):
         soft   h = ω exp[-κ (x_s² - x²) / 2T]                             (Eqs. temper5, temper8)
         stiff  h = ω s^(1/2) exp[-κ x_s² s^(3/2) / 2T], s = 1 - |x|/x_s   (Eqs. temper9, temper10)
 
-    T is the temperature and κ = k_i/<k> the contact's relative stiffness, as
-    origins.Contacts.relative_stiffness tells it: 1 where stiffness and threshold are independent,
+    T is the temperature and κ = k_i/<k> the contact's relative stiffness, given by
+    origins.Contacts.relative_stiffness: 1 where stiffness and threshold are independent,
     x_s/<x_s> where they are linked. The barrier of a relaxed contact is κ x_s²/2T in units of
     k_BT, so with linked stiffness it grows as x_s³, and T = k_BT/<k> is one number for all contacts
     while k_BT/k_i = T/κ is each contact's own.
@@ -28,8 +28,8 @@ class Thermal(BreakingRate):
     ----------
     law : "soft" or "stiff"
     temperature : float
-        T = k_BT/<k>, a length squared; where thresholds come from a rough surface, of
-        Interface.temperature(kelvin).
+        T = k_BT/<k>, a length squared; where thresholds come from a rough surface,
+        Interface.temperature(kelvin) gives it.
     attempt_frequency : float
         ω, per time.
     closure : "exact" or "paper"
@@ -37,7 +37,7 @@ class Thermal(BreakingRate):
         h P_c over thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken
         before.
     rates : RateLaw
-        The same rate for stretches 0 <= x <= x_s, as solvers ask it.
+        The same rate for stretches 0 <= x <= x_s, for solvers.
 
     Raises InputError unless temperature and attempt frequency are finite and above zero. The
     methods are those of BreakingRate.
@@ -57,7 +57,7 @@ class Thermal(BreakingRate):
 
 @dataclass(frozen=True)
 class GivenRates(BreakingRate):
-    """Contacts break below their threshold by a RateLaw of the user's own, each at its own rate.
+    """Contacts break below their threshold by a RateLaw of the user, each at its own rate.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class GivenRates(BreakingRate):
 
     @property
     def law(self) -> str:
-        """What the law calls itself."""
+        """The law's name."""
         return self.rates.name
 
     @property
@@ -92,7 +92,7 @@ class GivenRates(BreakingRate):
 
     @property
     def temperature(self) -> float:
-        """Raises InputError: only the law itself knows what a temperature would change in it."""
+        """Raises InputError: a RateLaw need not have a temperature."""
         raise InputError(
             f'temperature: the law "{self.law}" of these contacts has none that could be read or '
             "changed; use contacts.replace(thermal=...) with the law as it is at each temperature"
@@ -100,9 +100,9 @@ class GivenRates(BreakingRate):
 
 
 def as_thermal(law: object) -> Thermal | GivenRates | None:
-    """What origins.Contacts takes as `thermal`: None, a Thermal, or any RateLaw.
+    """The argument `thermal` of origins.Contacts, checked: None, a Thermal, or any RateLaw.
 
-    Contacts of a RateLaw break each at its own rate. Raises InputError for all else.
+    With a RateLaw each contact breaks at its own rate. Raises InputError for other arguments.
     """
     if law is None or isinstance(law, Thermal | GivenRates):
         return law

@@ -45,7 +45,7 @@ def column_stiffness(
 
     Its radius is r_c = (A/pi)^(1/2), its length h.
 
-    A thin beam: shear and the bodies' own compliance are left out, so that it is too stiff where r_c is not below h.
+    This is a thin beam without shear and without the bodies' compliance: too stiff where r_c is not below h.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ from origins.thresholds.powered import Powered
 LAWS = ("paper", "amontons", "strength")
 MODELS = ("gw", "persson")
 _PATCHES = (1e-40, 1e20)
-_FURTHEST = 1e12  # pressure over the spread of the stresses; a root of it is the furthest that persson() takes
+_FURTHEST = 1e12  # largest pressure over the width of the stresses that persson() takes
 
 
 def from_topography(
@@ -67,21 +67,21 @@ def from_topography(
         amontons    delta            s
         strength    delta^(1/2)      refused: patches of one area would break at one threshold
 
-        for k ~ A^(1/2); plastic summits go as delta^(1/2) under every law. Another k: Material(contact_stiffness=...),
-        but under "paper", whose k is c x_s and which refuses one.
+        for k ~ A^(1/2); for plastic summits x_s ~ delta^(1/2) under every law. For another k give
+        Material(contact_stiffness=...); the law "paper" refuses it, as its k is c x_s.
     material : Material
-        SI units; what the law needs and is not there is asked for by name.
+        SI units; InputError names the constants that the law needs and the material lacks.
     pressure : float
         Nominal pressure, Pa.
     regime : "elastic", "plastic" or "mixed"
-        gw only. "plastic": every summit bears hardness times area, pi r delta H (paper, Eq. GW2); "mixed": those
-        compressed by more than r (3 pi H/4E*)² do, where that meets Hertz' load. Area and load are continuous
+        gw only. "plastic": every summit carries hardness times area, pi r delta H (paper, Eq. GW2); "mixed": only those
+        compressed by more than r (3 pi H/4E*)² do, where this load equals Hertz' load. Area and load are continuous
         there, and so is x_s; P_c jumps. Persson's stresses are elastic.
     patch_area : float
         persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Under both
-        laws x_s and <k> go as patch_area^(1/2) ("amontons": x_s as patch_area^(1-e) and <k> as patch_area^e where
-        k ~ A^e) and the contact density as its inverse; shape, propensity and friction coefficient stay. Take
-        `interface.mean_area` of model="gw" on the same surface, under the same pressure.
+        laws x_s and <k> are proportional to patch_area^(1/2) ("amontons" with k ~ A^e: x_s to patch_area^(1-e), <k> to
+        patch_area^e) and the contact density to its inverse; shape, propensity and friction coefficient do not change.
+        Use `interface.mean_area` of model="gw" on the same surface, under the same pressure.
     height_law : "gaussian" or "exponential"
         gw only: law of the summits' heights, either of the measured standard deviation.
     detrend, periodic, step
@@ -92,7 +92,7 @@ def from_topography(
     thresholds : Thresholds
         With `.interface`, the Interface: area fraction, contact density, <k>, plasticity, friction coefficient.
 
-    Raises InputError for values outside these and for combinations without meaning, with what to write instead.
+    Raises InputError for other values and for meaningless combinations; the message says what to write instead.
     """
     moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
     return from_moments(
@@ -151,10 +151,10 @@ def resolution_study(
     factors: tuple[int, ...] = (1, 2, 4, 8),
     **options: object,
 ) -> tuple[Thresholds, ...]:
-    """from_topography with neighbours 1, 2, 4, ... pixels apart: how all of it moves with the scan's resolution.
+    """from_topography with neighbours 1, 2, 4, ... pixels apart: the dependence on the scan's resolution.
 
-    m4, and with it radius and density of the summits, is a property of surface and resolution together. Each
-    result carries its moments as `.interface.moments`, with the step and the spacing they were taken at.
+    m4, and with it radius and density of the summits, depends on both the surface and the resolution. Each
+    result has its moments as `.interface.moments`, with the step and the spacing of their differences.
 
     Parameters
     ----------
@@ -163,9 +163,9 @@ def resolution_study(
     factors : tuple of int
         Spacings in pixels.
     options
-        All else that from_topography takes, but for step.
+        All other arguments of from_topography, except step.
 
-    Raises InputError as from_topography does, and for no factors.
+    Raises InputError as from_topography does, and for empty factors.
     """
     if not isinstance(factors, tuple | list) or not factors:
         refuse("factors", factors, "must be a tuple of whole numbers, such as (1, 2, 4, 8)")
@@ -215,7 +215,7 @@ def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
     if known["law"] == "strength":
         rule = "f_s = tau A is one value on patches of one area; write law = 'amontons', or model = 'gw'"
         refuse("law", "strength", rule)
-    # the root of the stress has the law (PcPersson3)
+    # the square root of the stress has the law (PcPersson3)
     roots = persson(centre=float(np.sqrt(pressure)), width=float(np.sqrt(width)))
     plastic = None if material.hardness is None else float(roots.sf(np.sqrt(material.hardness)))
     load, area_fraction = PowerLaw(patch_area, 2.0), float(erf(pressure / width))
@@ -233,10 +233,10 @@ def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
 
 
 def _joined(size: Thresholds, load: Bend, area: PowerLaw, **known: Any) -> Thresholds:
-    """Thresholds and interface of contacts whose load (N) and area (m²) are powers of their `size`, of that law.
+    """Thresholds and interface of contacts whose load (N) and area (m²) are powers of `size`, a random variable.
 
-    Raises InputError where the material lacks a constant, and where x_s falls or stays as contacts grow: where k
-    grows as fast as f_s, or faster.
+    Raises InputError where the material lacks a constant, and where k grows at least as fast as f_s, so that x_s does
+    not grow with the contact.
     """
     law, material, moments = known["law"], known["material"], known["moments"]
     constant = "shear_strength" if law == "strength" else "local_friction"

@@ -1,9 +1,9 @@
 """Greenwood and Williamson's contact: summits of one radius and random height under a rigid flat.
 
-A summit of height h above the flat at h0 is compressed by delta = h - h0 and has the area pi r delta. An elastic one
-bears (4/3) E* r^(1/2) delta^(3/2) (Hertz; the paper's Eq. GW1 prints 4 pi/3), a plastic one pi r delta H (Eq. GW2,
-hardness times area). The two loads meet at one compression, and the areas are the same: nothing jumps there, neither
-load nor threshold, but thresholds as a function of delta have a kink and P_c has a jump.
+A summit of height h under a flat at h0 < h is compressed by delta = h - h0 and has the area pi r delta. An elastic one
+carries (4/3) E* r^(1/2) delta^(3/2) (Hertz; the paper's Eq. GW1 prints 4 pi/3), a plastic one pi r delta H (Eq. GW2,
+hardness times area). The two loads are equal at one compression, and so are the areas: load and threshold are
+continuous there, but the threshold as a function of delta has a kink and P_c has a jump.
 """
 
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Thresholds
 
-_DEEPEST = 1e8  # of sigma_h: summits cover the surface long before
+_DEEPEST = 1e8  # deepest position of the flat, in sigma_h; summits cover the surface long before
 _FALL = 60.0  # integrals over heights end where the density has fallen by e^-60
 _COUNT = 200  # nodes of such an integral
 REGIMES = ("elastic", "plastic", "mixed")
 
 
-_rule = cache(np.polynomial.legendre.leggauss)  # takes longer than an import may
+_rule = cache(np.polynomial.legendre.leggauss)  # computed on first use, to keep the import fast
 
 
 def critical_compression(radius: float, contact_modulus: float, hardness: float) -> float:
@@ -55,7 +55,7 @@ def compressions(std: float, z: float, heights: str = "gaussian") -> Thresholds:
 
 @dataclass(frozen=True)
 class Summits:
-    """The summits of a surface and what they bear: lengths in m, `density` in 1/m², `load` N against m."""
+    """The summits of a surface and their load: lengths in m, `density` in 1/m², `load` in N as a law of m."""
 
     radius: float
     std: float
@@ -65,7 +65,7 @@ class Summits:
 
     @property
     def area(self) -> PowerLaw:
-        """Area of a contact against its compression, m² against m."""
+        """Area of a contact (m²) as a function of its compression (m)."""
         return PowerLaw(np.pi * self.radius, 1.0)
 
     def log_touching(self, z: float) -> float:
@@ -78,10 +78,10 @@ class Summits:
             return float(self.density * np.exp(self._log_load(z)[0]))
 
     def separation(self, pressure: float) -> float:
-        """z = h0/sigma_h under a nominal pressure in Pa; Newton, which cannot fail.
+        """z = h0/sigma_h under a nominal pressure in Pa, by Newton's method, which always converges here.
 
-        The logarithm of the load is concave in z and falls, so that after the first step the iterates come down on
-        the root; one that goes back up is round-off.
+        The logarithm of the load is concave in z and falls, so that after the first step the iterates approach the
+        root from above; a step back up is round-off.
         """
         goal = float(np.log(pressure) - np.log(self.density))
         z = 0.0
@@ -94,7 +94,7 @@ class Summits:
         return z
 
     def _log_load(self, z: float) -> tuple[float, float]:
-        """log of <load> over all summits, those that do not touch counting as 0, and its slope in z.
+        """log of the mean load over all summits (0 for those that do not touch), and its derivative in z.
 
         Nothing under- or overflows, whether the flat is far above (z >> 1) or deep below (z < 0).
         """
@@ -104,7 +104,7 @@ class Summits:
         tilt = slope + curvature * peak
         reach = 2.0 * _FALL / (tilt + np.sqrt(tilt * tilt + 2.0 * _FALL * curvature))
         near, far, bend = max(0.0, peak - reach), peak + reach, self.load.at / self.std
-        # t = s^4 makes every quarter order smooth at 0, and other orders smooth enough
+        # with t = s^4 powers of t in quarters are smooth at 0, and other powers smooth enough
         s = np.unique(np.array([near, np.clip(bend, near, far), far]) ** 0.25)
         half = 0.5 * np.diff(s)[:, None]
         places, shares = _rule(_COUNT)
@@ -170,7 +170,7 @@ class SummitContact:
         return float(self.compressions.sf(compression))
 
     def check_apart(self, name: str, value: float, remedy: str) -> None:
-        """InputError where the contacts would cover the whole surface and be no longer apart, as the model has them."""
+        """InputError where the contacts would cover the whole surface; the model needs them to be separate."""
         if self.area_fraction >= 1.0:
             refuse(
                 name,
@@ -187,7 +187,7 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
     Exponential heights have mean and standard deviation sigma_h, begin at the plane h = 0, and give thresholds
     that do not depend on the load (paper, Eqs. GW3 and GW4).
 
-    Raises InputError for a pressure that exponential heights cannot bear, and where the contacts would cover the
+    Raises InputError for a pressure too large for exponential heights, and where the contacts would cover the
     whole surface.
     """
     contact = SummitContact(summits, summits.separation(pressure))
@@ -231,7 +231,7 @@ def pressure_of_separation(
 
     moments, material, regime, height_law : as in from_moments.
     Raises InputError as from_moments does, for a flat below h = 0 under exponential heights, where every summit
-    touches, and for one so high that the pressure is below what floating point holds.
+    touches, and for one so high that the pressure underflows.
     """
     summits = summits_of(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std

@@ -11,7 +11,7 @@ from origins.thresholds.powered import Powered
 # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)
 EXPONENTS = {"paper": (0.75, 0.5), "amontons": (1.0, 0.5), "strength": (0.5, 0.5)}
 _DEEPEST, _HIGHEST = -1e3, 1e6
-_SHORTEST, _LONGEST = 1e-150, 1e150  # whose squares are still numbers
+_SHORTEST, _LONGEST = 1e-150, 1e150  # lengths whose squares are still finite
 
 
 def gw_gaussian(
@@ -36,8 +36,8 @@ def gw_gaussian(
     Parameters
     ----------
     separation : float
-        h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Heavy load is below 0; from about -3 on every
-        summit touches, where the model has little left to say. separation_of_pressure finds it from a load.
+        h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Below 0 the load is heavy; below about -3 every
+        summit touches, and the model hardly applies. separation_of_pressure finds it from a load.
     scale : float
         Threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
     law : "paper", "amontons" or "strength"
@@ -46,7 +46,7 @@ def gw_gaussian(
         "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean pressure is the hardness, are
         plastic. x_s is continuous there; P_c jumps up, by 3/2 under the law "paper" and by 2 under "amontons".
     plasticity_index : float
-        psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3, for the regime "mixed" and needed there.
+        psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; needed for the regime "mixed", and only there.
 
     Raises InputError for values outside these. For summits in metres and newtons see from_moments.
     """
@@ -79,7 +79,7 @@ def gw_gaussian(
         at = float(np.float64(2.25 * np.pi / positive("plasticity_index", plasticity_index)) ** 2)
     if not 0.0 < at < np.inf:
         return gw_gaussian(z, scale, law, "plastic" if at == 0.0 else "elastic")
-    # the part that holds at delta = sigma_h is the one that `scale` belongs to
+    # `scale` is the coefficient of the part that includes delta = sigma_h
     other = scale * at ** (elastic - plastic if at > 1.0 else plastic - elastic)
     first, second = (scale, other) if at > 1.0 else (other, scale)
     return Powered(

@@ -1,4 +1,4 @@
-"""What joins a threshold law in metres to newtons and pascals: the record of one interface."""
+"""The record of one interface, which converts from thresholds in metres to newtons and pascals."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from origins.roughness.power_law import Array, Bend
 from origins.roughness.spectral_moments import SpectralMoments
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
-# where strain begins: this toolkit's choice
+# limits beyond which `cautions` warns: this toolkit's choice
 _APART = 0.1  # area fraction beyond which contacts are hardly apart
 _FULL = 0.995  # area fraction that is full contact
 _ISOTROPIC = 1.5  # ratio of rms slopes along the axes
-_PLASTIC = 0.01  # fraction of contacts
+_PLASTIC = 0.01  # fraction of plastic contacts
 _STEEP = 0.5  # rms slope
 _PIXELS = 2.0  # radius of a contact, in pixels
 _LARGEST = 0.1  # m, across a scan
@@ -25,7 +25,7 @@ _LARGEST = 0.1  # m, across a scan
 
 @dataclass(frozen=True)
 class Interface:
-    """Physical state of a rough contact, carried by its thresholds as `.interface`; SI units.
+    """Physical state of a rough contact, in SI units; its thresholds have it as `.interface`.
 
     A force F per N_c<k>, a length, is the shear stress contact_density * mean_stiffness * F.
 
@@ -35,7 +35,7 @@ class Interface:
         "gw" or "persson"; "paper", "amontons" or "strength".
     material : Material
     moments : SpectralMoments
-        Of the surface, with the step and the pixel size they were taken at.
+        Of the surface, with the step and the pixel size of their differences.
     pressure : float
         Nominal pressure, Pa.
     area_fraction : float
@@ -45,7 +45,7 @@ class Interface:
     mean_radius : float
         <(A/pi)^(1/2)> over the contacts, m.
     mean_threshold : float
-        <x_s> over fresh contacts, m: the way that one goes before it slips.
+        <x_s> over fresh contacts, m.
     mean_stiffness : float
         <k> over fresh contacts, k = f_s/x_s, N/m.
     mean_force_threshold : float
@@ -53,7 +53,7 @@ class Interface:
     friction_coefficient : float
         Kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of x_i (paper,
         Eq. Q6). Where k is proportional to x_s it is <f_s>/(2 <load>) exactly: half the sum of all thresholds.
-        Number, load and <k> are those of the fresh interface; sliding favours large thresholds, which is left out.
+        Number, load and <k> are those of the fresh interface; that sliding favours large thresholds is neglected.
     force_law : Bend
         f_s in N as a function of x_s in m: force_threshold.
     plasticity_index : float or None
@@ -63,7 +63,7 @@ class Interface:
         gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime "mixed"; all of
         them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
     hertz_plastic_fraction : float or None
-        The same fraction were all contacts elastic under this pressure, whatever the regime.
+        The same fraction if all contacts were elastic under this pressure, whatever the regime.
     regime : str
         gw only, else "elastic": "elastic", "plastic" or "mixed".
     separation : float or None
@@ -115,7 +115,7 @@ class Interface:
     def force_threshold(self, threshold: npt.ArrayLike) -> Array:
         """f_s in N of contacts that break at the stretches `threshold` in m; shape as given. Their k is f_s/x_s.
 
-        Raises InputError for what is no number, is not finite or is below zero.
+        Raises InputError for values that are no numbers, not finite or below zero.
         """
         try:
             lengths = np.asarray(threshold, dtype=float)
@@ -126,7 +126,7 @@ class Interface:
         return self.force_law(lengths)
 
     def temperature(self, kelvin: float | None = None, energy: float | None = None) -> float:
-        """k_BT/<k> in m², the temperature of a contact's laws, of `kelvin` (K) or of `energy` = k_BT (J).
+        """k_BT/<k> in m², the temperature of a contact's laws, from `kelvin` (K) or from `energy` = k_BT (J).
 
         Raises InputError for both, for neither, and for values below zero.
         """
@@ -143,13 +143,13 @@ class Interface:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """Where the surface or the load strains the theory, in words; empty where nothing does."""
+        """Sentences about surface or load at the limits of the theory; empty where there are none."""
         gw, moments, radius = self.model == "gw", self.moments, self.mean_radius
         covered, mu = self.area_fraction, self.friction_coefficient
         local = self.material.local_friction or np.inf
         along, across = np.sqrt(sorted(moments.m2_axes))
         plastic, of_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
-        # without a scan, or without patches, nothing is said of their size
+        # without a scan, or without patches, there are no cautions about their size
         pixel = moments.pixel_size or (0.0, 0.0)
         size = (moments.size if moments.pixel_size else None) or (0.0, np.inf)
         scan, patch = size[0] * size[1] or np.inf, self.patch_area or pixel[0] * pixel[1]
@@ -203,7 +203,7 @@ class Interface:
                 self.mean_threshold > radius,
                 f"contacts would slip after {self.mean_threshold:.2g} m, more than their radius of {radius:.2g} m",
             ),
-            # the area of Persson's patches is not the scan's to resolve
+            # for gw only: the scan need not resolve the area of Persson's patches
             (
                 gw and radius < _PIXELS * max(pixel),
                 f"mean radius of a contact is {radius:.2g} m, below 2 pixels: the scan does not resolve it",

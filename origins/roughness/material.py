@@ -1,4 +1,4 @@
-"""What a rough contact is made of: its moduli, its strength and its local friction."""
+"""The material of a rough contact: moduli, strength and local friction."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,9 @@ _ONE_OF = (
     "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, a law of the area: "
     "sound, mindlin, column or a power of your own"
 )
-_LARGEST = 1e20  # any of the constants, in SI units
+_LARGEST = 1e20  # of any constant, in SI units
 _STEEPEST = 10.0  # of k against A: a bent column of one height has 2
-# what a refusal says to write
+# examples of values for messages
 _SUCH_AS = {
     "local_friction": "0.4",
     "hardness": "2e8 (Pa)",
@@ -22,14 +22,14 @@ _SUCH_AS = {
 
 @dataclass(frozen=True)
 class Material:
-    """Constants of the two bodies in contact, in SI units; what a threshold law does not need may be left out.
+    """Constants of the two bodies in contact, in SI units; those that the threshold law does not need may be left out.
 
     Attributes
     ----------
     contact_modulus : float
         E* of Hertz' theory in Pa, 1/E* = (1 - nu_1²)/E_1 + (1 - nu_2²)/E_2; E/(2(1 - nu²)) for equal bodies.
     local_friction : float
-        mu, the shear force at which one contact breaks per normal force it bears.
+        mu, the shear force at which one contact breaks over its normal force.
     shear_modulus : float
         G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II and App. A, G = rho c²).
         Mindlin's 8 a G* for equal bodies is 4/((2 - nu) pi^(1/2)) times that, 1.33 for nu = 0.3.
@@ -43,7 +43,7 @@ class Material:
         c in Pa, f_s = c x_s² (the paper's law); G²/tau is its value where f_s = tau A and k = G A^(1/2).
     contact_stiffness : PowerLaw
         Or k in N/m as a power of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or your own. The
-        coefficient only sets the scale of x_s, and cancels from the friction coefficient; the exponent shapes P_c.
+        coefficient only sets the scale of x_s and cancels from the friction coefficient; P_c depends on the exponent.
 
     Raises InputError for a value not above zero, or not within 1e-20 to 1e20, and where k is given in two ways or only
     half of one.
@@ -89,7 +89,7 @@ class Material:
     def stiffness(self, law: str) -> PowerLaw:
         """k in N/m as a power of the contact's area in m² under a threshold law.
 
-        InputError where the law needs a constant that is not there. The paper's k is c x_s, no law of the area.
+        InputError where the material lacks a constant that the law needs. Not for the paper's law, whose k is c x_s.
         """
         if self.contact_stiffness is not None:
             return self.contact_stiffness

@@ -1,4 +1,4 @@
-"""Power laws of one quantity, and two of them that meet: below the bend one holds, above it the other."""
+"""Power laws of one quantity, and pairs of them: one below the bend, the other above it."""
 
 from dataclasses import dataclass
 
@@ -37,12 +37,12 @@ class PowerLaw:
         return PowerLaw(self.coefficient**exponent, self.exponent * exponent)
 
     def of(self, inner: "PowerLaw") -> "PowerLaw":
-        """This law of what `inner` gives: self(inner(y))."""
+        """The composition self(inner(y))."""
         return inner**self.exponent * self.coefficient
 
     @property
     def inverse(self) -> "PowerLaw":
-        """The law that undoes this one, for an exponent other than 0."""
+        """The inverse law, for an exponent other than 0."""
         return PowerLaw(self.coefficient ** (-1.0 / self.exponent), 1.0 / self.exponent)
 
     @property
@@ -53,7 +53,7 @@ class PowerLaw:
 
 @dataclass(frozen=True)
 class Bend:
-    """`below` for y <= at, `above` beyond; the two meet there. `at` may be 0 or inf: then one of them is all."""
+    """`below` for y <= at, `above` beyond, equal at `at`, which may be 0 or inf: then one of them is used."""
 
     below: PowerLaw
     above: PowerLaw
@@ -66,12 +66,12 @@ class Bend:
         return np.asarray(np.where(y <= self.at, self.below(y), self.above(y)))[()]
 
     def of(self, inner: "Bend") -> "Bend":
-        """This law of what `inner` gives, which rises and bends where this one does: self(inner(y))."""
+        """The composition self(inner(y)); `inner` rises, and its bend must be at the same y."""
         return Bend(self.below.of(inner.below), self.above.of(inner.above), inner.at)
 
     @property
     def inverse(self) -> "Bend":
-        """The law that undoes this one, which rises."""
+        """The inverse law; both parts must rise."""
         at = float(self.below(self.at)) if 0.0 < self.at < np.inf else self.at
         return Bend(self.below.inverse, self.above.inverse, at)
 

@@ -1,4 +1,4 @@
-"""A seeded self-affine surface whose rms slope is known exactly, for use where no scan is at hand."""
+"""A seeded self-affine surface with an exact rms slope, for use without a scan."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from origins.errors import InputError, between, positive, refuse, whole
 from origins.roughness.topography import Array, pixel_sizes
 
-_BYTES = 40  # at the most, on each point while a surface is made: 36 measured
-_SLOPES = (1e-20, 1e20)  # any that heights in one unit can have
+_BYTES = 40  # largest memory per point while a surface is made; 36 were measured
+_SLOPES = (1e-20, 1e20)  # least and largest rms slope
 
 
 def self_affine_surface(
@@ -25,13 +25,13 @@ def self_affine_surface(
 ) -> Array:
     """Heights of a periodic self-affine surface, in the unit of pixel_size.
 
-    Every Fourier mode has the amplitude its spectrum says and a random phase, so that only the phases depend on
-    the seed: the rms slope is `rms_slope` exactly, as the sum over modes of |a_q|² q². The power spectrum is
-    q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
+    Every Fourier mode has the amplitude of the spectrum and a random phase, so that only the phases depend on
+    the seed: the rms slope, from the sum over modes of |a_q|² q², is `rms_slope` exactly. The power spectrum is
+    ~ q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
 
-    Nearest-neighbour differences see a mode with q_x dx (2 sin(q_x dx/2)/(q_x dx)) in place of q_x dx: the mean
-    square slope by differences is the sum over modes of |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²],
-    exactly, where differences go round the edges (spectral_moments with periodic=True).
+    Nearest-neighbour differences replace q_x by 2 sin(q_x dx/2)/dx: the mean square slope by periodic differences
+    (spectral_moments with periodic=True) is exactly the sum over modes of
+    |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²].
 
     Parameters
     ----------
@@ -46,14 +46,14 @@ def self_affine_surface(
     seed : int
         Seed of the phases, at least 0.
     long_cutoff, short_cutoff : float
-        Wavelengths; left out, the longest and the shortest that the grid holds in every direction.
+        Wavelengths; left out, the longest and the shortest that the grid resolves in every direction.
 
     Returns
     -------
     heights : array of `shape`, with mean zero
 
-    Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode is left, and for a
-    shape whose making, at 40 bytes a point, needs more than the memory of the machine.
+    Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode remains, and for a
+    shape that needs, at 40 bytes a point, more than the memory of the machine.
     """
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
@@ -86,10 +86,10 @@ def self_affine_surface(
         raise InputError(
             f"short_cutoff = {shortest:g}: no mode of the grid is longer; the surface would be flat"
         )
-    # in units of the roll-off, so that no unit of length overflows the power; none beyond the box is met
+    # in units of the roll-off, so that the power does not overflow in any unit of length
     relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
-    # each mode of the half plane stands for itself and its conjugate, but for those at the plane's edges
+    # each mode of the half plane counts for itself and its conjugate, except those at the plane's edges
     count = np.full(q_y.size, 2.0)
     count[0] = 1.0
     if n_y % 2 == 0:
@@ -101,10 +101,10 @@ def self_affine_surface(
 
 
 def check_memory(shape: tuple[int, int], bytes_a_point: int) -> None:
-    """InputError where work of so many bytes on each point needs more than the memory of the machine."""
+    """InputError where `bytes_a_point` on each point of `shape` need more than the memory of the machine."""
     try:
         there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):  # not told on every system
+    except (AttributeError, ValueError, OSError):  # some systems do not report it
         return
     needed = shape[0] * shape[1] * bytes_a_point
     if needed > there:

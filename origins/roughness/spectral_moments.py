@@ -24,7 +24,7 @@ class SpectralMoments:
     m4 : float
         Mean square profile curvature, averaged over both axes, in 1/m².
     m2_axes, m4_axes : (float, float)
-        The same for profiles along the first and along the second axis: how isotropic the surface is.
+        The same for profiles along the first and along the second axis; equal for an isotropic surface.
     step : int or None
         Pixels between the neighbours that were differenced; None where there was no scan.
     pixel_size : (float, float) or None
@@ -34,7 +34,7 @@ class SpectralMoments:
     missing_fraction : float
         Fraction of the points that are missing.
     used_fraction : float
-        Fraction of the curvature stencils inside the scan that touch no missing point.
+        Fraction of the curvature stencils inside the scan that contain no missing point.
     """
 
     m0: float
@@ -102,7 +102,7 @@ class SpectralMoments:
 def moments_of_summits(radius: float, std: float, density: float) -> SpectralMoments:
     """The isotropic Gaussian surface whose summits have this radius (m), height spread (m) and density (1/m²).
 
-    McCool's relations backwards, for Greenwood and Williamson's parameters where they are known as such:
+    McCool's relations inverted, for use where Greenwood and Williamson's parameters are known directly:
     m4 = pi (0.375/r)², m2 = m4/(6 pi 3^(1/2) density), m0 = std² + 0.8968 m2²/m4.
     Raises InputError for values not above zero.
     """
@@ -124,17 +124,17 @@ def spectral_moments(
 
     The slope at a point is the pair of differences to its next neighbour along x and along y; the curvature is
     the pair of second differences about it. A point counts only where both members of the pair lie inside the
-    scan and touch no missing point, so that both axes are seen over one and the same set of points.
+    scan and contain no missing point, so that both axes are averaged over the same points.
 
     Parameters
     ----------
     heights, pixel_size
-        As in as_topography: metres, or a topography object that knows its unit.
+        As in as_topography: metres, or a topography object with its own unit.
     detrend : "curvature", "tilt" or "centre"
         Least-squares trend removed first.
     step : int
-        Neighbours are `step` pixels apart: 2 is what an instrument of half the resolution would see, but from
-        all points. m0 does not change with it.
+        Neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine, but uses all
+        points. m0 does not depend on it.
     periodic : bool
         Whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
 

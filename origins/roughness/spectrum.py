@@ -17,7 +17,7 @@ def moments_of_spectrum(
     """Profile moments m0, m2, m4 of an isotropic surface from its power spectrum (paper, Eq. PcPersson2).
 
     Between two points the spectrum is the power law through both, integrated exactly; beyond the first and the last
-    it is zero. h'_rms² = 2 m2 and m4 are the work of the largest wavevectors: state where the spectrum was cut.
+    it is zero. h'_rms² = 2 m2 and m4 depend mostly on the largest wavevectors: state where the spectrum was cut.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def moments_of_spectrum(
     convention : "isotropic" or "profile"
         "isotropic", in m⁴: C(q) = ∫ d²x <h(x)h(0)> e^(-iqx), the paper's, so that <h²> = ∫ q C dq/(2 pi); then
         m2 = ∫ q³ C dq/(4 pi), which is the paper's R, and m4 = (3/8) ∫ q⁵ C dq/(2 pi). Spectra with the factor
-        1/(2 pi)² in their definition, as Persson's, must be multiplied by (2 pi)².
+        1/(2 pi)² in their definition, like Persson's, must be multiplied by (2 pi)².
         "profile", in m³: C(q) = ∫ dx <h(x)h(0)> e^(-iqx) of line scans, so that m_n = ∫_0 q^n C dq/pi.
 
     Raises InputError for arrays that are not these.

@@ -14,7 +14,7 @@ METRES |= dict.fromkeys(("\u00b5m", "\u03bcm", "um"), 1e-6)
 METRES |= dict.fromkeys(("\u00c5", "\u212b", "A"), 1e-10)
 DETRENDS = ("curvature", "tilt", "centre")
 _ROUND_OFF = (
-    1e-12  # of the heights' range: a residue below it is the arithmetic's, not the surface's
+    1e-12  # of the largest height: a smaller standard deviation after detrending is round-off
 )
 
 
@@ -39,7 +39,7 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
     heights : array of shape (n_x, n_y), or an object with .heights(), .pixel_size and .unit
         Heights in metres, NaN or masked where missing; or a SurfaceTopography topography, converted by its unit.
     pixel_size : float or (dx, dy)
-        Distances between points along the first and the second axis, in metres; left out for an object, which knows.
+        Distances between points along the first and the second axis, in metres; left out for an object, which has them.
 
     Raises InputError for line scans, absent or unknown units, infinite heights and pixel sizes not above zero.
     """
@@ -78,11 +78,11 @@ def pixel_sizes(pixel_size: object, name: str = "pixel_size") -> tuple[float, fl
 
 
 def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
-    """The surface less its least-squares trend, fitted to the points that are there.
+    """The surface minus its least-squares trend, fitted to the points that are not missing.
 
     "curvature": polynomial of second order with the xy term; "tilt": plane; "centre": mean height.
 
-    Raises InputError for any other name and where nothing but the trend is there.
+    Raises InputError for any other name and where the surface equals its trend.
     """
     one_of("detrend", detrend, DETRENDS)
     heights = surface.heights
@@ -94,7 +94,7 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
     if detrend == "curvature":
         terms += [x * x, y * y, x * y]
     there = np.isfinite(heights)
-    # heights of any unit, and far from zero: fitted about their mean, in units of their range
+    # fitted about their mean, in units of their range, for heights in any unit and far from zero
     known = heights[there]
     middle, span = float(known.mean()), float(np.ptp(known))
     basis = np.stack([term[there] for term in terms], axis=1)

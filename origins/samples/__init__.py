@@ -1,1 +1,1 @@
-"""Thresholds from samples: smooth laws of given values, and the sampling error they leave."""
+"""Thresholds from samples: smooth laws through given values, and their sampling errors."""

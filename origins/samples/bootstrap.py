@@ -1,4 +1,4 @@
-"""Sampling error of what is derived from thresholds that come from samples."""
+"""Sampling error of quantities derived from thresholds that come from samples."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class Bootstrapped:
     Attributes
     ----------
     value : array
-        Of the law itself.
+        The statistic of the law itself.
     standard_error : array
         Scatter over the resampled laws.
     bias : array
-        Their mean less `value`: what smoothing and the choice of knots do.
+        Their mean minus `value`: the effect of smoothing.
     resampled : array of shape (resamples, ...)
-        Of each resampled law.
+        The statistic of each resampled law.
     """
 
     value: Array
@@ -59,9 +59,9 @@ def bootstrap(
 ) -> Bootstrapped:
     """Sampling error of `statistic(thresholds)` for thresholds that come from from_samples.
 
-    statistic : a number or an array of any fixed shape made of a law: lambda law: law.pdf(x), or several numbers that
-        master.propensity and master.steady_state find.
-    resamples : how many laws bootstrap_laws gives, at least 2; the error is known to about 1 in (2 resamples)^(1/2).
+    statistic : function of a law that returns a number or an array of fixed shape: lambda law: law.pdf(x), or numbers
+        from master.propensity and master.steady_state.
+    resamples : number of laws, at least 2; the relative error of standard_error is about 1/(2 resamples)^(1/2).
     seed : whole number; the same seed gives the same resamples.
 
     Raises InputError for thresholds that are not from samples, and for a statistic that is not finite or changes shape.
@@ -80,12 +80,12 @@ def bootstrap_laws(
     """Laws that other samples would have given: as many as the effective ones, drawn from the smooth law `thresholds`
     itself and smoothed in the same way (smoothed bootstrap, Silverman and Young, Biometrika 74, 469, 1987).
 
-    Drawing from the law, not from the samples, leaves no ties but those of its exact values, which stay where they are
-    and vary in weight, and shows what smoothing does to a statistic. What it cannot show is structure that the law
-    itself has missed.
-    In a mixture each part from samples is drawn anew, with its weight and all else as given.
+    Drawing from the law, not from the samples, gives no ties except its exact values, which keep their places and vary
+    in weight, and shows the effect of smoothing on a statistic. It cannot show structure that the law itself has
+    missed. In a mixture each part from samples is drawn again; its weight and all other parts stay.
+
     Raises InputError for thresholds without samples of at least two values, and for a continuous_mixture, whose laws
-    may all be of the same samples.
+    may all come from the same samples.
     """
     if not sampled_parts(thresholds):
         rule = "must come from from_samples, or be a mixture with such a law, with at least two different values"
@@ -136,10 +136,10 @@ def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
 
 
 def _drawn(law: Thresholds, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
-    """As many samples of a law, and how many each stands for."""
+    """`size` samples of a law, some merged: values, and the number of samples that each represents."""
     if size <= _DRAWN:
         return law.rvs(size, generator), np.ones(size)
-    # most are counted in cells of equal weight, at their medians; those in the two outermost are drawn one by one
+    # most samples are replaced by the medians of cells of equal weight; those in the two outermost cells are drawn
     counts = generator.multinomial(size, np.full(_CELLS, 1.0 / _CELLS))
     inner = np.flatnonzero(counts[1:-1]) + 1
     low = law.ppf(generator.random(counts[0]) / _CELLS)

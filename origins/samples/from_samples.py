@@ -13,10 +13,10 @@ from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
 
 _DOUBT = 0.05
-_NARROWEST = 1e-9  # of the largest sample: what is closer together is one value
+_NARROWEST = 1e-9  # of the largest sample: samples that all lie closer together are one value
 _SMALLEST, _LARGEST = 1e-100, 1e100
 _LEAST_GROUP = 5  # samples of a group beyond a gap
-_GAP = 10.0  # width of a gap beside those around it, beyond the log of the number of samples
+_GAP = 10.0  # a gap's least width over those around it, to which the log of the number of samples is added
 _NOTHING = 1e-6  # of one effective sample
 
 
@@ -30,26 +30,26 @@ def from_samples(
 ) -> Thresholds:
     """A smooth P_c through threshold values of your own; one value, or all equal to within 1e-9, gives identical().
 
-    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one is there at least 10
-    times more often than 5 times the second largest number among the two values to either side of it; and where there
-    are at most 8 values in all, each 10 times or more, that do not follow each other at one step, or at most 3. Equal
-    means to within 1e-12. Samples rounded to a grid, whose neighbours repeat alike, stay smooth.
+    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one occurs at least 10
+    times more often than 5 times the second largest count among the two values on either side of it; and where there
+    are at most 8 values in all, each 10 times or more, that are not equally spaced, or at most 3. Equal means to within
+    1e-12. Samples rounded to a grid, whose neighbours repeat equally often, stay smooth.
 
-    Five samples or more beyond a gap that is 10 + log(n) times as wide as those around it are a group with a law of its
-    own. Through each group goes one smooth law; fewer far samples keep their part of the mean, though not always their
-    place. Where a law misplaces a tenth of the samples more than sampling explains, they are refused: give each
-    narrow peak or group apart, in a mixture. P_c diverges at 0 only where the samples pile up there: half of the lowest
-    tenth below half of its reach.
+    Five samples or more beyond a gap that is 10 + log(n) times as wide as those around it are a group with its own
+    smooth law; fewer far samples keep their effect on the mean, though not always their place. Where a law misplaces
+    a tenth of the samples more than sampling explains, they are refused: give each narrow peak or group separately, in
+    a mixture. P_c diverges at 0 only where the samples accumulate there: half of the lowest tenth below half of its
+    reach.
 
     x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
     coefficient : c of the paper's quadratic law f_s = c x_s^2 (Eq. PxPf), so x_s = (f_s/c)^(1/2); force per length^2.
     stiffness : k of x_s = f_s/k, one for all contacts or an array of shape (n,), force per length, above zero.
-    weights : array of shape (n,), above zero, on any scale: how much each sample counts; all the same when left out.
-        The lightest, which together count for less than a millionth of one effective sample, are left out. A heavy
-        sample is not an exact value: only repeats are.
+    weights : array of shape (n,), above zero, on any scale: weight of each sample; equal when left out. The lightest,
+        which together weigh less than a millionth of one effective sample, are left out. A heavy sample is not an exact
+        value: only repeats are.
 
-    The result carries its sampling error: `n_samples`, `effective_samples`, `cdf_error`, `cdf_misfit`, `beyond` (see
+    The result has its sampling error as `n_samples`, `effective_samples`, `cdf_error`, `cdf_misfit`, `beyond` (see
     Sampled), and `origins.bootstrap` gives that of any number derived from it.
     Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths,
     unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given, and for samples
@@ -83,8 +83,8 @@ def from_samples(
 
 
 def _that_count(lengths: Array, counts: Array) -> tuple[Array, Array]:
-    """Sorted lengths and their shares, without the lightest, which together count for less than a millionth of one
-    sample: by Cauchy and Schwarz they move the mean by less than a thousandth of its error."""
+    """Sorted lengths and their shares, without the lightest, which together weigh less than a millionth of one
+    sample: by the Cauchy-Schwarz inequality they change the mean by less than a thousandth of its error."""
     order = np.argsort(lengths, kind="stable")
     lengths, shares = lengths[order], counts[order] / counts.max()
     shares /= shares.sum()
@@ -118,7 +118,7 @@ def _above_zero(name: str, value: object, size: int | None = None) -> Array:
 
 
 def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
-    """Samples (distinct, sorted) and shares of each group, parted where a gap is far wider than those beside it."""
+    """Samples (distinct, sorted) and shares of each group, separated where a gap is far wider than those around it."""
     place = np.arange(_LEAST_GROUP, x.size - _LEAST_GROUP + 1)
     if not place.size:
         return [(x, shares)]
@@ -134,20 +134,19 @@ def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
 
 
 class Sampled(Mixture):
-    """A smooth law through samples, beside their exact values.
+    """A smooth law through samples, with their exact values as atoms.
 
-    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/likelihood.py). Whether it
-    begins as a power x^m, at a finite value at x = 0 or with an edge at the smallest sample, and ends as an
-    exponential or with an edge at the largest, is what the samples make likeliest; thresholds over decades are counted
-    by log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is that of the samples.
-
-    n log n in the number of samples; memory for a few copies of them.
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/likelihood.py). The likelihood
+    also determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest sample, and
+    whether it ends as an exponential or with an edge at the largest; for thresholds over decades the polynomial's
+    variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is that of the
+    samples. Time grows as n log n with the number of samples, memory is a few copies of them.
 
     Attributes
     ----------
     n_samples : int
     effective_samples : float
-        (sum of the weights)^2 / sum of their squares: what the errors count; n_samples without weights.
+        (sum of the weights)^2 / sum of their squares, used in the errors; n_samples without weights.
     cdf_error : float
         The cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once, with
         95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
@@ -156,12 +155,12 @@ class Sampled(Mixture):
     beyond : (float, float)
         Weight below the smallest sample and above the largest.
     samples, shares : arrays of shape (n,)
-        The different values, sorted, and how much each counts, of sum 1.
+        The different values, sorted, and their weights, of sum 1.
     smooth_part : Thresholds or None
         The law without its atoms.
     onset_power, onset_power_error : float
-        m and its error. Where P_c begins at a finite value, m = 0, and the error is how far from 0 a fitted power would
-        be, and its own; inf where the samples are too far from 0, or begin too sharply, to tell.
+        m and its error. Where P_c begins at a finite value, m = 0, and the error is the size of a fitted power plus its
+        own error; inf where the samples are too far from 0, or begin too sharply, to determine m.
     """
 
     def __init__(
@@ -172,13 +171,13 @@ class Sampled(Mixture):
         effective_samples: float,
         known: Array | None = None,
     ) -> None:
-        """ordered : values, sorted, at least two of them different; shares : what each counts, of sum 1; known : which
-        values are exact, where that need not be found out."""
+        """ordered : values, sorted, at least two of them different; shares : their weights, of sum 1; known : the exact
+        values, if they are given."""
         self.n_samples, self.effective_samples = n_samples, effective_samples
         self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * effective_samples)))
         values, shares, counts = distinct(ordered, shares)
         atom = exact(values, counts) if known is None else np.isin(values, known)
-        if (~atom).sum() == 1:  # nothing tells how wide it might be
+        if (~atom).sum() == 1:  # its width cannot be estimated
             atom[:] = True
         laws: list[Thresholds] = [identical(float(value)) for value in values[atom]]
         weights = shares[atom]
@@ -198,7 +197,7 @@ class Sampled(Mixture):
         self.samples, self.shares = values, shares
         self.onset_power_error = 0.0
         if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:
-            # a group above a gap reaches down to 0 as well, with next to nothing
+            # a group above a gap reaches down to 0 as well, with negligible weight: the first one counts
             self.onset_power = found[0].onset_power
             self.onset_power_error = found[0].onset_power_error
         up_to, steps = self.cdf(values), np.cumsum(shares)

@@ -1,7 +1,7 @@
 """The most likely log-polynomial density of one form, smoothed by a penalty.
 
-The penalty is the integral of the squared third derivative, so that samples alone decide the mean, the width and what
-else a parabola can say, and each further bend must be paid for (B. W. Silverman, Ann. Stat. 10, 795, 1982; P. Eilers
+The penalty is the integral of the squared third derivative, so that a parabola, and with it mean and width, is not
+penalised, and each further bend must raise the likelihood enough (B. W. Silverman, Ann. Stat. 10, 795, 1982; P. Eilers
 and B. Marx, Stat. Sci. 11, 89, 1996).
 """
 
@@ -18,21 +18,21 @@ from origins.thresholds.law import Array
 
 _MOST_DEGREE = 48  # a peak of 1/30 of the samples' reach is resolved
 _PENALTIES = 10.0 ** np.arange(2.0, -10.5, -1.0)
-_STRAIGHT = 1e10  # penalty that leaves no bend at all
-_NO_BETTER = 6.0  # in score: where a smaller penalty is worse by this, the search ends
-_HEAVY = 3.0  # log-likelihood that a long tail must gain
-# Length on which a tail falls by e, of the last sample: from where it must gain, and at most. At 1/2 it is as heavy as
-# x^-2, which has no mean.
+_STRAIGHT = 1e10  # penalty that makes the log-density straight
+_NO_BETTER = 6.0  # the search ends where a smaller penalty lowers the score by this
+_HEAVY = 3.0  # gain in log-likelihood that a long tail needs
+# Length over which a tail falls by e, over the last sample: above _LONG it needs that gain, and _LONGEST is the limit.
+# At 1/2 it is as heavy as x^-2, which has no mean.
 _LONG, _LONGEST = 0.5, 4.0 / 3.0
 _LARGE_POWER = 10.0  # m of this size costs 1/2 of the log-likelihood, so that its error is finite
-_LEAST_POWER = -0.95  # nearer to 1/x nearly all weight would lie below what floating point holds
-_QUARTERS = 20  # factors of 4 below the first sample, down to which integrals look at the density
-_ENDS = 16  # extreme samples, each an edge of panels: far ones may pull the density up between them
-_CHUNK = 1 << 14  # samples whose rows are held at once
-_STEPS, _DONE = 100, 1e-13  # Newton's, and the log-likelihood left to gain at its end
+_LEAST_POWER = -0.95  # closer to 1/x nearly all weight would be at x that underflow
+_QUARTERS = 20  # factors of 4 below the first sample down to which integrals have panels
+_ENDS = 16  # extreme samples at either end that are edges of panels: far ones may raise the density between them
+_CHUNK = 1 << 14  # samples whose rows are in memory at once
+_STEPS, _DONE = 100, 1e-13  # Newton steps at most; gain in log-likelihood at which they end
 _NODES, _WEIGHTS = legendre.leggauss(8)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
-# along an exponential tail all rows are straight: two nodes are exact for value, gradient and curvature
+# along an exponential tail all rows are linear: two nodes are exact for value, gradient and curvature
 _TAIL_NODES, _TAIL_WEIGHTS = laguerre.laggauss(2)
 
 
@@ -48,8 +48,8 @@ def cost(size: float) -> float:
 class Fit:
     """The most likely density of one form; lengths in units of the median.
 
-    score : log-likelihood less what the parameters cost; akaike : less one for each of them; power_error : standard
-    error of m; beyond : weights below the first sample and above the last.
+    score : log-likelihood minus the cost of the parameters; akaike : minus one for each parameter; power_error :
+    standard error of m; beyond : weights below the first sample and above the last.
     """
 
     columns: Columns
@@ -67,7 +67,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class _State:
-    """Penalised log-likelihood per sample at some coefficients, and what Newton's method needs there."""
+    """Penalised log-likelihood per sample at some coefficients, and the quantities that Newton's method uses."""
 
     coefficients: Array
     value: float
@@ -76,14 +76,14 @@ class _State:
     rows: Array
 
     def covariance(self) -> Array:
-        """Of the columns under the density: minus the curvature of the log-likelihood."""
+        """Covariance of the columns under the density: minus the curvature of the log-likelihood."""
         away = self.rows - self.shares @ self.rows
         return (away * self.shares[:, None]).T @ away
 
 
 class Likelihood:
     """The penalised likelihood of one form for samples x (sorted, distinct, in units of their median) with `shares`
-    (sum 1) that are worth `size` samples."""
+    (sum 1); `size` is the effective number of samples."""
 
     def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
         self._size, self._form, self._bends = size, form, x.size > 2
@@ -93,11 +93,11 @@ class Likelihood:
         self._mean: Array = np.sum(
             [shares[i : i + _CHUNK] @ columns.rows(x[i : i + _CHUNK]) for i in starts], axis=0
         )
-        # where samples lie dense the density may change within little
+        # where samples are dense the density may change over short distances
         dense = np.linspace(0, x.size - 1, min(x.size, degree)).astype(int)
         edges = np.concatenate([columns.grid(), x[dense], x[:_ENDS], x[-_ENDS:]])
         edges = np.unique(np.append(edges, [columns.first, columns.last]))
-        # towards 0, and to either side of the first sample, where the density may be steep
+        # finer panels towards 0, and on either side of the first sample, where the density may be steep
         down = 0.25 ** np.arange(_QUARTERS + np.ceil(np.log2(columns.last / columns.first) / 2))
         if form.from_zero:
             beside = columns.first * (1.0 - down[1:])
@@ -116,7 +116,7 @@ class Likelihood:
             self._ridge[-1, -1] = _LARGE_POWER**-2 / size
 
     def best(self) -> Fit:
-        """The fit of largest score, from a straight line on through ever smaller penalties."""
+        """The fit of largest score: first a straight line, then smaller and smaller penalties."""
         start = np.zeros(self._mean.size)
         first = 0.0 if self._form.from_zero else self._columns.first
         at = self._columns.degree if self._form.decades else 0
@@ -129,7 +129,7 @@ class Likelihood:
                 break
             fits.append(found)
         best = max(fits, key=lambda fit: fit.score)
-        # penalties that are as likely give other powers: what the polynomial takes on itself near 0 differs
+        # other penalties of similar likelihood give other powers: their spread is part of the error of m
         likely = np.exp([fit.akaike - max(fit.akaike for fit in fits) for fit in fits])
         squares = [fit.power_error**2 + (fit.power - best.power) ** 2 for fit in fits]
         return replace(best, power_error=float(np.sqrt(likely @ squares / likely.sum())))
@@ -144,7 +144,7 @@ class Likelihood:
             yield penalty * bends
 
     def _state(self, coefficients: Array, penalty: Array) -> _State | None:
-        """None where there is no density: its tail does not fall, its power is below -0.95, or it overflows."""
+        """The state; None if these give no density: a tail that does not fall, a power below -0.95, or overflow."""
         log, rows = self._rows @ coefficients + self._log_weights, self._rows
         if self._form.power and coefficients[-1] <= _LEAST_POWER:
             return None
@@ -172,7 +172,7 @@ class Likelihood:
             step = _inverse(now.covariance() + penalty) @ gradient
             gain, length = float(gradient @ step), 1.0
             if not gain * self._size > _DONE:
-                # one step more, and the mean is that of the samples to round-off
+                # with one more step the mean equals that of the samples to round-off
                 last = self._state(now.coefficients + step, penalty)
                 return now if last is None else last
             trial = self._state(now.coefficients + step, penalty)

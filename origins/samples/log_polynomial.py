@@ -1,7 +1,7 @@
-"""Densities whose logarithm is a polynomial, and m log x beside it, so that P_c may begin as x^m.
+"""Densities whose logarithm is a polynomial plus m log x, so that P_c may begin as x^m.
 
-Legendre polynomials leave no knots that a solver would meet. Thresholds over decades are counted by log(1 + x/median),
-and x itself stands beside the polynomial.
+Legendre polynomials are smooth everywhere: splines would have knots that solvers must resolve. For thresholds over
+decades the variable is log(1 + x/median), and a term in x is added to the polynomial.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from origins.thresholds.law import Array, Thresholds
 
 @dataclass(frozen=True)
 class Form:
-    """How a log-density is written, and how it goes on beyond the extreme samples.
+    """The terms of a log-density, and its continuation beyond the extreme samples.
 
     from_zero : straight in x from the first sample down to x = 0; else P_c has an edge at the first sample.
     power : m log x is added.
@@ -33,8 +33,8 @@ class Form:
 class Columns:
     """The functions of x whose sum, each times its coefficient, is the log-density; x in units of the median.
 
-    Legendre polynomials of degree 1, 2, ..., then x (Form.decades), then log x (Form.power). Between the extreme
-    samples they are what they are called, beyond these straight lines.
+    Legendre polynomials of degree 1, 2, ..., then x (Form.decades), then log x (Form.power), all continued as straight
+    lines beyond the extreme samples.
     """
 
     def __init__(self, form: Form, first: float, last: float, degree: int) -> None:
@@ -78,7 +78,7 @@ class Columns:
         return np.concatenate(parts, axis=1)
 
     def value(self, x: Array, coefficients: Array) -> Array:
-        """rows(x) @ coefficients, shape as x; far out the same for the same x to the last bit."""
+        """rows(x) @ coefficients, shape as x; each value has the same bits whatever the other x."""
         inside = np.clip(x, self.first, self.last)
         below, above = np.minimum(x - self.first, 0.0), np.maximum(x - self.last, 0.0)
         y = (self._variable(inside) - self._middle) / self._half
@@ -108,7 +108,7 @@ class Columns:
 
 
 class LogPolynomial(Thresholds):
-    """The law with that log-density, up to its norm; lengths of `columns` times `unit`, extremes as they are."""
+    """The law with that log-density, to be normalised; lengths of `columns` times `unit`; extremes are lengths."""
 
     def __init__(
         self,

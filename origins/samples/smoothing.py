@@ -1,4 +1,4 @@
-"""How a smooth law through samples begins and ends: the likeliest of a few forms."""
+"""The choice of the ends of a smooth law through samples: the most likely of a few forms."""
 
 from dataclasses import replace
 
@@ -9,19 +9,19 @@ from origins.samples.likelihood import Fit, Likelihood, cost
 from origins.samples.log_polynomial import Form, LogPolynomial
 from origins.thresholds.law import Array, Thresholds
 
-_EDGE = 3.0  # log-likelihood that an edge, or a density that diverges at 0, must gain beyond a parameter's
+_EDGE = 3.0  # gain in log-likelihood that an edge, or a density diverging at 0, needs beyond a parameter's cost
 _SUSPECT = 1.5  # samples expected beyond the extreme one, above which an edge is tried there
-_FAR = 8.0  # times the median: samples beyond it may be thresholds over decades
-_NEAR_ZERO = 1.0 / 3.0  # of the median: only samples below it can tell a power x^m
-# What a law may be off: its mean, in standard errors, and its cdf, beyond what sampling explains (1.36/n^(1/2)).
+_FAR = 8.0  # medians: with samples beyond it a law over decades is tried too
+_NEAR_ZERO = 1.0 / 3.0  # of the median: a power x^m is tried only with samples below it
+# Allowed errors of a law: of its mean, in standard errors, and of its cdf, beyond the sampling error (1.36/n^(1/2)).
 _MEAN, _MISPLACED = 0.1, 0.1
 
 
 def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
-    """The law of largest score among those that begin and end in one way or another.
+    """The law of largest score among a few forms of its two ends.
 
     x : samples, distinct and sorted, at least 2; shares : weight of each, of sum 1; size : the effective number.
-    Raises InputError where none of them follows the samples.
+    Raises InputError where none of the laws follows the samples.
     """
     samples, unit = x, float(x[np.searchsorted(np.cumsum(shares), 0.5)])
     extremes = float(x[0]), float(x[-1])
@@ -29,7 +29,7 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
     piled_up = _piled_up(x, shares)
 
     def fitted(form: Form) -> Fit:
-        with np.errstate(all="ignore"):  # what overflows is no density
+        with np.errstate(all="ignore"):  # coefficients that overflow are rejected
             found = Likelihood(x, shares, size, form).best()
         edges = int(not form.from_zero) + int(not form.open_above)
         asked = edges * (cost(size) + _EDGE)
@@ -42,7 +42,7 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
         for decades in ((False, True) if x[-1] > _FAR else (False,))
         for power in ((False, True) if x[0] < _NEAR_ZERO else (False,))
     ]
-    # through two values: a straight line from one to the other
+    # two values: a straight line from one to the other
     between = [Form(from_zero=False, open_above=False)]
     tried = [fitted(form) for form in (forms if x.size > 2 else between)]
     best = max(tried, key=lambda one: one.score)
@@ -64,9 +64,9 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
 
 
 def _follows(law: Thresholds, x: Array, shares: Array, size: float) -> bool:
-    """Whether the law has the samples' mean, and but for a tenth and what sampling explains their weight everywhere.
+    """Whether the law has the samples' mean and cdf, the latter up to a tenth beyond the sampling error.
 
-    It need not: the sums of the likelihood may miss a peak between far samples, and no polynomial has some peaks.
+    It may not: the integrals of the likelihood may miss a peak between far samples, or no polynomial follows a peak.
     """
     mean = float(shares @ x)
     error = float(np.sqrt(shares @ (x - mean) ** 2 / size))
@@ -79,7 +79,7 @@ def _follows(law: Thresholds, x: Array, shares: Array, size: float) -> bool:
 
 
 def _onset_error(best: Fit, tried: list[Fit]) -> float:
-    """Error of m; where no power is fitted, how far from 0 one would be, and its own error."""
+    """Error of m; where no power is fitted, the size of the one that would be, plus its error."""
     if best.columns.form.power or not best.columns.form.from_zero:
         return best.power_error
     rivals = [abs(one.power) + one.power_error for one in tried if one.columns.form.power]
@@ -87,8 +87,8 @@ def _onset_error(best: Fit, tried: list[Fit]) -> float:
 
 
 def _piled_up(x: Array, shares: Array) -> bool:
-    """Whether the lowest tenth of the samples, ten at least, lies closer to 0 than evenly: half of it in the lower half
-    of its reach."""
+    """Whether the lowest tenth of the samples (at least ten) accumulates at 0: half of it is below half of its
+    reach."""
     below = np.cumsum(shares)
     share = max(0.1, 10.0 * float(shares.mean()))
     middle, reach = x[np.minimum(np.searchsorted(below, [0.5 * share, share]), x.size - 1)]

@@ -1,1 +1,1 @@
-"""Laws P_c(x) of breaking thresholds: what every law answers, and the families of them."""
+"""Laws P_c(x) of breaking thresholds: the methods of every law, and the families of laws."""

@@ -12,10 +12,10 @@ from origins.thresholds.mixture import Mixture
 from origins.thresholds.quadrature import NODES, gauss
 from origins.thresholds.scipy_laws import as_thresholds
 
-_MOST = 512  # laws in the mixture
+_MOST = 512  # laws in the mixture at most
 _PILOTS = 16
-_SAME = 1e-9  # of a place: as near, it is one
-_JUMP = 1e-4  # in units of 1/<x_s>
+_SAME = 1e-9  # relative distance at which two places count as equal
+_JUMP = 1e-4  # least jump of a density, in units of 1/<x_s>
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
 
@@ -41,18 +41,18 @@ def continuous_mixture(
     density : function of phi
         R(phi) >= 0, normalised here; left out: all phi equal.
     accuracy : float
-        Of the survival, absolute, and of <x_s>, relative. Intervals of phi are halved until the sum over all differs
-        from that over their halves by less.
+        Of the survival, absolute, and of <x_s>, relative. Intervals of phi are halved until halving changes the sum by
+        less.
 
     Returns
     -------
     thresholds : ContinuousMixture
-        A mixture of the laws at the nodes, with `.quadrature_error`, that difference. A tail rarer than it is that of
-        the nodes' own laws.
+        A mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability below it
+        is that of the laws at the nodes.
 
     Raises InputError for values outside these, where 512 laws do not reach the accuracy, and where P_c(x; phi) has
-    exact values or jumps that move with phi: the average has none, while any finite mixture keeps one for each law,
-    and a K* of its own with it.
+    exact values or jumps that move with phi: the average has none, while a finite mixture has one for each law, and
+    therefore another K*.
     """
     lower, upper = finite("lower", lower), finite("upper", upper)
     accuracy = positive("accuracy", accuracy)
@@ -63,7 +63,7 @@ def continuous_mixture(
         refuse("law", law, f"must be a function of phi, {such}")
     if density is not None and not callable(density):
         refuse("density", density, "must be a function of phi")
-    # never at an end of an interval, where sums would agree however rough the law is in between
+    # not at the ends of intervals, where sums could agree however rough the law is in between
     places = lower + (upper - lower) * ((np.arange(_PILOTS) + 0.5) * _GOLDEN % 1.0)
     pilots = [as_thresholds(law(float(phi))) for phi in places]
     _check_moving(pilots)
@@ -81,7 +81,7 @@ def continuous_mixture(
 
     @cache
     def missed(low: float, high: float) -> float:
-        """By how much the sums of an interval differ from those of its halves, at most."""
+        """Largest difference between the sums of an interval and those of its halves."""
         middle = 0.5 * (low + high)
         halves = part(low, middle).sums + part(middle, high).sums
         return float(np.abs(part(low, high).sums - halves).max())
@@ -125,7 +125,7 @@ def _height(density: Callable[[float], float], phi: float) -> float:
 
 
 def _check_moving(laws: Sequence[Thresholds]) -> None:
-    """InputError where an exact value or a jump of the density stands at another place in every law."""
+    """InputError where an exact value or a jump of the density is at a different place in every law."""
     found = [_hard_points(one) for one in laws]
     for i, points in enumerate(found):
         others = np.concatenate(found[:i] + found[i + 1 :])

@@ -9,9 +9,9 @@ from origins.errors import finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.numerical import NumericalLaw
 
-_STEEPEST, _SLOWEST = 100.0, 0.1  # powers and decays whose quantiles floats still tell apart
-_FURTHEST = 1e6  # Persson's centre over width
-_HEAVY = 40.0  # (centre/width)^2 above which nothing to speak of lies near x = 0
+_STEEPEST, _SLOWEST = 100.0, 0.1  # limits of powers and decays, for quantiles in floats
+_FURTHEST = 1e6  # largest centre over width of Persson's law
+_HEAVY = 40.0  # (centre/width)^2 above which the weight near x = 0 is negligible
 
 
 def rectangular(lower: float, upper: float) -> Thresholds:
@@ -96,7 +96,7 @@ def lubricated(width: float, power: float = 3.0, decay: float = 2.0) -> Threshol
 
 
 class GeneralisedGamma(Thresholds):
-    """P_c ~ x^power exp(-(x/width)^decay), power > -1, decay > 0, from its density and its moments."""
+    """P_c ~ x^power exp(-(x/width)^decay), power > -1, decay > 0, given by its density and its moments."""
 
     def __init__(self, width: float, power: float, decay: float) -> None:
         self.width, self.onset_power, self.decay = width, power, decay
@@ -172,7 +172,7 @@ class Persson(Thresholds):
         # (2a/sqrt(pi)) / erf(a), 1 at a = 0
         kappa = 2.0 * self._a / np.sqrt(np.pi) / float(erf(self._a)) if self._a > 0.0 else 1.0
         self._log_front = float(np.log(4.0 * kappa / width))
-        # a law far narrower than its centre keeps its digits as a function of x - c
+        # a law far narrower than its centre is a function of x - c, to keep its digits
         self._origin = centre if self._a > _HEAVY else 0.0
 
     def support(self) -> tuple[float, float]:

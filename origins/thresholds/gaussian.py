@@ -11,9 +11,9 @@ from origins.thresholds.gaussian_chord import ChordGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
 
-_LARGEST, _UNIT = 1e150, "choose another unit of length"  # so that squares are numbers
-_NARROWEST = 1e-15  # std over mean, which rounding takes for one value
-_CLOSED = 5.0  # widths below 0, from where on the closed forms lose digits
+_LARGEST, _UNIT = 1e150, "choose another unit of length"  # so that squares are finite
+_NARROWEST = 1e-15  # std over mean below which rounding leaves one value
+_CLOSED = 5.0  # widths of the mean below 0, beyond which the closed forms lose digits
 _ROOT_TWO = np.sqrt(2.0)
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
@@ -53,7 +53,7 @@ def gaussian(
 
 
 class CutGaussian(Thresholds):
-    """The normal law with parent mean and width, conditional on x > 0, from its density alone."""
+    """The normal law with parent mean and width, conditional on x > 0, given by its density."""
 
     onset_power = 0.0
 
@@ -61,7 +61,7 @@ class CutGaussian(Thresholds):
         self.parent_mean = parent_mean
         self.parent_std = parent_std
         self._z0 = -parent_mean / parent_std
-        # P_c(0), and its log, by the form that stays finite however little of the parent is kept
+        # P_c(0), by a form that stays finite however small the part of the parent above 0 is
         self._log_kept = float(log_ndtr(-self._z0))
         self._kept = float(ndtr(-self._z0))
         scaled = float(erfcx(self._z0 / _ROOT_TWO))
@@ -91,7 +91,7 @@ class NormalAboveZero(CutGaussian):
         return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
 
     def _cdf(self, x: Array) -> Array:
-        # from the side of the parent's median on which less cancels
+        # differences on the side of the parent's median where less cancels
         side = -1.0 if self._z0 > 0.0 else 1.0
         out = np.abs(ndtr(side * self._z(x)) - ndtr(side * self._z0)) / self._kept
         # just above 0 the difference cancels: integrate the density instead
@@ -110,12 +110,12 @@ class NormalAboveZero(CutGaussian):
             x = self.parent_mean - self.parent_std * ndtri_exp(np.log1p(-q) + self._log_kept)
         else:
             x = self.parent_mean + self.parent_std * ndtri(ndtr(self._z0) + q * self._kept)
-        # close to 0 the density is what it is there, and the forms above round x away
+        # close to 0 the density is constant, and the forms above lose x to rounding
         x = np.where(q < 1e-6 * self._at_zero * self.parent_std, q / max(self._at_zero, 1e-300), x)
         return self._polish(x, q, self._cdf, -1.0)
 
     def _polish(self, x: Array, q: Array, function: Callable[[Array], Array], sign: float) -> Array:
-        """Two Newton steps, for the digits lost where x is small beside the parent mean."""
+        """Two Newton steps, which restore the digits lost where x is much smaller than the parent mean."""
         for _ in range(2):
             x = np.maximum(x, 0.0)
             density = self._pdf(x)

@@ -9,7 +9,7 @@ from origins.thresholds.numerical import NumericalLaw
 class ChordGaussian(Thresholds):
     """P_c ~ h(x) = G(x) - G(0) - (x/upper) [G(upper) - G(0)] where that is positive; 0 < parent_mean < upper.
 
-    h is positive on one interval. It ends at 0 and at upper, or before, where the chord lies above the density.
+    h is positive on one interval within (0, upper), where the normal density G is above the chord.
     """
 
     onset_power = 1.0
@@ -26,7 +26,7 @@ class ChordGaussian(Thresholds):
         return self._ends
 
     def _log_weight(self, x: Array) -> Array:
-        """log of h(x) / G(mean), from the zero of h that lies closer, so that nothing cancels there."""
+        """log of h(x) / G(mean), written relative to the nearer zero of h, to avoid cancellation there."""
         low, high = self._ends
         anchor = np.where(x - low < high - x, low, high)
         with np.errstate(over="ignore", divide="ignore"):

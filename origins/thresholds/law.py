@@ -1,4 +1,4 @@
-"""Thresholds: the law P_c(x) of the stretch at which a contact breaks. What a new law states stands in the class."""
+"""Thresholds: the law P_c(x) of the stretch at which a contact breaks. The class says what a new law must define."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ _ROUNDING = 1e-9  # by which sums of a family's survival may leave [0, 1]
 class Thresholds:
     """Distribution of breaking thresholds x_s >= 0 (a length), with the names and meanings of a frozen scipy.stats one.
 
-    A family states, for arrays x inside its support:
+    A family defines, for arrays x inside its support:
 
     - required: `support()`, and one of `_log_weight(x)`, the log of the density up to a constant, or of
-      `_logpdf(x)` and `_pdf(x)`, which are normalised. Densities are also asked at finite ends of the support.
-      They owe a relative 1e-10, the logarithms 1e-10 of max(1, |log|), also where the density underflows.
-    - required where they are not what they are here: `breakpoints` inside the support, `onset_power`, `atoms`.
+      `_logpdf(x)` and `_pdf(x)`, which are normalised. Densities are also evaluated at finite ends of the support.
+      They must be accurate to a relative 1e-10, logarithms to 1e-10 max(1, |log|), also where the density underflows.
+    - required where they differ from the defaults here: `breakpoints` inside the support, `onset_power`, `atoms`.
     - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
       `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other), `_logsf`
       (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or 1e-10 in the probability), `_moment`
-      and `_variance` (1e-10). A family with atoms states `_cdf` and `_sf`.
+      and `_variance` (1e-10). A family with atoms defines `_cdf` and `_sf`.
 
-    InputError, with the family's name, where its survival leaves [0, 1]: told when it is first asked, and by Contacts.
+    Raises InputError, with the family's name, where its survival leaves [0, 1]: when first evaluated, and in Contacts.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Thresholds:
         m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any
         power, or where nothing continuous begins there.
     onset_power_error : float
-        Its error: 0 where the family states it, else that of the fit.
+        Its error: 0 where the family defines it, else that of the fit.
     domains : DomainSamples or None
         Barriers, angles and sizes of the islands, where the law comes from rotated domains.
     interface : Interface or None
@@ -51,7 +51,7 @@ class Thresholds:
     cut_weight : float
         Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
     knows_breakpoints : bool
-        Whether `breakpoints` are all there are; a foreign law may bend or jump elsewhere.
+        Whether `breakpoints` are complete; a law of the user may have other kinks or jumps.
     """
 
     onset_power: float = np.inf
@@ -64,7 +64,7 @@ class Thresholds:
     _lowest_atom: float = 0.0
     _survival_checked = False
 
-    # -- what a family states: x lies inside the support ------------------------------------------------
+    # -- methods that a family defines, for x inside the support ----------------------------------------
     def _log_weight(self, x: Array) -> Array:
         if type(self)._logpdf is Thresholds._logpdf and type(self)._pdf is Thresholds._pdf:
             raise NotImplementedError(f"{type(self).__name__}: state _log_weight, _logpdf or _pdf")
@@ -77,7 +77,7 @@ class Thresholds:
             return np.log(self._pdf(x))
 
     def _pdf(self, x: Array) -> Array:
-        # where the density diverges it may exceed all numbers
+        # where the density diverges it may overflow
         with np.errstate(over="ignore"):
             return np.exp(self._logpdf(x))
 
@@ -121,7 +121,7 @@ class Thresholds:
         return self._central_moment(n, 0.0)
 
     def _central_moment(self, n: float, centre: float) -> float:
-        # of a law that states its density and survival, the density may be too rough for panels of its logarithm
+        # where a law defines density and survival, its density may be too rough for panels of the log-density
         rough = type(self)._logpdf is Thresholds._logpdf and type(self)._sf is not Thresholds._sf
         return panel_moment(self, n, centre) if rough else self._numerical.moment(n, centre)
 
@@ -142,7 +142,7 @@ class Thresholds:
 
     @cached_property
     def _numerical(self) -> NumericalLaw:
-        """What the density alone gives; InputError where the family calls one normalised that is not."""
+        """The law computed from the density; InputError where a density that must be normalised is not."""
         found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
         normalised = type(self)._log_weight is Thresholds._log_weight
         if normalised and not abs(found.log_whole) < _LOOSE:
@@ -156,7 +156,7 @@ class Thresholds:
         """(positions, weights) of the exact single values in the law; empty where it is continuous."""
         return np.empty(0), np.empty(0)
 
-    # -- what everyone calls --------------------------------------------------------------------------
+    # -- public methods -------------------------------------------------------------------------------
     def pdf(self, x: npt.ArrayLike) -> Array:
         """Density P_c(x), per length; atoms left out, the limit from inside at the support's ends. Shape as x."""
         return self._inside(self._pdf, x, 0.0, 0.0)
@@ -220,7 +220,7 @@ class Thresholds:
 
     # -- shared machinery -------------------------------------------------------------------------------
     def _near_one(self, x: Array, log_survival: Array) -> Array:
-        """log_survival, and where that is near 0 the digits that the cdf has."""
+        """log_survival, computed from the cdf where it is near 0, which has more digits there."""
         near = log_survival > -0.5
         if near.any():
             log_survival[near] = np.log1p(-self._cdf(x[near]))
@@ -234,7 +234,7 @@ class Thresholds:
         above: float,
         at_lower: float | None = None,
     ) -> Array:
-        """inner(x) inside the support, else its limits; a density has no `at_lower`, and is asked at the ends, too."""
+        """inner(x) inside the support, else limits; a density has no `at_lower` and is evaluated at the ends too."""
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
         if at_lower is None:
@@ -243,7 +243,7 @@ class Thresholds:
             within = (x > lower) & (x < upper)
         if x.ndim and x.size and within.all():
             return inner(x)
-        # a NaN compares false everywhere and stays what it is
+        # a NaN compares false everywhere and stays NaN
         out = np.where(x >= upper, above, np.where(x < lower, below, x))
         if at_lower is not None:
             out[x == lower] = at_lower if lower < upper else above

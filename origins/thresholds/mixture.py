@@ -12,7 +12,7 @@ from origins.thresholds.inversion import invert_hazard
 from origins.thresholds.law import Array, RandomState, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
-_ROUNDING = 16.0 * np.finfo(float).eps  # of a hazard that is met to its last bits
+_ROUNDING = 16.0 * np.finfo(float).eps  # relative error within which hazards count as equal
 
 
 def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
@@ -119,7 +119,7 @@ class Mixture(Thresholds):
     def _between(self, quantiles: list[Array], hazard: Array) -> Array:
         """Thresholds at which -log of the survival is `hazard`, among the components' own quantiles."""
         goal = hazard.ravel()
-        # all of an atom's weight belongs to its value, and the weight up to a gap to the gap's left end
+        # quantiles within an atom's weight are its value, and those at a gap the gap's left end
         marks = self.breakpoints
         before, after = (-self.logsf(x) for x in (np.nextafter(marks, 0.0), marks))
         first = np.minimum(np.searchsorted(after, goal * (1.0 - _ROUNDING)), marks.size - 1)

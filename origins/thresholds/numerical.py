@@ -1,4 +1,4 @@
-"""One law from its log-density: cdf, survival and moments on panels, with relative accuracy in both tails."""
+"""A law computed from its log-density: cdf, survival and moments on panels, with relative accuracy in both tails."""
 
 from collections.abc import Callable
 
@@ -12,20 +12,20 @@ Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
 
 _NODES = 12  # of Gauss and Legendre on each panel
-# Change of the log-density over a panel, at most: a polynomial through the nodes then errs by 1e-14.
+# Largest change of the log-density over a panel: the polynomial's error is then 1e-14.
 _SPREAD = 1.6
-# Error of the polynomial, relative to the largest density on its panel; and what rounding of the
-# density itself may leave of it, which halving does not mend.
+# Error of the polynomial, relative to the largest density on its panel; and the error below which it
+# may come from rounding of the density, which halving does not reduce.
 _ACCURACY, _NOISE = 1e-13, 1e-8
-# Log of a weight beside the largest: exp(-745) is the least number there is.
+# Minus the log of the smallest relative weight: exp(-745) is the smallest float.
 _NOTHING = 745.0
 # Panels halve towards the ends of the support, to 1e-33 of the place where most weight is.
 _HALVINGS = 110
-# What may be left of a density's logarithm beside its power, over a factor of 2.
+# Largest deviation of the log-density from that of its power, over a factor of 2.
 _ONSET = 1e-12
-# Distances at which a density is looked for, in any unit of length.
+# Distances at which the density is searched for, in any unit of length.
 _STEPS = np.geomspace(1e-130, 1e130, 2601)
-# m of a density x^-m, from where on positions beside a pole are too coarse to tell the weights.
+# m of a density x^-m above which positions near a pole are too coarse to determine weights.
 _POLE, _WIDER = 0.1, 1024.0
 _MOST = 20_000  # panels; smooth densities take some 500
 _EPSILON = float(np.finfo(float).eps)
@@ -40,16 +40,16 @@ _TO_HALVES = legendre.legvander(_HALVES, _NODES - 1) @ _TO_SERIES
 _C = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
 _MEANS = legendre.legval(_C, legendre.legint(_TO_SERIES, lbnd=-1.0)).T / (1.0 + _C)[:, None]
 _TO_MEAN = np.linalg.solve(chebyshev.chebvander(_C, _NODES - 1), _MEANS)
-# Where as much of a moment as _HEAVY comes from thresholds as rare as _RARE, it is infinite.
+# A moment is infinite if a share above _HEAVY of it comes from a survival below _RARE.
 _RARE, _HEAVY = 1e-100, 1e-9
-_DEEP = 1e-280  # survival below which it is an integral along the tail
+_DEEP = 1e-280  # survivals below this are integrated along the tail
 _TAIL_PLACES, _TAIL_WEIGHTS = laguerre.laggauss(24)
 
 
 class NumericalLaw:
     """The normalised law of a density that is smooth between given points.
 
-    The panels halve until a polynomial of degree 11 follows the density on each, and the weights of all panels are
+    Panels are halved until a polynomial of degree 11 fits the density on each, and the weights of all panels are
     added from both ends: cdf and survival keep a relative 1e-12 down to 1e-300 where the log-density is exact.
 
     Parameters
@@ -63,16 +63,16 @@ class NumericalLaw:
     power : float
         m of the onset y^m at the lower end; inf where it is not known.
     origin : float
-        Where a density far narrower than its place is written as a function of the distance from that place, so that
-        no digits are lost.
+        A density far narrower than its mean is written as a function of the distance from this x, so that no digits
+        are lost.
 
     Attributes
     ----------
     log_whole : float
         Log of the integral of exp(log_density).
 
-    Raises InputError for a density that 20,000 panels do not follow, and for one that diverges, but at x = 0 with a
-    known power: beside such a place positions are too coarse for a density to tell the weights.
+    Raises InputError for a density that 20,000 panels do not resolve, and for one that diverges, except at x = 0 with a
+    known power: near such a place positions are too coarse to determine weights from the density.
     """
 
     def __init__(
@@ -111,13 +111,13 @@ class NumericalLaw:
         self._hazards = np.where(self._below < 0.5, lower_half, upper_half)
 
     def _log_at(self, y: Array) -> Array:
-        """The log-density, -inf where the density is zero or no number."""
+        """The log-density, -inf where the density is zero or not finite."""
         with np.errstate(all="ignore"):
             value = self._log_density(y)
         return np.where(np.isfinite(value), value, -np.inf)
 
     def _check_poles(self, marks: Array, power: float) -> None:
-        """InputError where the density diverges, but at a lower end x = 0 with a known power."""
+        """InputError where the density diverges, except at a lower end x = 0 with a known power."""
         places = np.unique(np.concatenate([marks, [self._lower, self._upper]]))
         places = places[(places >= self._lower) & (places <= self._upper) & np.isfinite(places)]
         if np.isfinite(power):
@@ -137,7 +137,7 @@ class NumericalLaw:
 
     def _panels(self, points: Array) -> tuple[Array, float]:
         """Set the panels' edges, shape (n + 1,), down to weights of exp(-745); exp(log density - top) at the nodes,
-        shape (n, 12), and top. InputError where 20,000 panels do not follow the density."""
+        shape (n, 12), and top. InputError where 20,000 panels do not resolve the density."""
         edges, top = self._first_edges(points)
         left, right = edges[:-1], edges[1:]
         log = self._log_at(left[:, None] + (right - left)[:, None] * _PLACES) - top
@@ -198,7 +198,7 @@ class NumericalLaw:
         end = seen.min(where=seen > live.max(), initial=min(self._upper, 2.0 * float(seen.max())))
         width = np.abs(seen - highest).min(where=density < top - 1.0, initial=end - start)
         halvings = _HALVINGS + np.log2((end - start) / (highest - self._lower))
-        # and further towards a lower end at which the density is not its power yet
+        # more halvings where the density near the lower end is not yet its power
         least = max(1e-290, 64.0 * _EPSILON * abs(self._lower))
         while np.isfinite(self._power) and (y := (end - start) * 0.5**halvings) > least:
             log = self._log_at(self._lower + y * np.array([0.5, 1.0]))
@@ -216,13 +216,13 @@ class NumericalLaw:
         return edges[(edges >= start) & (edges <= end)], float(top)
 
     def _around(self, places: Array, steps: Array) -> Array:
-        """What lies at these distances to either side of the finite places, inside the support."""
+        """The points at these distances on either side of the finite places, inside the support."""
         places = places[np.isfinite(places)][:, None]
         found = np.unique(np.concatenate([places - steps, places + steps]))
         return found[(found > self._lower) & (found < self._upper)]
 
     def _before(self, x: Array) -> tuple[Indices, Array]:
-        """The panels that x lie in, and the weight there to the left of x."""
+        """The panels in which x lie, and the weight of the panel to the left of x."""
         y = np.clip(x - self._origin, self._edges[0], self._edges[-1])
         panel = np.clip(np.searchsorted(self._edges, y, side="right") - 1, 0, self._widths.size - 1)
         away = y - self._edges[panel]
@@ -267,10 +267,10 @@ class NumericalLaw:
         return out
 
     def _log_tail(self, y: Array) -> Array:
-        """Log survival far out, where the density falls by e over much less than y."""
+        """Log survival far out, where the density falls by a factor e over much less than y."""
         start = self._log_at(y)
         fall = 1e-3 * (y - self._lower)
-        # the log-density, too, may be beyond all numbers
+        # the log-density may overflow, too
         with np.errstate(divide="ignore", invalid="ignore"):
             for _ in range(30):
                 drop = start - self._log_at(y + fall)

@@ -1,4 +1,4 @@
-"""Thresholds that are a power of another law's variable, or one power of it below a point and another beyond."""
+"""Thresholds that are a power of another law's variable, or one power below a point and another one above."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from origins.thresholds.law import Array, Thresholds
 class Powered(Thresholds):
     """The law of power(y), y from `base` (paper, Eqs. fsvsxs and PxPf); `power` rises, and may bend.
 
-    All is the base's, taken where y stands, so that nothing of its accuracy is lost. At a bend, which
-    needs a base that begins at 0, the density jumps by the quotient of the exponents: a breakpoint.
+    All functions are those of the base at y, and as accurate. At a bend, which needs a base that begins
+    at 0, the density jumps by the ratio of the exponents: a breakpoint.
     """
 
     def __init__(self, base: Thresholds, power: PowerLaw | Bend) -> None:
@@ -46,7 +46,7 @@ class Powered(Thresholds):
         return out
 
     def _y(self, x: Array) -> Array:
-        """Where the base's variable stands at the threshold x."""
+        """The base's variable at the threshold x."""
         with np.errstate(over="ignore"):
             return np.asarray(self._back(x))
 

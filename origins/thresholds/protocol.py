@@ -1,4 +1,4 @@
-"""The seam for thresholds: all that a solver may ask of the law P_c(x) of breaking thresholds."""
+"""The protocol of thresholds: all that solvers use of the law P_c(x) of breaking thresholds."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ class ThresholdLaw(Protocol):
     """Law P_c(x) of the thresholds x_s >= 0 (lengths) at which contacts break.
 
     A law may have a density, exact single values (`atoms`), or both. The methods take numbers or
-    arrays of any shape and answer in that shape; outside the support they give the limits 0, 1 and
-    -inf. What each of them means stands in origins.Thresholds, which all origins of thresholds
-    return, and which conforms.
+    arrays of any shape and return that shape; outside the support they give the limits 0, 1 and
+    -inf. origins.Thresholds, which all origins of thresholds return, explains each of them and
+    conforms to this protocol.
 
-    To a relative 1e-10, of the law's own definition: pdf where it does not underflow, sf (also where
-    it is small, where it is never computed as 1 - cdf), logsf (finite where sf underflows, accurate
-    where it is near 1, too), mean, and sf at isf(q), or isf itself to 1e-12; logpdf to 1e-10 of
-    max(1, |logpdf|). isf raises InputError for q outside [0, 1].
+    Required accuracy, a relative 1e-10 of the exact value: pdf where it does not underflow, sf (also
+    where it is small, so never as 1 - cdf), logsf (finite where sf underflows, accurate also where sf
+    is near 1), mean, and sf at isf(q), or isf itself to 1e-12; logpdf to 1e-10 of max(1, |logpdf|).
+    isf raises InputError for q outside [0, 1].
     """
 
     def pdf(self, x: npt.ArrayLike) -> Array: ...

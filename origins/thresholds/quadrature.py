@@ -1,7 +1,7 @@
 """Panels on which a threshold density is smooth, found by bisection, and Gauss-Legendre sums over them.
 
-The panels follow the law at every scale it has: jumps sit on edges, an x^(1/3) onset is approached by
-halving, and a spike that every node misses betrays itself because the panel's mass differs from the cdf's.
+The panels resolve the law at all its scales: jumps are on edges, an x^(1/3) onset is approached by
+halving, and a spike that all nodes miss is detected because the panel's weight differs from the cdf's.
 """
 
 from typing import Any
@@ -17,7 +17,7 @@ GAUSS_NODES = 0.5 * (GAUSS_NODES + 1.0)  # on (0, 1)
 GAUSS_WEIGHTS = 0.5 * GAUSS_WEIGHTS
 
 _SEEDS = np.array([1e-15, 1e-9, 1e-5, 1e-3, 0.03, 0.25, 0.5])
-_TAIL, _FAINT = 1e-18, 1e-60  # survivals at which panels end, and at which they do for a moment
+_TAIL, _FAINT = 1e-18, 1e-60  # survivals at which panels end, in general and for moments
 _ACCURACY = 1e-15
 _DEPTH = 64
 _MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many
@@ -33,7 +33,7 @@ def gauss(left: Array, right: Array) -> tuple[Array, Array]:
 def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> Array:
     """Edges of panels on each of which 8 nodes integrate P_c(x) and x P_c(x) to 1e-15 of the whole.
 
-    Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are not looked at.
+    Covers the support up to `upper`, and an infinite tail to survival `tail`. Atoms are ignored.
     """
     lower, end = thresholds.support()
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
@@ -49,11 +49,11 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
     done, found = np.zeros(2), [edges]
     for _ in range(_DEPTH):
         middle = _middle(left, right)
-        # asked for all three at once: many a law takes longer to be asked than to answer
+        # all three in one call, since for many laws calls take longer than evaluations
         ends = np.stack([left, left, middle]), np.stack([right, middle, right])
         whole, first, second = _mass(thresholds, *ends, scale)
-        # rare but distant weight makes <x> large beside the median; and the nodes themselves are rounded, which no
-        # halving can see through
+        # rare but distant weight makes <x> large relative to the median; and halving cannot reduce the rounding of
+        # the nodes
         level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
         rounding = _EPSILON * np.abs(whole) * right / (right - left)
         missed = np.abs(_cdf_mass(thresholds, left, right) - whole[0]) > 1e-12 + 64.0 * rounding[0]
@@ -69,7 +69,7 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
 
 
 def _middle(left: Array, right: Array) -> Array:
-    """Arithmetic, but geometric over several decades, so that a spike far down is reached."""
+    """Arithmetic mean, geometric over several decades, so that a spike at small x is reached."""
     return np.where(
         (left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right)
     )
@@ -83,13 +83,13 @@ def _mass(thresholds: Any, left: Array, right: Array, scale: float) -> Array:
 
 
 def finite_density(thresholds: Any, nodes: Array) -> Array:
-    """P_c, but 0 where a node was rounded onto a point at which it diverges."""
+    """P_c, with 0 where a node was rounded onto a point at which it diverges."""
     density = thresholds.pdf(nodes)
     return np.where(np.isfinite(density), density, 0.0)
 
 
 def _cdf_mass(thresholds: Any, left: Array, right: Array) -> Array:
-    """Weight between left and right, atoms left out."""
+    """Weight between left and right, without atoms."""
     ends = np.stack([left, right])
     below, above = thresholds.cdf(ends), thresholds.sf(ends)
     mass = np.where(below[0] < 0.5, below[1] - below[0], above[0] - above[1])

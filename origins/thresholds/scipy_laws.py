@@ -9,9 +9,9 @@ import numpy as np
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array, Thresholds
 
-_BELOW_ZERO = 1e-15  # weight at or below x = 0 that rounding alone leaves
-_CUT_LIMIT = 1e-6  # weight there that may be cut off, as of starts beyond every threshold
-_LOOSE = 1e-9  # relative error of a distribution's own quantiles, from where on they are found anew
+_BELOW_ZERO = 1e-15  # weight at or below x = 0 that may be due to rounding
+_CUT_LIMIT = 1e-6  # largest weight there that is cut off, the same as for starts
+_LOOSE = 1e-9  # relative error of a distribution's own quantiles above which they are recomputed
 _FROZEN = ("pdf", "logpdf", "cdf", "sf", "logsf", "ppf", "isf", "moment", "support")
 _NEWER = ("pdf", "logpdf", "cdf", "ccdf", "icdf", "iccdf", "mean", "support", "sample")
 
@@ -19,8 +19,8 @@ _NEWER = ("pdf", "logpdf", "cdf", "ccdf", "icdf", "iccdf", "mean", "support", "s
 def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     """`law` itself if it is a Thresholds, else the continuous scipy.stats distribution, wrapped.
 
-    A weight of up to 1e-6 at or below x = 0 is cut off: it stands in `cut_weight`, and solvers tell it.
-    Raises InputError, which says `name`, for anything else, for more weight there and for an infinite mean.
+    A weight of up to 1e-6 at or below x = 0 is cut off: it is stored in `cut_weight`, and solvers report it.
+    Raises InputError, which names `name`, for anything else, for more weight there and for an infinite mean.
     """
     if isinstance(law, Thresholds):
         return law
@@ -75,7 +75,7 @@ def single_mean(name: str, frozen: Any) -> float:
 class ScipyDensity(Thresholds):
     """The density of a distribution where x > 0, normalised; cut_weight lay at or below 0.
 
-    A distribution tells the ends of its support, and no other breakpoints; its onset is fitted.
+    A distribution gives the ends of its support, but no other breakpoints; its onset is fitted.
     """
 
     knows_breakpoints = False
@@ -95,7 +95,7 @@ class ScipyDensity(Thresholds):
             return np.asarray(self.distribution.logpdf(x))
 
     def _fit_onset(self) -> tuple[float, float]:
-        """Limit of (x - a) P_c / cdf at the support's lower end a, less one, and its error; inf where it has none."""
+        """Limit of (x - a) P_c / cdf - 1 at the support's lower end a, and its error; inf where there is no limit."""
         lower = self._support[0]
         halvings = np.array([30.0, 36.0, 42.0] if lower == 0.0 else [16.0, 19.0, 22.0])
         x = lower + (float(self.ppf(0.5)) - lower) * 2.0**-halvings
@@ -103,7 +103,7 @@ class ScipyDensity(Thresholds):
             first, power, last = (x - lower) * self.pdf(x) / self.cdf(x) - 1.0
         if not np.isfinite(last) or not abs(last - power) <= 1e-3 * (1.0 + abs(power)):
             return np.inf, 0.0
-        # the rest falls as a power of the distance: one step of Aitken
+        # the deviation from the limit falls as a power of the distance: one Aitken step
         bend = last - 2.0 * power + first
         limit = last if bend == 0.0 else last - (last - power) ** 2 / bend
         return float(np.round(limit, 6)) + 0.0, float(abs(limit - last)) + 1e-6
@@ -119,7 +119,7 @@ class FrozenThresholds(ScipyDensity):
         super().__init__(frozen, ends, below)
 
     def _ask(self, method: str, x: Array) -> Array:
-        # what overflows on the way is the distribution's own affair: its answer counts
+        # warnings inside the distribution are ignored: only its result counts
         with np.errstate(all="ignore"):
             try:
                 return getattr(self.distribution, method)(x)
@@ -149,7 +149,7 @@ class FrozenThresholds(ScipyDensity):
         return self._mended("isf", "sf", q, super()._isf)
 
     def _mended(self, quantile: str, of: str, q: Array, invert: Callable[[Array], Array]) -> Array:
-        """The distribution's own quantiles; where they do not fit its `of`, as in many a far tail, found from that."""
+        """The distribution's own quantiles; recomputed where they contradict its `of`, as in some far tails."""
         x = np.maximum(self._ask(quantile, q), self._support[0])
         bad = ~(np.abs(self._ask(of, x) - q) <= _LOOSE * q) | ~np.isfinite(x)
         if bad.any():
@@ -158,7 +158,7 @@ class FrozenThresholds(ScipyDensity):
 
     def _moment(self, n: float) -> float:
         value = self._mean if n == 1 else float(self.distribution.moment(n))
-        # where a moment is infinite some distributions return what their formula gives beyond its range
+        # where a moment is infinite some distributions evaluate a formula that is not valid there
         beyond = not value >= self._mean**n * (1.0 - 1e-9)
         return np.inf if beyond or np.isnan(value) else value
 

@@ -1,1 +1,1 @@
-"""Whether answers agree: the two solvers with each other, tolerances with what they reach."""
+"""Judgements: comparison of scenes, numbers of threshold laws, error against run time."""

@@ -1,4 +1,4 @@
-"""Scenes side by side: how prone to stick-slip each is, by the master equation, with the ensemble's evidence beside."""
+"""Scenes side by side: propensity to stick-slip by the master equation, with evidence from the ensemble."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,10 +21,10 @@ from toolkit.scene.scene import Scene
 class Verdict:
     """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
 
-    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) of a surface only.
-    `conditions` say at which speed, temperature and more they hold, where that tells; `cautions` why K* is infinite,
-    where samples, surface or load strain the law, and of errors that are not shown; `sampled`, whether the thresholds
-    come from samples. `evidence` is what the ensemble measured: its force over the exact F_k, with one standard error,
+    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) for a surface only.
+    `conditions` give the speed, temperature and more on which they depend; `cautions` say why K* is infinite, where
+    samples, surface or load are at the limits of the law, and which errors are not shown; `sampled` is whether the
+    thresholds come from samples. `evidence` is the ensemble's: its force over the exact F_k, with one standard error,
     where the master equation's force is largest (its own, without [master]), the master's there, and the largest
     difference of both over the path in standard errors, or why there is none; None without [eq].
     """
@@ -46,7 +46,7 @@ class Verdict:
         return self.numbers[name].value
 
     def plain(self) -> dict[str, Any]:
-        """What a file keeps: all but the result."""
+        """The content of a file: all but the result."""
         kept = {key: value for key, value in vars(self).items() if key not in ("result", "numbers")}
         for name in ("friction_coefficient", *self.numbers):
             number = self.numbers.get(name)
@@ -58,9 +58,9 @@ class Verdict:
 def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> list[Verdict]:
     """A verdict per scene, the one most prone to stick-slip (largest K*) first.
 
-    The scenes' own [master] and [eq] are run too, for the picture and the evidence, but where a spring pulls or the
+    The scenes' own [master] and [eq] are run too, for the picture and the evidence, except where a spring pulls or the
     slider turns: forces along such paths are not compared, and a caution says so. `comm` is as for toolkit.run;
-    progress is `told` on stderr. Raises InputError, with the name of the scene, for thresholds of infinite <x_s^2>:
+    `told` prints progress on stderr. Raises InputError, with the name of the scene, for thresholds of infinite <x_s^2>:
     there is no kinetic force to compare with.
     """
     verdicts = []
@@ -72,7 +72,7 @@ def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> li
 
 @contextmanager
 def naming(scene: str) -> Iterator[None]:
-    """Put the name of one scene of many before any InputError raised within, unless it says it already."""
+    """Put the name of the scene before the message of any InputError raised within, unless it is there already."""
     try:
         yield
     except InputError as error:
@@ -141,7 +141,7 @@ _SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
 
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:
-    """The comparison as lines of text, every number with its error and what it took to compute."""
+    """The comparison as lines of text, every number with its error, and run times."""
     names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
 
     def line(begin: str, cells: Sequence[str]) -> str:
@@ -170,7 +170,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _notes(verdicts: Sequence[Verdict]) -> list[str]:
-    """What the columns are, and each scene's own notes."""
+    """The meaning of the columns, and the notes of each scene."""
     notes = []
     if any(verdict.evidence is not None for verdict in verdicts):
         notes.append(

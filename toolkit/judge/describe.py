@@ -21,7 +21,7 @@ _ROUNDING = (
 
 @dataclass(frozen=True)
 class Description:
-    """`numbers` by name; `notes`, what has no answer and why; `sampled`, whether errors are those of samples, too;
+    """`numbers` by name; `notes`, which numbers are absent and why; `sampled`, whether errors include sampling errors;
     `run_time` in s."""
 
     numbers: dict[str, Number]
@@ -31,12 +31,12 @@ class Description:
 
 
 def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Description:
-    """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; only rates and delay tell),
-    which is the one `chosen` in words.
+    """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; it matters only with rates or
+    a delay); `chosen` says in words where that speed comes from.
 
     The errors of F_k and of the propensity are the master equation's. Where the thresholds come from samples, all
-    count the sampling error too. Contacts with laws that the master equation does not take have no F_k and no
-    propensity here, and a note says so.
+    include the sampling error. Contacts with laws that the master equation does not take have no F_k and no propensity
+    here, and a note says so.
     """
     began = time.perf_counter()
     law = contacts.thresholds
@@ -85,7 +85,7 @@ def _of_law(law: Thresholds) -> dict[str, Number]:
 
 
 def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> list[str]:
-    """Add F_k and the propensity to `numbers`, as far as there are some; a note where they miss their tolerance."""
+    """Add F_k and the propensity to `numbers`; returns a note where they miss their tolerance."""
     import master
 
     unit = numbers["mean"].unit
@@ -101,7 +101,7 @@ def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> l
 
 
 def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[str]:
-    """At what F_k and the propensity hold, where that tells: speed, temperature, and the laws of contacts."""
+    """The speed, temperature and laws of contacts on which F_k and the propensity depend, in words."""
     surface, thermal, said = contacts.interface, contacts.thermal, list[str]()
     length, square, clock, per = (" m", " m²", " s", "/s") if surface is not None else ("",) * 4
     if thermal is not None:

@@ -1,4 +1,4 @@
-"""What precision costs: true error against run time, for each solver the scene names and for its plain twin."""
+"""Cost of precision: true error against run time, for each solver the scene names and for the paper's algorithms."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -20,19 +20,19 @@ Array = npt.NDArray[np.float64]
 Work = Callable[[float], tuple[Array, float | None]]
 """Force, and the error that the method claims (both lengths), at a rung of its ladder."""
 
-_RUNS, _LONG = 5, 1.0  # runs of which the best counts; s of a run that is not repeated
+_RUNS, _LONG = 5, 1.0  # runs, of which the fastest counts; s of a run that is not repeated
 _ROUND_OFF = 2.0**-53
-_NEGLIGIBLE = 1e-16  # of the mean threshold: what a cut at 0 may change of a closed form
+_NEGLIGIBLE = 1e-16  # of the mean threshold: allowed effect of the cut at 0 on a closed form
 _ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
 @dataclass(frozen=True)
 class Ladders:
-    """At what each method is measured, the cheapest first.
+    """Settings at which each method is measured, the cheapest first.
 
     tolerances : of the master equation; steps : per mean threshold, of the paper's explicit scheme; sizes : contacts
-    of the ensemble; closest_sizes : contacts of the paper's closest-contact algorithm; longest : s of a run, beyond
-    which its method is taken no further.
+    of the ensemble; closest_sizes : contacts of the paper's closest-contact algorithm; longest : s of a run, after
+    which its method is not continued.
     """
 
     tolerances: Sequence[float] = tuple(10.0**-n for n in range(2, 13))
@@ -53,8 +53,8 @@ class Reference(NamedTuple):
 class Point:
     """One `method` ("master", "explicit", "ensemble", "closest") at one rung, its `setting`; errors in mean thresholds.
 
-    error : largest difference from the closed form over the path; claimed_error : what the method says of itself, None
-    where it says nothing; run_time : s, the best of `runs` warm runs.
+    error : largest difference from the closed form over the path; claimed_error : the error that the method states,
+    None where it states none; run_time : s, the shortest of `runs` warm runs.
     """
 
     method: str
@@ -67,7 +67,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Precision:
-    """All points of a scene, what they were measured against, and what to know when reading them."""
+    """All points of a scene, the error of the reference, and notes on how to read them."""
 
     name: str
     title: str
@@ -82,9 +82,9 @@ def precision(
     """Measure the master equation and the paper's explicit scheme (scenes with [master]), the ensemble and the paper's
     closest-contact algorithm (scenes with [eq]), at the rungs of `ladders` (None: the command's).
 
-    `report` is called with each point as soon as it is measured. Of the scene its seed is used, its tolerance and its
-    number of contacts are not. Raises InputError, before anything is reported, for a scene that a method refuses, and
-    where F is not known in closed form.
+    `report` is called with each point as soon as it is measured. The scene's seed is used, its tolerance and its number
+    of contacts are not. Raises InputError, before any report, for a scene that a method refuses, and where F is not
+    known in closed form.
     """
     scene.only_forward("precision")
     ladders = ladders or Ladders()
@@ -126,7 +126,7 @@ def precision(
 
 
 def _methods(scene: Scene, ladders: Ladders) -> Iterator[tuple[str, Sequence[float], Work]]:
-    """Each method's name, rungs and work; the name and place of a bad key are the scene's."""
+    """Each method's name, rungs and work; errors name the key of the scene."""
     contacts, path, unit = scene.contacts, scene.path, scene.contacts.mean_threshold
     if scene.master is not None:
         import master
@@ -158,7 +158,7 @@ def _methods(scene: Scene, ladders: Ladders) -> Iterator[tuple[str, Sequence[flo
 
 
 def _time(work: Work, setting: float) -> tuple[float, int, tuple[Array, float | None]]:
-    """Best wall time of several runs, of one where it is long; their number; and what they give, always the same."""
+    """Shortest wall time of several runs (of one run if it is long), their number, and their result."""
     times: list[float] = []
     while True:
         began = time.perf_counter()
@@ -186,7 +186,7 @@ def closed_form(contacts: Contacts, path: Array) -> Reference | None:
     reach = float(path[-1]) + abs(first) + mean
     cut = float(ndtr(-mean / width))
     cut_at_start = float(ndtr((first - mean) / narrowest) + ndtr((-first - mean) / narrowest))
-    # a contact that the cut concerns, in any generation, is off by at most the way it went
+    # the error for a contact that the cut affects, in any generation, is at most its travel
     if mean <= 0.0 or (cut_at_start + (reach / mean + 1.0) * cut) * reach > _NEGLIGIBLE * mean:
         return None
     force, count, z = first + path, 0, np.zeros(1)
@@ -195,7 +195,7 @@ def closed_form(contacts: Contacts, path: Array) -> Reference | None:
         scatter = np.sqrt(count * width**2 + spread**2)
         z = (path - count * mean + first) / scatter
         force -= mean * ndtr(z) - width**2 / scatter * np.exp(-0.5 * z * z) / _ROOT_TWO_PI
-    # each term is rounded, and its argument is, which tells more the narrower the laws
+    # each term and its argument are rounded, and the latter matters more the narrower the laws are
     error = float(_ROUND_OFF * (count + 4.0 + mean / narrowest) * reach / mean)
     return Reference(force, error)
 

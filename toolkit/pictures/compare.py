@@ -11,7 +11,7 @@ from toolkit.judge.precision import Precision
 from toolkit.pictures.thresholds import highest, plain, some_of
 from toolkit.results.beside import deviation
 
-# Okabe and Ito's, which the colour-blind tell apart too; curves that coincide leave each other in sight by their dashes
+# colours by Okabe and Ito, which the colour-blind can distinguish; dashes keep coinciding curves visible
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
 _DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
 _BARS = 33  # error bars of a curve
@@ -46,7 +46,7 @@ def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
     _thresholds(places["P"], styled)
     _springs(places["S"], styled)
     _forces(places["F"], places["z"], styled)
-    # below all axes: within them it would lie on curves
+    # below all axes: inside them it would cover curves
     figure.legend(*places["F"].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
 
@@ -122,8 +122,8 @@ def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
 
 
 def save_precision(measured: Precision, path: Path) -> None:
-    """True error in units of <x_s> against run time in s as a PNG, one marker per method, what it claims as a hollow
-    one."""
+    """True error in units of <x_s> against run time in s as a PNG, one marker per method, hollow for the error that it
+    claims."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 6), layout="constrained")

@@ -23,10 +23,10 @@ from toolkit.pictures.thresholds import (
 from toolkit.results.beside import deviation, why_not_compared
 from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
 
-_HELD = 1.0 - 1e-9  # of the contacts: fewer that hold are worth a picture
-_LEGEND = 0.13  # of the height, room for each of its rows above the curve
-_BARS = 61  # as many error bars as leave the line in sight
-_REPLICAS, _LINES = 5, 8  # as many curves as can be told from one another
+_HELD = 1.0 - 1e-9  # share that holds below which it is drawn
+_LEGEND = 0.13  # of the height, room for each row of the legend above the curve
+_BARS = 61  # error bars; with more the line would be hidden
+_REPLICAS, _LINES = 5, 8  # numbers of curves that can be distinguished
 _SWEPT = {
     "velocity": ("speed", "v", "m/s"),
     "temperature": ("temperature", r"k_BT/\langle k\rangle", "m²"),
@@ -37,8 +37,8 @@ _SWEPT = {
 
 
 def plot(result: Result, axes: Any = None) -> Any:
-    """F(X) from every solver, F(t) where the drive has a time for each point, F_k along a sweep where that alone was
-    asked for, and P_c(x) beside it, of a Result of toolkit.run or toolkit.load.
+    """F(X) from every solver, F(t) where the drive has a time for each point, or F_k along a sweep if there is nothing
+    else, with P_c(x) beside it, for a Result of toolkit.run or toolkit.load.
 
     They are drawn on `axes`, a pair of matplotlib's; left out, pyplot makes a figure. Returns the two of them, whose
     figure saves the picture: ``toolkit.plot(result)[0].figure.savefig("picture.png")``.
@@ -54,8 +54,8 @@ def plot(result: Result, axes: Any = None) -> Any:
 
 
 def plot_force(axes: Any, result: Result) -> Any:
-    """F/(N_c<k>) against X, or t where the drive keeps time: the master equation as a line, the ensemble as error bars,
-    one standard error, under it; on a soft slider some replicas, since their mean over a slip is the force of none."""
+    """F/(N_c<k>) against X, or t where points have times: the master equation as a line, the ensemble as error bars of
+    one standard error; on a soft slider some replicas, since their mean during a slip is the force of none of them."""
     solved, eq = result.master, result.eq
     if solved is not None:
         path, force, label = along(result, solved), solved.force, "master equation"
@@ -101,7 +101,7 @@ def _style(ink: str, **more: Any) -> dict[str, Any]:
 
 
 def plot_position(axes: Any, result: Result) -> Any:
-    """Where the drive, or the rigid slider, and a soft slider are at each time."""
+    """Positions of the drive, or of the rigid slider, and of a soft slider against time."""
     curve = curves(result)[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
     if isinstance(curve, SoftRecord) or is_coupled(curve):
@@ -125,7 +125,7 @@ def plot_holding(axes: Any, result: Result) -> Any:
 
 
 def plot_deviation(axes: Any, result: Result) -> Any:
-    """Ensemble less master equation in standard errors, where enough contacts have broken to tell."""
+    """Ensemble minus master equation in standard errors, where enough contacts have broken for a comparison."""
     apart = deviation(result)
     if (reason := why_not_compared(result)) is not None:
         middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}

@@ -1,4 +1,4 @@
-"""Axes that can be read, and on them pictures of a law of thresholds, and of islands, whose barriers they come from."""
+"""Readable axes, and pictures of a law of thresholds and of the islands whose barriers it comes from."""
 
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,13 @@ from toolkit.results.records import Result, ThresholdCurve
 Array = npt.NDArray[np.float64]
 
 INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
-_SPIKE = 10.0  # times what 95 % of the contacts see: a higher end of a density is cut off
-_STEPS, _ISLANDS = 2000, 20_000  # as many as a picture can show
+_SPIKE = 10.0  # a density is cut off at this multiple of its largest value for 95 % of the contacts
+_STEPS, _ISLANDS = 2000, 20_000  # most points that a picture shows
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
 def plain(text: str) -> str:
-    """`text` as matplotlib shows it: what is no formula, though it has dollars, letter by letter."""
+    """`text` for matplotlib; dollars are escaped where they do not enclose a valid formula."""
     from matplotlib.mathtext import MathTextParser
 
     try:
@@ -40,8 +40,8 @@ def name_lengths(axis: Any, name: str, metres: bool) -> None:
 
 
 def highest(curve: ThresholdCurve, values: Array) -> float:
-    """Where an axis ends that shows `values` over curve.x, however narrow their peaks; but a spike at an end of
-    the law, where a density diverges, is cut off at what 5 % of the contacts or more see of it."""
+    """Upper limit of an axis that shows `values` over curve.x, however narrow their peaks; a spike at an end of
+    the law, where a density diverges, is cut off above the largest value for 95 % of the contacts."""
     shown = np.isfinite(values) & (values > 0.0)
     weight, seen = -np.diff(curve.survival, append=0.0)[shown], values[shown]
     if not weight.sum() > 0.0:
@@ -58,17 +58,17 @@ def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
 
 
 def curves(result: Result) -> list[Any]:
-    """What the solvers found, the master equation's first."""
+    """The results of the solvers, the master equation's first."""
     return [curve for curve in (result.master, result.eq) if curve is not None]
 
 
 def along(result: Result, curve: Any) -> Array:
-    """What a curve is drawn against: times where the scene gives them, else its path."""
+    """The abscissa of a curve: times where the scene gives them, else its path."""
     return result.time[: curve.path.size] if result.timed else curve.path
 
 
 def write_along(axes: Any, result: Result) -> None:
-    """The axis of that. Where holds have a scale, points are even on it, so that each decade of a hold can be told."""
+    """Label this axis. With a hold_scale, points are even on it, so that each decade of a hold is visible."""
     drive = result.asked.drive
     if drive is None or drive.times is None:
         pulled = drive is not None and drive.spring is not None
@@ -99,7 +99,7 @@ def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
         _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x)$")
     _label(axes, curve, "thresholds", "threshold $x$")
     if curve.atoms.size:
-        # a weight is no density: beside one it has an axis of its own
+        # a weight is not a density: next to one it has its own axis
         own = axes.twinx() if smooth else axes
         own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
         own.set(ylabel="weight at one value", ylim=(0.0, 1.05 * float(curve.atom_weights.max())))
@@ -107,7 +107,7 @@ def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
 
 
 def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
-    """Over S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
+    """Add to S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
     if isinstance(thresholds, Sampled):
         some = some_of(thresholds.samples.size, _STEPS)
         above = 1.0 - np.cumsum(thresholds.shares)[some]

@@ -1,1 +1,1 @@
-"""What a run leaves: records, files, folders and their description in words."""
+"""The results of a run: records, files, folders and comparisons."""

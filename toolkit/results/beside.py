@@ -1,4 +1,4 @@
-"""The two solvers' answers beside each other: their difference in standard errors, and soft sliders slip by slip."""
+"""Comparison of the two solvers: their difference in standard errors, and soft sliders slip by slip."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ import numpy.typing as npt
 
 from toolkit.results.records import Result, SoftRecord, is_coupled
 
-_FEWEST = 30  # broken contacts: before, standard errors mean little
-_LATE = 10.0  # times N^(-2/3) of <x_s>: more is not the scatter of finite numbers
-_SHOWN = 10  # slips that are told one by one
+_FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
+_LATE = 10.0  # delay of a slip, in N^(-2/3) <x_s>, above which it is not due to finite N
+_SHOWN = 10  # slips that are listed one by one
 
 
 class Deviation(NamedTuple):
-    """Ensemble less master equation, `off`, in standard errors, at the points of the path that tell (indices)."""
+    """Ensemble minus master equation, `off`, in standard errors, at the `points` (indices) that can be compared."""
 
     points: npt.NDArray[np.intp]
     off: npt.NDArray[np.float64]
 
     @property
     def worst(self) -> float | None:
-        """The largest in size; None where no point tells."""
+        """The largest in size; None where there are no points."""
         return float(np.abs(self.off).max()) if self.off.size else None
 
 
 def deviation(result: Result) -> Deviation:
-    """How far the solvers are apart where enough contacts have broken to tell; no point where one of them is missing.
+    """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing.
 
-    Standard errors count the master equation's own error and that of the ensemble's steps too.
+    The standard errors include the master equation's error and that of the ensemble's steps.
     """
     solved, eq = result.master, result.eq
     if solved is None or eq is None or is_coupled(eq):
-        # a slip comes at another X_T in each replica: in between their mean force is that of none of them
+        # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
         return Deviation(np.empty(0, np.intp), np.empty(0))
     of_one_contact = np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
     enough = eq.force_standard_error > np.sqrt(_FEWEST) * of_one_contact
@@ -45,7 +45,7 @@ def deviation(result: Result) -> Deviation:
 
 
 def why_not_compared(result: Result) -> str | None:
-    """Why no point of the path tells, in words; None where one does, or a solver is missing."""
+    """Why no point of the path can be compared, in words; None where one can, or a solver is missing."""
     if result.master is None or result.eq is None or deviation(result).points.size:
         return None
     if result.eq.breaks == 0:
@@ -56,9 +56,9 @@ def why_not_compared(result: Result) -> str | None:
 
 
 class SlipBeside(NamedTuple):
-    """One slip of the master equation beside those of the replicas, which have means and standard errors (lengths).
+    """One slip of the master equation, and means and standard errors of the same slip in the replicas (lengths).
 
-    drive, drop : X_T, and how far the force falls, of the master equation; have : how many replicas slip as often.
+    drive, drop : X_T and the fall of the force, of the master equation; have : number of replicas with this slip.
     """
 
     number: int
@@ -72,7 +72,7 @@ class SlipBeside(NamedTuple):
 
 
 def slips_beside(result: Result) -> list[SlipBeside]:
-    """Slips in turn, of a result that has both solvers' on a soft slider; none of others."""
+    """The slips in order, for a result of both solvers on a soft slider; else none."""
     solved, eq = result.master, result.eq
     if not isinstance(solved, SoftRecord) or not is_coupled(eq):
         return []
@@ -88,7 +88,7 @@ def slips_beside(result: Result) -> list[SlipBeside]:
 
 
 def slip_lines(result: Result) -> list[str]:
-    """The comparison slip by slip, as lines of text; none where it is not of soft sliders."""
+    """The comparison slip by slip, as lines of text; none for rigid sliders."""
     solved, eq = result.master, result.eq
     if not is_coupled(eq):
         return []

@@ -1,4 +1,4 @@
-"""Result folders: result.h5, summary.json, a picture and a sweep's table, and their way back."""
+"""Writing and reading of result folders: result.h5, summary.json, a picture and a sweep's table."""
 
 import csv
 import json
@@ -36,8 +36,8 @@ stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_befor
 
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
-    """Write result.h5, summary.json and picture.png into `folder`, of a sweep sweep.csv and of islands barriers.png,
-    whole or not at all. What this package wrote there for another scene, or an earlier sweep.csv, is removed.
+    """Write result.h5, summary.json and picture.png into `folder`, for a sweep sweep.csv and for islands barriers.png,
+    all of them or none. Files that this package wrote there for another scene, or an earlier sweep.csv, are removed.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
@@ -66,7 +66,7 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
 def load(folder: str | os.PathLike[str]) -> Result:
     """The Result that `save`, or the command `run`, wrote into `folder`: `.master.path`, `.force`, `.force_error`;
     `.eq.force_standard_error`, `.breaks`, `.histograms`; `.thresholds.x`, `.density`; `.interface`, `.notes`, `.text`,
-    and more that Result tells. Raises InputError where there is none."""
+    and more, see Result. Raises InputError where there is none."""
     file = Path(folder) / RESULT
     if Path(folder).is_file():
         refuse("folder", str(folder), f"is a file; give the folder, {str(Path(folder).parent)!r}")
@@ -98,7 +98,7 @@ def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
-    """In words, whose result `folder` holds; None where that is of this scene, by name and contacts, or none is."""
+    """In words, whose result is in `folder`; None if it is this scene's, by name and contacts, or there is none."""
     before = _earlier(folder)
     if before.get("name", name) != name:
         return f"another scene, {before['name']}"
@@ -111,7 +111,7 @@ def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
 
 
 def summary(result: Result) -> dict[str, Any]:
-    """The numbers of a run that one looks at first; lengths in the unit of the thresholds, times in seconds."""
+    """The most important numbers of a run; lengths in the unit of the thresholds, times in seconds."""
     asked, solved, eq, sweep = result.asked, result.master, result.eq, result.sweep
     content: dict[str, Any] = {"name": result.name, "title": result.title}
     content |= {"version": result.version, "mean_threshold": result.mean_threshold}
@@ -146,8 +146,8 @@ def _flat(answer: Any) -> dict[str, Any]:
 
 
 def _numbers(answer: Any) -> dict[str, Any]:
-    """The fields of a record that are no arrays, as JSON knows them; of arrays of errors and defects the largest, and
-    of a path's force the last."""
+    """The fields of a record that are not arrays, as JSON types; the largest of arrays of errors and defects, and the
+    last of a path's force."""
     told: dict[str, Any] = {}
     for name, value in _flat(answer).items():
         if not isinstance(value, np.ndarray):
@@ -162,7 +162,7 @@ def _numbers(answer: Any) -> dict[str, Any]:
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:
-    """Write `content` as indented JSON; what is not finite becomes null, since JSON has no word for it."""
+    """Write `content` as indented JSON; numbers that are not finite become null, since JSON has none."""
 
     def speakable(value: Any) -> Any:
         if isinstance(value, dict):
@@ -186,7 +186,7 @@ def _write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
 
 
 def _units(result: Result, short: bool = False) -> dict[str, str]:
-    """Of all arrays that have one, by name; an own unit of length is named in full unless it shall be `short`."""
+    """Units of arrays by name; a scene's own unit of length is written in full unless `short`."""
     unit = "length" if short and not result.in_metres else result.thresholds.unit
     clock = "s" if result.in_metres else "time"
     units = dict.fromkeys(_LENGTHS.split(), unit) | {"notes": "text"}
@@ -197,7 +197,7 @@ def _units(result: Result, short: bool = False) -> dict[str, str]:
 
 
 def _write_result(result: Result, path: Path) -> None:
-    """In memory first: a signal, or a disk that refuses, within HDF5 would take the process down."""
+    """Build the file in memory, then write it: a signal or a full disk while HDF5 writes would abort the process."""
     import h5py
 
     with h5py.File(path.name, "w", driver="core", backing_store=False) as store:
@@ -282,6 +282,6 @@ def _read(group: Any, kind: type[Any], prefix: str = "", **given: Any) -> Any:
             values[name] = tuple(plain) if isinstance(plain, list) else plain
         elif stored in group and name not in given:
             values[name] = group[stored][()]
-    if _PER_RANK in values:  # of thousands of ranks: too many for an attribute
+    if _PER_RANK in values:  # with thousands of ranks it is too long for an attribute
         values[_PER_RANK] = values[_PER_RANK].tolist()
     return kind(**values | given)

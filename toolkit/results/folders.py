@@ -1,4 +1,4 @@
-"""Output folders, written whole or not at all, and files with a checksum: a header of 512 bytes, then the contents.
+"""Output folders, written completely or not at all, and files with a checksum: a header of 512 bytes, then the data.
 
 HDF5 skips such a header, so that any HDF5 program reads a sealed result file.
 """
@@ -29,7 +29,7 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
-    """Hold `folder` against this user's other runs on this machine, which would replace one result by another.
+    """Lock `folder` against this user's other runs on this machine, which could overwrite the result.
 
     Raises InputError where another run holds it. The lock is a file in the system's folder for temporary files, since
     the output folder need not exist yet; it ends with the process, however that ends.
@@ -53,9 +53,9 @@ def write_folder(
 ) -> None:
     """Write files into `folder`, each by a function that is given its path: all of them, or none.
 
-    They are written elsewhere on the same disk first, and flushed to it: a checkpoint is removed once the results are
-    there. Files of other names are left alone but those in `gone`, which are removed once all are written.
-    Raises InputError where the disk refuses.
+    They are written elsewhere on the same disk first, and flushed to it, since a checkpoint is removed once the results
+    exist. Files of other names are kept, except those in `gone`, which are removed once all files are written.
+    Raises InputError where writing fails.
     """
     path = Path(folder)
     with _draft(folder) as draft:
@@ -83,7 +83,7 @@ def _flush(path: Path) -> None:
 
 @contextmanager
 def _draft(folder: str | os.PathLike[str]) -> Iterator[Path]:
-    """A folder for drafts on the disk of `folder`, taken away in the end. Raises InputError where the disk refuses."""
+    """A temporary folder on the disk of `folder`, removed in the end. Raises InputError where writing fails."""
     path = Path(folder).absolute()
     try:
         for place in (path, *path.parents):
@@ -101,7 +101,7 @@ def _draft(folder: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_sealed(path: Path, contents: bytes) -> None:
-    """Replace the file by header and contents, whole or not at all; on the disk when this returns. Raises OSError."""
+    """Replace the file by header and contents, completely or not at all, flushed to the disk. Raises OSError."""
     draft = path.with_name(f".{path.name}.part")
     try:
         draft.write_bytes(_header(contents) + contents)
@@ -112,7 +112,7 @@ def write_sealed(path: Path, contents: bytes) -> None:
 
 
 def read_sealed(path: Path) -> bytes | None:
-    """The contents; None where they are not what was written. Raises OSError."""
+    """The contents; None where the checksum is wrong. Raises OSError."""
     data = path.read_bytes()
     contents = data[_HEADER:]
     return contents if data[:_HEADER] == _header(contents) else None
@@ -126,8 +126,8 @@ def _header(contents: bytes) -> bytes:
 def opened(file: Path) -> Iterator[Any]:
     """A sealed HDF5 file, open for reading.
 
-    What is damaged is refused before HDF5 sees it, which would crash on some bytes; so are data that are elsewhere.
-    Raises InputError.
+    Raises InputError for a damaged file, before HDF5 reads it, which may crash on some bytes; and for data in other
+    files.
     """
     import h5py
 
@@ -148,7 +148,7 @@ def opened(file: Path) -> Iterator[Any]:
             yield store
     except InputError:
         raise
-    except Exception as error:  # whatever h5py and numpy make of bytes that nobody wrote so
+    except Exception as error:  # h5py and numpy raise many kinds for invalid bytes
         why = " ".join(str(error).split())
         raise InputError(
             f"folder = {str(file.parent)!r}: its {file.name} is not one of mesofriction: {why}"

@@ -1,4 +1,4 @@
-"""What is kept of each solver's answer, and of a whole run."""
+"""The records of each solver's answer, and of a whole run."""
 
 import tomllib
 from dataclasses import dataclass, fields
@@ -40,8 +40,8 @@ class SolvedRecord:
 
 @dataclass(frozen=True)
 class SoftRecord(SolvedRecord):
-    """A soft slider's: `path` is the drive's, `position` (n,) the slider's, `balance` where the drive stands at t = 0,
-    `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are master.solve's own."""
+    """A soft slider's: `path` is the drive's, `position` (n,) the slider's, `balance` the drive's position at t = 0,
+    `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve."""
 
     balance: float
     position: Array
@@ -54,8 +54,8 @@ class SoftRecord(SolvedRecord):
 
 @dataclass(frozen=True)
 class AgeingRecord(SolvedRecord):
-    """That of the paper's closure of ageing (Q15), and what it did not keep: at each X of `path`, which may end early,
-    the mass of P_c less 1 and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if none."""
+    """That of the paper's closure of ageing (Q15), with its defects at each X of `path`, which may end early: the mass
+    of P_c minus 1 and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do."""
 
     mass_defect: Array
     positivity_defect: Array
@@ -65,7 +65,7 @@ class AgeingRecord(SolvedRecord):
 
 
 def record_of(answer: Any) -> Any:
-    """What is kept of the master equation's answer."""
+    """The record of the master equation's answer."""
     kind: Any = SoftRecord if hasattr(answer, "regime") else SolvedRecord
     kind = AgeingRecord if hasattr(answer, "mass_defect") else kind
     values = {field.name: getattr(answer, field.name) for field in fields(kind)}
@@ -104,14 +104,14 @@ class Result:
 
     `text` is the scene's TOML text, `version` this package's, `mean_threshold` <x_s>, `thresholds` P_c as drawn.
 
-    `master`, `eq` and `sweep` are each solver's answer, None where it was not asked for. Where a spring pulls they are
-    a SoftRecord and an eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. A run that
-    went on from a checkpoint counts the `run_time` of all launches, and the breaks of the earlier ones on rank 0.
+    `master`, `eq` and `sweep` are each solver's answer, None where it was not requested. Where a spring pulls they are
+    a SoftRecord and an eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. For a run
+    that continued from a checkpoint `run_time` is that of all launches, and rank 0 counts the breaks of earlier ones.
 
-    `notes` tell what to keep in mind: where samples, surface or load strain the thresholds, what makes a run hopeless,
-    that it went on from a checkpoint. `interface` has, for a rough surface, its contacts in SI units: a Number
+    `notes` are warnings: where samples, surface or load are at the limits of the theory, what makes a run useless,
+    that it continued from a checkpoint. `interface` has, for a rough surface, its contacts in SI units: a Number
     (`value`, `error`, `unit`) by name. `domains` are the barriers and angles of islands, which the folder's picture
-    shows and its files do not keep.
+    shows and its files do not contain.
     """
 
     name: str
@@ -152,7 +152,7 @@ class Result:
 
     @property
     def time(self) -> Array:
-        """When each point of the path is reached, s for a surface, else in the scene's own unit; empty without one."""
+        """Time of each point of the path, in s for a surface, else in the scene's unit; empty without a drive."""
         if self.asked.drive is None:
             return np.empty(0)
         drive = make_drive(self.asked.drive)
@@ -164,7 +164,7 @@ class Result:
 
     @property
     def success(self) -> bool:
-        """Whether every solver reached what was asked of it."""
+        """Whether every solver reached its tolerance."""
         return all(one is None or one.success for one in (self.master, self.eq, self.sweep))
 
 

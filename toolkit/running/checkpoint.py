@@ -1,7 +1,7 @@
-"""A run's checkpoint in its output folder: what each rank's finished blocks found, and of which run.
+"""A run's checkpoint in its output folder: the results of each rank's finished blocks, and the identity of the run.
 
-Each rank replaces a file of its own. A run that goes on, on whatever number of ranks, first puts all that was found
-into rank 0's file and takes the others away. Files say which blocks they hold, so that none counts twice.
+Each rank replaces its own file. A run that continues, on any number of ranks, first merges all results into rank 0's
+file and removes the others. Files list the blocks that they contain, so that none counts twice.
 """
 
 import json
@@ -28,10 +28,10 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.tables import read_table
 from toolkit.version import __version__
 
-EVERY = 60.0  # seconds: little is lost, and thousands of ranks do not crowd the disk
+EVERY = 60.0  # seconds: little is lost, and the disk is not overloaded
 BLOCKS = "eq.blocks"  # how contacts are divided
-_BESIDE = ("title", "master", "eq.wall_time", "wall_time")  # no matter for the ensemble's numbers
-_LONG = 60  # letters: longer values are told by their beginning and a digest
+_BESIDE = ("title", "master", "eq.wall_time", "wall_time")  # without effect on eq's numbers
+_LONG = 60  # letters: longer values are shown by their beginning and a digest
 _QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
 
@@ -54,15 +54,15 @@ class Checkpoint:
 
     @property
     def note(self) -> str:
-        """What is left when the run ends here."""
+        """What is on the disk if the run ends here, in words."""
         if self._refused:
             return f"what it found last could not be written to {self._home}"
         return f"its finished blocks are kept in {self._home}"
 
     def earlier(self, only_look: bool = False) -> list[Any]:
-        """What an earlier run found, for `Ensemble`: whole on rank 0, elsewhere which contacts it was; [] if nothing.
+        """Results of an earlier run, for `Ensemble`, complete on rank 0, elsewhere without sums; [] if there are none.
 
-        All ranks must call. Unless it shall `only_look`, rank 0's file then holds all of it.
+        All ranks must call. Unless `only_look`, rank 0's file then contains all results.
         Raises InputError where the checkpoint is that of another scene, seed or version.
         """
         whole: list[Any] = []
@@ -88,7 +88,7 @@ class Checkpoint:
             self.write(state)
 
     def write(self, state: Any) -> bool:
-        """Write this rank's `state`, and say whether it is on the disk; one that refuses is told once, by rank 0."""
+        """Write this rank's `state`; returns whether it is on the disk. Rank 0 reports a failure once."""
         before, self._refused = self._refused, ""
         try:
             self._home.mkdir(parents=True, exist_ok=True)
@@ -101,14 +101,14 @@ class Checkpoint:
         return not self._refused
 
     def remove(self) -> None:
-        """Forget it: the results are written. On rank 0 alone."""
+        """Remove the checkpoint, once the results are written. On rank 0 only."""
         with suppress(OSError):
             for file in (*self._home.glob("*-rank-*.npz"), *self._home.glob(".*.part")):
                 file.unlink(missing_ok=True)
             self._home.rmdir()
 
     def _joined(self, files: list[Path]) -> Any:
-        """All that these files hold, of this run; what is damaged is left out."""
+        """The merged contents of these files, if they are of this run; damaged ones are left out."""
         states = []
         for file in files:
             read = read_state(file)
@@ -125,7 +125,7 @@ class Checkpoint:
                     )
             states.append(read[0])
         found: Any = None
-        # rank 0's may hold what others, which were not yet taken away, hold too
+        # rank 0's file may already include others that were not yet removed
         for state in sorted(states, key=lambda state: -state.contacts):
             blocks = sorted(
                 [*(found.done if found else ()), *state.done], key=lambda one: one.start
@@ -136,14 +136,14 @@ class Checkpoint:
 
 
 def write_state(file: Path, state: Any, told: dict[str, str]) -> None:
-    """Write `state`, and `told`, of which run it is: whole or not at all, and on the disk when this returns."""
+    """Write `state`, and `told`, the identity of the run: completely or not at all, flushed to the disk."""
     stream = BytesIO()
     np.savez(stream, told_of=json.dumps(told), **state.arrays())
     write_sealed(file, stream.getvalue())
 
 
 def read_state(file: Path) -> Any:
-    """State, and of which run it is; None for a file that a failing disk spoiled.
+    """State, and the identity of its run; None for a damaged file.
 
     Raises InputError for one of an older version, which is a bare zip file or divides contacts otherwise.
     """
@@ -191,7 +191,7 @@ def _flat(value: Any, where: str) -> Iterator[tuple[str, str]]:
 
 
 def _drawn(law: Thresholds) -> str:
-    """Twelve letters that tell one law from another, where a file's contents say what it is."""
+    """Twelve letters that identify a law, as the scene may only name a file."""
     numbers = [*law.ppf(_QUANTILES), law.mean(), law.moment(2), *law.support()]
     return _digest(" ".join(f"{x:.10g}" for x in numbers))
 

@@ -1,4 +1,4 @@
-"""What a scene's solvers will take and give, told beforehand by one short pilot of each."""
+"""Forecast of the cost and error of a scene's solvers, by a short pilot run of each."""
 
 import math
 import resource
@@ -22,12 +22,12 @@ _EACH = 24e-6  # MB of a contact on a soft slider
 
 @dataclass(frozen=True)
 class Forecast:
-    """What the ensemble is expected to take and give, good to a factor of about two; contacts of a tolerance to four,
-    as they are followed in rounds that double, and as few breaks tell little of the error.
+    """Expected cost and error of the ensemble, good to a factor of about two; with a tolerance to four, as the number
+    of contacts is doubled round by round, and as few breaks hardly determine the error.
 
-    contacts : to be followed, `done` of them by an earlier run. breaks : of all of them. run_time : s, of those that
-    are left. memory : MB of a rank. error : largest standard error of the force in mean thresholds; nan on a soft
-    slider, of which replicas tell it. pilot : contacts that tell all this.
+    contacts : to be followed, `done` of them by an earlier run. breaks : of all of them. run_time : s, of those not yet
+    done. memory : MB of a rank. error : largest standard error of the force in mean thresholds; nan on a soft slider,
+    where it comes from replicas. pilot : number of contacts of the pilot run.
     """
 
     done: int
@@ -40,7 +40,7 @@ class Forecast:
 
 
 def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
-    """Follow some contacts of the scene's ensemble, and scale what they take to the whole.
+    """Follow some contacts of the scene's ensemble, and scale their time and memory to the whole.
 
     `done` contacts need not be followed again. All ranks must call. Raises InputError as a run does.
     """
@@ -72,7 +72,7 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
 
 
 def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
-    """What a run of the scene into `folder` will take, as lines of text; nothing is written. All ranks must call.
+    """The cost of a run of the scene into `folder`, as lines of text; nothing is written. All ranks must call.
 
     Raises InputError as the run would, also for a checkpoint of another scene.
     """
@@ -106,7 +106,7 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
 
 
 def _master_line(scene: Scene, asked: float) -> str:
-    """How far the master equation comes within a second."""
+    """The error that the master equation reaches within a second."""
     errors, began = [math.inf], time.perf_counter()
     ends = f"; {asked:.0e} was asked, and no more is reached"
     try:

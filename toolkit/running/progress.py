@@ -6,14 +6,14 @@ import time
 
 _PATIENCE, _LOG_PATIENCE = 1.0, 10.0  # s before anything is shown, in a terminal and in a log file
 _PACE, _LOG_PACE = 1.0, 30.0  # s from line to line
-_EARLY = 2.0  # s after which work that will take long is said to
-_LONG = 60.0  # s that are left of such work
+_EARLY = 2.0  # s after which long work is announced
+_LONG = 60.0  # s of remaining time above which work is long
 
 
 class Progress:
-    """Tells how far some work, `what`, is, from a thread of its own: also while the work calls nothing.
+    """Reports the progress of some work, `what`, from its own thread, also while the work makes no calls.
 
-    To be made on rank 0 only, and closed; `done` is an event for which it waits between lines (None: one of its own).
+    Create it on rank 0 only, and close it; `done` is an event for which it waits between lines (None: its own).
     """
 
     def __init__(self, what: str, done: threading.Event | None = None) -> None:
@@ -27,7 +27,7 @@ class Progress:
     def count(self, done: int, expected: int) -> None:
         """So many contacts are done of those expected."""
         now = time.monotonic()
-        since, before = self._first = self._first or (now, done)  # one block tells no pace
+        since, before = self._first = self._first or (now, done)  # one block gives no rate
         self._said = f"{done:,} of {expected:,} contacts ({done / expected:.0%})"
         if now > since and done > before:
             pace = (done - before) / (now - since)

@@ -1,4 +1,4 @@
-"""Ranks at work together: their communicator, what one does for all, and one end for all of them."""
+"""Ranks that work together: their communicator, work that one does for all, and a common end."""
 
 import math
 import os
@@ -14,8 +14,8 @@ from toolkit.running.signals import Launch, Terminated, terminable
 
 T = TypeVar("T")
 
-_PASSED_ON = 0.2  # seconds, for the launcher to pass on what was said before it ends all
-_PATIENCE = 5.0  # seconds to wait for the other ranks to fail alike
+_PASSED_ON = 0.2  # seconds, for the launcher to pass on output before it ends all ranks
+_PATIENCE = 5.0  # seconds to wait for the other ranks to fail in the same way
 _GRACE = 10.0  # and to finish their blocks and write their checkpoints; schedulers kill some 30 s after their SIGTERM
 _NOTHING_TO_KEEP = 1.0  # and where a rank is stopped outside of the ensemble
 _NAP = 0.001  # seconds
@@ -76,7 +76,7 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     try:
         with terminable():
             comm = communicator(launched)
-            # how ranks meet at the end must not be taken for how they meet at work
+            # a separate communicator, so that messages at the end are not mixed with those of the work
             ending = None if comm is None else comm.Dup()
             return work(comm)
     except InputError as error:
@@ -87,10 +87,10 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
         said = f"{word}; {(notes or ['nothing was written'])[0]}"
         _end(ending, launched, status, said, _GRACE if notes else _NOTHING_TO_KEEP)
         if ending is not None:
-            # the launcher ends all ranks as soon as one has ended: none may before rank 0 has spoken
+            # the launcher ends all ranks as soon as one has ended: all wait until rank 0 has printed
             _arrived(ending, _GRACE)
             sys.stdout.flush()
-            os._exit(status)  # what ranks waited for in vain does not matter any more
+            os._exit(status)  # pending messages do not matter any more
         return status
     except BaseException:
         if ending is None:
@@ -101,7 +101,7 @@ def end_together(work: Callable[[Any], int], launched: Launch) -> int:
 
 
 def _end(comm: Any, launched: Launch, status: int, line: str, patience: float) -> int:
-    """Say why, once where all ranks end alike; ranks that do not within `patience` seconds are ended."""
+    """Print the reason, once if all ranks end in the same way; after `patience` seconds the others are aborted."""
     alike = comm is None or _arrived(comm, patience)
     if launched.rank == 0 or not alike:
         print(f"mesofriction: {line}", file=sys.stderr, flush=True)
@@ -114,7 +114,7 @@ def _abort(comm: Any, status: int) -> NoReturn:
     sys.stderr.flush()
     time.sleep(_PASSED_ON)
     comm.Abort(status)
-    os._exit(status)  # some launchers take their time
+    os._exit(status)  # some launchers are slow
 
 
 def _arrived(comm: Any, patience: float = math.inf) -> bool:

@@ -23,7 +23,7 @@ from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.tables import EqTable
 from toolkit.version import __version__
 
-_GOOD_ENOUGH = 1e-3  # of <x_s>: an error that a picture hardly shows
+_GOOD_ENOUGH = 1e-3  # of <x_s>: an error that is hardly visible in a picture
 _STOP = 7117  # tag of the message by which a rank passes a signal on to the others
 _OWN_NAMES = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
 _EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {
@@ -42,10 +42,10 @@ def run(
 
     All ranks of the mpi4py communicator `comm` must call; they share the work, and each gets the whole result. None:
     this process alone. `progress` is called as progress(done, expected) after each block of the ensemble, with contacts
-    of the whole run; with a tolerance what is expected changes on the way.
+    of the whole run; with a tolerance the expected number changes during the run.
 
-    The result is written into `folder`, as by `save`, and until then every `checkpoint` seconds what the ensemble has
-    found; a run that finds that of the same scene there goes on from it, to the same bits. None: nothing is written.
+    The result is written into `folder`, as by `save`, and before that a checkpoint of the ensemble every `checkpoint`
+    seconds; a run that finds one of the same scene continues from it, to the same bits. None: nothing is written.
     Interrupted (SIGINT, SIGTERM), it finishes its block and writes its checkpoint first.
 
     Raises InputError for a scene that cannot be run, and for a folder that cannot be written or that holds the
@@ -64,7 +64,7 @@ def run(
 def open_checkpoint(
     folder: str | PathLike[str], scene: Scene, comm: Any, every: float
 ) -> Iterator[Checkpoint]:
-    """The scene's checkpoint in `folder`, which no other run writes meanwhile; InputError, before any work, where that
+    """The scene's checkpoint in `folder`, locked against other runs; InputError, before any work, where the folder
     cannot be written."""
     with ExitStack() as held:
 
@@ -79,7 +79,7 @@ def open_checkpoint(
 
 
 def write(result: Result, comm: Any, kept: Checkpoint, finished: bool) -> None:
-    """Save the result where the checkpoint is, on rank 0, and only then remove that of a run that is finished."""
+    """Save the result in the checkpoint's folder, on rank 0, and then remove the checkpoint if the run is finished."""
 
     def on_first() -> None:
         save(result, kept.folder)
@@ -96,7 +96,7 @@ def solve(
     kept: Checkpoint | None = None,
     told: bool = False,
 ) -> tuple[Result, bool]:
-    """Solve what the scene asks for, and whether nothing is left to go on with; progress is `told` on stderr."""
+    """Run the scene's solvers; returns the result and whether it is finished. `told` prints progress on stderr."""
     interface, law, deadline = scene.contacts.interface, scene.contacts.thresholds, scene.deadline()
 
     def shown(what: str) -> Any:
@@ -104,12 +104,12 @@ def solve(
 
     ensemble, before = None, 0
     master = sweep = eq = None
-    if scene.eq is not None:  # made first: what it refuses is told before any work
+    if scene.eq is not None:  # made first, so that it refuses bad input before any work
         with shown("eq"):
             earlier = [] if kept is None else kept.earlier()
             before = sum(state.contacts for state in earlier)
             ensemble = make_ensemble(scene, scene.eq, comm, earlier=earlier)
-        del earlier  # the ensemble has its own of what was counted, which takes room
+        del earlier  # the ensemble has a copy of these sums; free the memory
     if scene.master is not None:
         with shown("master equation") as bar, until(deadline, scene, "[master]"):
             solved = solve_master(scene, scene.master.tolerance, bar and bar.refine)
@@ -160,12 +160,12 @@ def follow(
     done_before: int = 0,
     deadline: float | None = None,
 ) -> Any:
-    """Work through an ensemble that is not yet begun to its result; all ranks of its communicator must call.
+    """Run an ensemble from its first block to its result; all ranks of its communicator must call.
 
-    SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then do what they did
-    before: end the program as a rule. A rank that gets one tells the other ranks, which end likewise. Contacts that
-    were `done_before` count in `progress`, other ranks' as far as this one is. After the `deadline`, s of the monotonic
-    clock, no block begins.
+    SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then act as usual: as a
+    rule they end the program. A rank that gets one informs the others, which end too. `progress` includes contacts
+    `done_before`, and takes the other ranks to be as far as this one. After the `deadline`, s of the monotonic clock,
+    no block begins.
     """
     comm, shown = ensemble.comm, (-1, -1)
     ranks = 1 if comm is None else comm.Get_size()
@@ -188,7 +188,7 @@ def follow(
                 if checkpoint is not None:
                     checkpoint.write(ensemble.state)
                 asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
-    if checkpoint is not None:  # of a finished one too: the disk may refuse the result
+    if checkpoint is not None:  # of a finished run too, in case the result cannot be written
         checkpoint.write(ensemble.state)
     return ensemble.result()
 
@@ -205,7 +205,7 @@ def until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
 
 
 def _as_good_as_asked(solved: SolvedRecord, scene: Scene) -> SolvedRecord:
-    """The answer; a success also where it misses a tolerance that nobody asked for, as its error is beside it."""
+    """The answer; also a success where it misses only the default tolerance and its error is at most _GOOD_ENOUGH."""
     missed = scene.tolerance_given or solved.path.size != scene.path.size
     if solved.success or missed or not solved.force_error <= _GOOD_ENOUGH:
         return solved
@@ -216,9 +216,9 @@ def _as_good_as_asked(solved: SolvedRecord, scene: Scene) -> SolvedRecord:
 def solve_master(
     scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None
 ) -> SolvedRecord:
-    """The master equation's answer along the scene's drive; `refined` hears of each error on the way.
+    """The master equation's answer along the scene's drive; `refined` is called with each error on the way.
 
-    Raises InputError where it has none, which says so where the scene's ensemble would run without it.
+    Raises InputError where there is none; the message says so if the scene's ensemble would run without [master].
     """
     import master
 
@@ -239,7 +239,7 @@ def solve_master(
 
 
 def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
-    """The ensemble that the scene's table asks for; `other` arguments of its class take the place of its own.
+    """The ensemble of the scene's [eq]; `other` arguments of its class replace those of the table.
 
     Raises InputError with the scene's own keys.
     """
@@ -247,7 +247,7 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
 
     drive, contacts = scene.drive, scene.contacts
     if scene.master is not None:
-        # single contacts know no mean rate and no common P_c: they tell how far off these are
+        # single contacts have no mean rate and no common P_c: they show the error of these closures
         contacts = contacts.each_by_itself()
     arguments: dict[str, Any] = {name: getattr(asked, key) for name, key in _EQ_KEYS.items()}
     arguments |= {"comm": comm, "histograms": scene.histogram_points()}

@@ -1,4 +1,4 @@
-"""How a process was started and is told to end: the launcher's environment, and signals, as exceptions or put off."""
+"""Start and end of a process: the launcher's environment, and signals, raised as exceptions or deferred."""
 
 import os
 import signal
@@ -20,7 +20,7 @@ _VARIABLES = (
 
 
 class Launch(NamedTuple):
-    """What the launcher's environment says of this process; `by` is its name."""
+    """Number of ranks and own rank by the launcher's environment; `by` is the launcher's name."""
 
     size: int = 1
     rank: int = 0
@@ -51,7 +51,7 @@ class TimeIsUp(BaseException):
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """SIGTERM and SIGHUP raise Terminated, in the main thread, which alone hears signals.
+    """SIGTERM and SIGHUP raise Terminated, in the main thread, which alone receives signals.
 
     A signal that is ignored, as SIGHUP under nohup, stays ignored.
     """
@@ -88,13 +88,13 @@ def no_longer_than(seconds: float | None) -> Iterator[None]:
 
 
 class Deferred:
-    """What `deferred` gives: the `signal` that came, and how to heed it."""
+    """The result of `deferred`: the `signal` that came, and `pass_on` to act on it."""
 
     signal: int | None = None
     before: Mapping[int, Any] = {}
 
     def pass_on(self, note: str) -> None:
-        """Do what the noted signal did before; an exception that this raises gets `note`."""
+        """Call the former handler of the noted signal; an exception that it raises gets `note`."""
         if (number := self.signal) is not None:
             self.signal = None
             again = signal.signal(number, self.before.get(number, signal.SIG_DFL))
@@ -109,7 +109,7 @@ class Deferred:
 
 @contextmanager
 def deferred() -> Iterator[Deferred]:
-    """SIGINT, SIGTERM and SIGHUP are noted within and not yet heeded; in the main thread only."""
+    """SIGINT, SIGTERM and SIGHUP are noted and take effect later; in the main thread only."""
     asked = Deferred()
 
     def note(number: int, frame: Any) -> None:
@@ -123,7 +123,7 @@ def deferred() -> Iterator[Deferred]:
 
 @contextmanager
 def _handled(handler: Any, *numbers: int) -> Iterator[dict[int, Any]]:
-    """These signals go to `handler` within, but those that are ignored; gives what handled them before."""
+    """These signals go to `handler`, except ignored ones; yields their former handlers."""
     before: dict[int, Any] = {}
     if threading.current_thread() is threading.main_thread():
         for number in numbers:

@@ -1,4 +1,4 @@
-"""A scene's [drive]: where the slider goes, and when, as points of a path."""
+"""A scene's [drive]: the points of the slider's path, and their times."""
 
 import re
 from collections.abc import Sequence
@@ -17,16 +17,16 @@ Array = npt.NDArray[np.float64]
 
 _SPRING = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) (N/m|N_c<k>)")
 _MOST_POINTS = 10_000_000
-_LEAST_SCALE = 1e-14  # of times, whose rounding it would be
-_SAME = 1e-9  # of the furthest point, and of a time
+_LEAST_SCALE = 1e-14  # of the last time: a smaller scale is lost in rounding
+_SAME = 1e-9  # relative distance at which positions, or times, count as equal
 _KEYS = {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
 
 
 def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
     """drive.spring as K/(N_c<k>), a number; None without one. Raises InputError.
 
-    Text tells the unit: "0.5 N_c<k>", or "50 N/m", which for thresholds from a surface takes drive.area, the nominal
-    area in m². For these a bare number is refused, as it may be meant in either unit.
+    Text gives the unit: "0.5 N_c<k>", or "50 N/m", which needs thresholds from a surface and drive.area, the nominal
+    area in m². For a surface a bare number is refused, as either unit could be meant.
     """
     interface, given, unit = contacts.interface, table.spring, ""
     if isinstance(given, str):
@@ -60,7 +60,7 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
 def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
     """The checked drive of a scene. Raises InputError with the path of the bad key.
 
-    `spring` is what `spring_number` finds. Left out, one that has a unit counts as 1, for who asks for the path alone.
+    `spring` is the result of `spring_number`. Left out, one with a unit counts as 1, where only the path is needed.
     """
     if spring is None:
         spring = 1.0 if isinstance(table.spring, str) else table.spring
@@ -75,14 +75,14 @@ def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
 
 
 class Speed(NamedTuple):
-    """A speed of smooth sliding, length per time, and in words which of a scene's it is; nothing where it has one."""
+    """A speed of smooth sliding, length per time; `chosen` says which of the scene's speeds it is, if it has more."""
 
     value: float
     chosen: str = ""
 
 
 def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
-    """That at which a scene slides: of its first leg that is no hold; without a drive the first of `swept`; else 1."""
+    """The speed of a scene: of its first leg that is not a hold; without a drive the first of `swept`; else 1."""
     if drive is None:
         if swept is None:
             return Speed(1.0, "as none is given")
@@ -96,7 +96,7 @@ def sliding_speed(drive: Drive | None, swept: Array | None = None) -> Speed:
 
 
 def _corners(table: DriveTable) -> tuple[Array, Array | None]:
-    """Where the points begin, 0 unless said, and all ends in turn; and when each is reached, where that is said."""
+    """The first position (0 by default) and all ends in order, and the times of these, if they are given."""
     if (table.to is None) == (table.turns is None):
         raise InputError(
             "drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; "
@@ -131,12 +131,12 @@ def _corners(table: DriveTable) -> tuple[Array, Array | None]:
 def _path(
     places: Array, clock: Array | None, points: int, hold_scale: float | None
 ) -> tuple[Array, Array | None]:
-    """Straight from one corner to the next, all of them among the points, and when; points as even as that allows, with
-    times as many to each piece, and even in ln(1 + t/hold_scale) where one is a hold."""
+    """Points of the straight pieces between the corners, which are included, and their times. Points are as even as
+    possible; with times each piece has equally many, and those of a hold are even in ln(1 + t/hold_scale)."""
     corner = np.arange(places.size)
     travelled = np.append(0.0, np.abs(np.diff(places)).cumsum()) if clock is None else corner
     number = np.round(travelled / travelled[-1] * (points - 1)).astype(int)
-    # each leg has a point of its own at least, whichever way rounding went
+    # each leg has at least one point, whatever the rounding
     number = np.maximum.accumulate(number - corner) + corner
     number = np.minimum(number, points - 1 - corner[::-1])
     path = np.interp(np.arange(points), number, places)
@@ -157,10 +157,10 @@ def _path(
 def histogram_points(
     drive: Drive, positions: Sequence[float] | None, times: Sequence[float] | None
 ) -> npt.NDArray[np.intp]:
-    """Indices of the path's points at these positions, each time the slider comes there, where it rests the first and
-    the last of them; and at these times. None twice, in order.
+    """Indices of the path's points at these positions, each time the slider comes there (at a hold the first and the
+    last of them), and at these times; in order, none twice.
 
-    Raises InputError for what is none of the path's points, and for times on a path that has none.
+    Raises InputError for values that are none of the path's points, and for times on a path that has none.
     """
     if times is not None and drive.time is None:
         rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"

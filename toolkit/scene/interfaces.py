@@ -1,4 +1,4 @@
-"""What to know of a scene beside its solvers' answers: a rough surface in SI units, and what strains a law or a run."""
+"""Information on a scene beside its solvers' answers: a rough surface in SI units, and warnings on laws and runs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -16,18 +16,18 @@ from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from toolkit.scene.scene import Scene
 
-_HEIGHT_INTEGRALS = 1e-8  # relative error of what comes from a surface's heights, as tests hold it
-_FAR = 1e6  # mean thresholds: a longer drive is hardly meant
-_RARE = 1e-6  # of the thresholds
-_SPRINGS = (1.0, 10.0, 100.0)  # K/(N<k>) whose slips are told
+_HEIGHT_INTEGRALS = 1e-8  # relative error of numbers from a surface's heights, checked by tests
+_FAR = 1e6  # mean thresholds: a longer drive is probably a mistake
+_RARE = 1e-6  # share of the thresholds
+_SPRINGS = (1.0, 10.0, 100.0)  # K/(N<k>) whose slips are reported
 _NEAREST, _PLACES = 1e-14, 6000  # of a peak's place; places on either side of a peak
 _UNITS = dict.fromkeys(("pressure", "kinetic_stress"), "Pa")
 _UNITS |= dict.fromkeys(("separation", "mean_radius", "mean_plane_separation"), "m")
 _UNITS |= dict.fromkeys(("patch_area", "mean_area"), "m2")
 _UNITS |= dict.fromkeys(("mean_load", "mean_force_threshold"), "N")
 _UNITS |= {"contact_density": "1/m2", "mean_stiffness": "N/m"}
-FEW = 30  # samples, in effect
-RESAMPLES = 20  # an error known to a sixth of itself
+FEW = 30  # effective samples
+RESAMPLES = 20  # the relative error of the sampling error is then a sixth
 _TOLERANCE = 1e-4  # far below any sampling error
 NAMES = (
     *("mean", "standard_deviation", "second_moment", "third_moment"),
@@ -46,8 +46,8 @@ class Number:
 
 
 def with_error(value: float, error: float, digits: int) -> str:
-    """Both in words, the value to `digits` and no further than the error's first; alone where its error is 0 or not
-    known."""
+    """Value and error as text, the value to `digits` or to the first digit of the error; without an error that is 0 or
+    not finite."""
     if not np.isfinite(value) or not np.isfinite(error) or error == 0.0:
         return f"{value:.{digits}g}"
     told = f"{error:.1g}"
@@ -60,7 +60,7 @@ def with_error(value: float, error: float, digits: int) -> str:
 
 
 def of_interface(interface: Interface) -> dict[str, Number]:
-    """What the interface knows in SI units, its own and derived, but for the law's own mean."""
+    """The numbers of the interface in SI units, its fields and properties, without the law's mean."""
     names = [field.name for field in fields(interface)]
     names += [name for name, value in vars(type(interface)).items() if isinstance(value, property)]
     numbers = {}
@@ -74,7 +74,7 @@ def of_interface(interface: Interface) -> dict[str, Number]:
 
 
 def in_a_line(numbers: Mapping[str, Number]) -> str:
-    """The most asked of them as a line of text."""
+    """The most important of them as a line of text."""
     value = {name: number.value for name, number in numbers.items()}
     return (
         f"{value['contact_density']:.3g} contacts/m², <k> = {value['mean_stiffness']:.3g} N/m, area of contact "
@@ -84,8 +84,8 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
 
 
 def remarks(law: Thresholds) -> list[str]:
-    """Where samples, surface, load or a mean below 0 strain the law, and what its errors leave out; empty where nothing
-    does."""
+    """Warnings where samples, surface, load or a mean below 0 are at the limits of the law, and about errors that are
+    not included; may be empty."""
     said = misfit(law) + of_islands(law)
     if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
         said.append(
@@ -108,9 +108,9 @@ def remarks(law: Thresholds) -> list[str]:
 
 
 def foreseen(scene: Scene) -> list[str]:
-    """What to tell before a run: drives as far as in another unit, temperatures at which contacts hold nothing,
-    stretches beyond nearly all thresholds, other numbers of contacts than the nominal area has, and what the numbers of
-    the surface leave out of the contacts."""
+    """Warnings before a run: a drive so long that its unit may be wrong, temperatures at which no contact holds,
+    stretches beyond nearly all thresholds, numbers of contacts other than that of the nominal area, and laws that the
+    numbers of the surface do not include."""
     contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
     surface, mean = contacts.interface, contacts.mean_threshold
     reach = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
@@ -160,7 +160,7 @@ def why_infinite(contacts: Contacts) -> str:
 
 
 def of_islands(law: Thresholds) -> list[str]:
-    """What to tell of thresholds from islands: that K* is infinite and what springs do, or hangs on smoothing."""
+    """Notes on thresholds from islands: K* is infinite, with the slips of some springs, or depends on smoothing."""
     if law.domains is None or law.atoms[0].size:
         return []
     if isinstance(law, Sampled):
@@ -207,8 +207,8 @@ def longest_slip(law: Thresholds, peaks: np.ndarray, spring: float) -> float:
 def sampling_errors(contacts: Contacts) -> dict[str, float]:
     """One standard error of each of NAMES, bias of the smoothing included; lengths in the unit of the thresholds.
 
-    inf for K* and F_s/F_k where all resampled laws have the least value there is, 0 and 1: then no error can be read
-    off. Empty where the thresholds do not come from samples.
+    inf for K* and F_s/F_k where all resampled laws have the least possible value, 0 and 1: then the error cannot be
+    estimated. Empty where the thresholds do not come from samples.
     """
     if not sampled_parts(contacts.thresholds) or isinstance(contacts.thresholds, ContinuousMixture):
         return {}
@@ -235,7 +235,7 @@ def sampling_errors(contacts: Contacts) -> dict[str, float]:
 
 
 def numerical_only(law: Thresholds) -> list[str]:
-    """A note that errors of a run know nothing of the sampling, where there is any."""
+    """A note that errors of a run do not include sampling errors, for thresholds from samples."""
     told = (
         "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
         "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"

@@ -1,4 +1,4 @@
-"""Kinds of thresholds that scenes word otherwise than the functions of origins: samples, islands, surfaces."""
+"""Kinds of thresholds whose keys differ from the parameters in origins: samples, islands, surfaces."""
 
 import re
 from collections.abc import Sequence
@@ -30,10 +30,10 @@ def from_samples(
 ) -> origins.Thresholds:
     """Thresholds through samples; see origins.from_samples.
 
-    `file` counts from the scene's folder; its columns, parted by semicolons, or by blanks or commas, count from 1:
-    `column` holds the values, x_s or f_s as `quantity` says, and may be left out where there is one, `weight_column`
-    how much each counts. Beside semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a comment,
-    and the first line may be a header of text. Raises InputError.
+    `file` is relative to the scene's folder; its columns, separated by semicolons, or by blanks or commas, count from
+    1: `column` has the values, x_s or f_s by `quantity`, and may be left out if it is the only one; `weight_column` has
+    the weights. With semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a comment, and the
+    first line may be a header of text. Raises InputError.
     """
     given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
     if file is not None:
@@ -74,7 +74,7 @@ def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[st
         found[name] = [row[column - 1] if len(row) == width else np.nan for row in rows.values()]
         for number, value in zip(rows, found[name], strict=True):
             if not 0.0 < value < np.inf:
-                # not the line itself: what is no table may not be meant to be shown
+                # do not show the line itself: the file may be private
                 many = f"{width} columns, as many as the first" if width > 1 else "one number"
                 rule = f"line {number} must hold {many}, {name} finite and above zero"
                 refuse("file", file, rule)
@@ -82,9 +82,9 @@ def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[st
 
 
 def _words(line: str) -> list[float]:
-    """The columns of a line: parted by semicolons, or by blanks or commas; nan for what is no number.
+    """The columns of a line, separated by semicolons, or by blanks or commas; nan for words that are not numbers.
 
-    A comma between two digits is a decimal one where something else parts the columns.
+    A comma between two digits is a decimal comma where something else separates the columns.
     """
     decimal = re.search(r"\d,\d", line) is not None
     if ";" in line:
@@ -124,8 +124,8 @@ def domains(
     seed: int = 0,
     comm: Any = None,
 ) -> origins.Thresholds:
-    """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains, whose keywords these are but
-    for `island`, the one of its `islands`. Raises InputError."""
+    """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains, which has the same keywords,
+    with a list `islands` in place of `island`. Raises InputError."""
     options = dict(locals())
     del options["island"]
     if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
@@ -166,7 +166,7 @@ def fourier_substrate(
 
 
 class Heights(NamedTuple):
-    """A surface of which the heights are known, and whether it goes on periodically."""
+    """A surface with known heights, and whether it is periodic."""
 
     topography: Topography
     periodic: bool
@@ -186,8 +186,8 @@ def from_topography(
 ) -> origins.Thresholds:
     """Thresholds in metres of a surface; see origins.from_topography.
 
-    `detrend` is "curvature" for a scan and "centre" for a generated surface, which is periodic; what is not heights has
-    neither `detrend` nor `step`. Raises InputError.
+    `detrend` is "curvature" for a scan and "centre" for a generated surface, which is periodic; a surface without
+    heights takes neither `detrend` nor `step`. Raises InputError.
     """
     options: dict[str, Any] = dict(locals())
     del options["surface"], options["detrend"], options["step"]
@@ -212,7 +212,7 @@ def open_scan(
 ) -> Heights:
     """A scan in any format that SurfaceTopography reads; `file` is relative to the scene's folder.
 
-    Rank 0 of `comm` reads it for all. `physical_sizes`, `unit` and `height_scale_factor` are for files that hold none.
+    Rank 0 of `comm` reads it for all. `physical_sizes`, `unit` and `height_scale_factor` are for files without them.
     Raises InputError where the file is missing, is no scan, or contradicts them.
     """
     channel, given = whole("channel", channel, least=0), dict[str, Any](unit=unit)

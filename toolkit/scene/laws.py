@@ -1,6 +1,6 @@
 """Named laws: a scene's table with a `kind` becomes the call of one function.
 
-A kind is one entry here. Its keys are the function's own parameters, so a scene cannot drift from the function.
+A kind is one entry here. Its keys are the function's parameters, so scenes and functions always agree.
 """
 
 import inspect
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
-    """The functions of origins that have these kinds in their names."""
+    """The functions of origins that are named after these kinds."""
     return {kind: f"origins:{pattern.format(kind.replace('-', '_'))}" for kind in kinds.split()}
 
 
@@ -56,8 +56,8 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
 }
 
 _MOST = 1 << 30  # bytes of a file
-_COLD, _HOT = 1.0, 1e4  # K: between them lie temperatures of contacts
-# how Python's values in a message are written in TOML
+_COLD, _HOT = 1.0, 1e4  # K: limits of plausible temperatures
+# Python's values in messages, and their forms in TOML
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
 _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
 
@@ -65,10 +65,10 @@ _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
 def build(
     kinds: Mapping[str, str] | str, table: object, where: str, folder: Path, comm: Any = None
 ) -> Any:
-    """What the table's kind makes of the table's other keys; `kinds` of one name has no kind and calls that.
+    """The result of calling the function of the table's kind with the other keys; a single name in `kinds` is called.
 
-    Tables within it, the components of a mixture among them, are built first. A function with a parameter `folder` is
-    given `folder`, from where the scene's file names count, and one with a parameter `comm` the communicator whose
+    Tables within it, such as the components of a mixture, are built first. A function with a parameter `folder` is
+    given `folder`, to which the scene's file names are relative, and one with a parameter `comm` the communicator whose
     ranks, all of which must call, share its work. Raises InputError with the path of the bad key, counted from `where`.
     """
     if not isinstance(table, Mapping):
@@ -139,9 +139,9 @@ def without_kelvin(
 
 @contextmanager
 def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
-    """Put `where` before any InputError raised within; where it begins with an argument, by the scene's key for it.
+    """Put `where` before the message of any InputError raised within, and replace an argument's name by its key.
 
-    An argument that is None is a key that is missing, and True is written true.
+    An argument that is None is reported as a missing key, and True is written true.
     """
     try:
         yield
@@ -158,9 +158,9 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
 def read_file(
     key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
 ) -> T:
-    """What `read` makes of the file in this folder, the same on all ranks, which must all call.
+    """The result of `read` for the file in this folder, the same on all ranks, which must all call.
 
-    `key` is the scene's key that names it. Raises InputError for what is no plain file: a pipe or a device might never
+    `key` is the scene's key that names it. Raises InputError unless it is a plain file: a pipe or a device might never
     end.
     """
     if not isinstance(file, str):
@@ -187,5 +187,5 @@ def read_file(
 
 
 def read_text(path: Path) -> str:
-    """The text of a file, without the mark that some programs put first."""
+    """The text of a file, without the byte order mark that some programs put first."""
     return path.read_text(encoding="utf-8-sig")

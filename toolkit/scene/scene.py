@@ -1,4 +1,4 @@
-"""Scene files: what is asked for, checked whole before anything runs."""
+"""Scene files, checked completely before anything runs."""
 
 import time
 import tomllib
@@ -30,7 +30,7 @@ _FURTHEST = 1e6  # mean thresholds: beyond, the ensemble's contacts would break 
 class Scene:
     """A checked scene.
 
-    `text` is the TOML it came from, `folder` where its file names count from; `drive.path` are positions of the
+    `text` is its TOML text, its file names are relative to `folder`; `drive.path` are positions of the
     slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `given_drive`,
     `master`, `eq` and `sweep` are None where the scene has no such table. `wall_time`: seconds for all of them
     together, None for no limit; `tolerance_given`: whether the scene names master.tolerance; `area`: drive.area.
@@ -62,12 +62,12 @@ class Scene:
         return self.drive.path
 
     def deadline(self) -> float | None:
-        """When the wall time is over, s of the monotonic clock, if it begins now; None without one."""
+        """End of the wall time if it begins now, in s of the monotonic clock; None without a wall time."""
         return None if self.wall_time is None else time.monotonic() + self.wall_time
 
     @property
     def sliding(self) -> Speed:
-        """The speed at which F_k and what else depends on it is asked for."""
+        """The speed for F_k and other quantities that depend on it."""
         return sliding_speed(self.given_drive, None if self.sweep is None else self.sweep.velocity)
 
     def histogram_points(self) -> npt.NDArray[np.intp]:
@@ -77,7 +77,7 @@ class Scene:
         return histogram_points(self.drive, self.eq.histograms, self.eq.histogram_times)
 
     def only_forward(self, what: str) -> "Scene":
-        """Itself, if its slider is rigid and moves forward; InputError with the name of `what` takes no other."""
+        """`self` if its slider is rigid and moves forward; else InputError, which says that `what` takes only that."""
         with laws.inside("drive", {"spring": "spring"}):
             self.drive.only_forward(what)
         return self
@@ -93,7 +93,7 @@ def load_scene(
 ) -> Scene:
     """The scene of a dict, of a scene file, or of a shipped scene's name; one to be `solved` must name a solver.
 
-    The ranks of the mpi4py communicator `comm`, all of which must call, share what sampling its thresholds take; every
+    The ranks of the mpi4py communicator `comm`, all of which must call, share the sampling of its thresholds; every
     rank gets the same bits.
     Raises InputError with the path of the bad key, such as ``contacts.thresholds.std = -1.0: must be above zero``.
     """

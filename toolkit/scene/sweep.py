@@ -1,4 +1,4 @@
-"""A scene's [sweep]: F_k, what holds, and K* along speeds, temperatures, rates of ageing or delays, in one call."""
+"""A scene's [sweep]: F_k, the fraction that holds, and K* at many speeds, temperatures, rates of ageing or delays."""
 
 import time
 from collections.abc import Callable
@@ -25,10 +25,10 @@ _TINY = 1e-300
 
 @dataclass(frozen=True)
 class Sweep:
-    """What a sweep goes along: arrays of one shape, (n,) or (n, m), the quantity of most values first.
+    """The points of a sweep: arrays of one shape, (n,) or (n, m), the quantity with most values first.
 
-    `temperature`, `rate` and `delay` are None where the contacts' own holds, `kelvin` is the temperature as it was
-    given, None where it was not given in K; `along` names the quantities of several values, the longest first.
+    `temperature`, `rate` and `delay` are None where the contacts' own value is used, `kelvin` is the temperature as
+    given, None if it was not given in K; `along` names the quantities with several values, the longest first.
     """
 
     along: tuple[str, ...]
@@ -45,8 +45,8 @@ class SweepRecord:
     """Smooth sliding at all points of a sweep: arrays of one shape, (n,) or (n, m), the first axis `along` its first.
 
     `force` = F_k/(N_c<k>) (a length), `force_error` (in <x_s>), `holding`, the fraction that holds, and its error;
-    where it was asked for, `critical_spring` = K*/(N_c<k>) and its error, else None. `velocity`, `temperature`, `rate`,
-    `delay` at each point, None for a law that the contacts have not; `kelvin` where temperatures were given so.
+    if requested, `critical_spring` = K*/(N_c<k>) and its error, else None. `velocity`, `temperature`, `rate`, `delay`
+    at each point, None for a law that the contacts do not have; `kelvin` if temperatures were given in K.
     """
 
     along: tuple[str, ...]
@@ -128,8 +128,8 @@ def _values(name: str, value: float | list[float] | RangeTable) -> Array:
 def solve_sweep(
     contacts: Contacts, asked: Sweep, expect: Callable[[float], None] | None = None
 ) -> SweepRecord:
-    """F_k and what holds at all points in one call, and K* in another where it is asked for, of which `expect` is told
-    about how many seconds it will take."""
+    """F_k and the fraction that holds at all points in one call, and if requested K* in another, for which `expect` is
+    called with an estimate of its time in seconds."""
     import master
 
     began = time.perf_counter()
@@ -161,5 +161,5 @@ def solve_sweep(
 
 
 def _good(success: npt.NDArray[np.bool_], error: Array, value: Array) -> bool:
-    """Whether all points are as good as asked, or, since a scene names no tolerance of a sweep, good."""
+    """Whether each point reaches its tolerance, or at least _GOOD_ENOUGH, as a scene states none for a sweep."""
     return bool((success | (error <= _GOOD_ENOUGH * np.maximum(value, _TINY))).all())

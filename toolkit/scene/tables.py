@@ -115,7 +115,7 @@ def _counted(value: Any, key: str = "") -> Any:
 def to_toml(tables: Mapping[str, Any]) -> str:
     """TOML text, a line for each key, that reads back as `tables`; keys whose value is None are left out.
 
-    Raises InputError for a value TOML has no form for.
+    Raises InputError for a value that TOML cannot represent.
     """
     return "".join(f"{line}\n" for line in _pairs(tables, ""))
 

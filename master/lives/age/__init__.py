@@ -1,1 +1,1 @@
-"""Contacts whose thresholds diffuse as they grow older: (L), (B) and Sec. V, each by itself."""
+"""Contacts whose thresholds diffuse independently as they grow older: (L), (B) and Sec. V."""

@@ -1,10 +1,10 @@
-"""Contacts whose thresholds age, each by itself: what is left of them on a slider that moves straight.
+"""Survival of contacts whose thresholds age independently, on a slider that moves straight.
 
-At one speed that is a function of the time since the birth, for each stretch at birth. Towards a
-Gaussian final law without heat it comes from the integral equation of the first passage; any other
-final law, and heat, is followed in time by strands (master.lives.age.strands). These are followed
-with two resolutions, whose errors differ by a factor of eight; what they tell is extrapolated, and
-what it was off by is measured.
+At one speed it is a function of the time since the birth, for each stretch at birth. For a Gaussian
+final law without heat it comes from the integral equation of the first passage; for other final
+laws, or with heat, strands follow the thresholds in time (master.lives.age.strands). Strands have two
+resolutions, whose errors differ by a factor of eight; their survivals are extrapolated, and the error
+is measured.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Error of the finer and of the coarser of two resolutions, in units of the change between them; a
-# still finer one is tried if that brought the error below HARDLY times the one before.
+# Error of the finer and of the coarser of two resolutions, over the change between them; a finer
+# resolution is tried as long as the error falls below HARDLY times the one before.
 FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
-# The largest difference at all moments, in units of the largest at the moments that are compared.
+# The largest difference at any moment, over the largest at the moments that are compared.
 MARGIN = 2.0
 # Error by rounding of the share that holds.
 ROUND_OFF = 1e-13
-# The finest resolution; to choose one, so many births are followed, compared at so many points of each
-# leg at least, until only the share FAINT holds.
+# The finest resolution. To choose one, TRIALS births are followed and compared at LOOKS or more points
+# of each leg, until only the share FAINT holds.
 FINEST, TRIALS, LOOKS, FAINT = 6, 4, 12, 1e-9
 # Further points right after a birth, in units of the time to the first point.
 EARLY = np.array([0.01, 0.1])
@@ -47,7 +47,7 @@ PER_PANEL = 1e-3
 SPENT, DEGREE = 1e-12, 5
 # Number of stretches at birth between which survivals are interpolated.
 BETWEEN = 22
-# Number of equal parts of the reach that are tabulated on panels of their own.
+# Number of equal parts of the reach, each tabulated on its own panels.
 MARKS = 16
 # Time, in units of reach over speed, after which hardly any contact holds.
 LONGEST = 3.0
@@ -62,9 +62,9 @@ class AgeingLife(UnbentLife):
     ----------
     contacts : Contacts
     motion : Motion
-        X(t); of more than one leg, `left` tells contacts that were born on the last one.
+        X(t); with more than one leg, `left` is for contacts that were born on the last one.
     accuracy : float
-        Error of the share that holds that is aimed at; of strands, 1e-9 and less take very long.
+        Aimed-at error of the share that holds; strands take very long for 1e-9 and less.
     until : float
         Reading of time.monotonic() after which no finer resolution is tried.
 
@@ -73,7 +73,7 @@ class AgeingLife(UnbentLife):
     mesh : Mesh
         Cells and steps that suffice for strands.
     furthest : float
-        Length: hardly any threshold lies beyond. (On one leg `reach` is where none holds any more.)
+        Length beyond which there are hardly any thresholds. (On one leg no contact holds beyond `reach`.)
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class AgeingLife(UnbentLife):
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
         self.fastest = float(np.abs(motion.speeds).max())
         ends = np.array(ageing.final.support() if ageing.normal is None else [])
-        # where thresholds are reflected contacts begin to break all at once
+        # at an end of P_cf, where thresholds are reflected, breaking begins abruptly
         self.bends: Array = ends[np.isfinite(ends) & (ends > 0.0) & motion.one_leg]
         self.bend_sizes: Array = np.ones(self.bends.size)
         self._closed = ageing.normal is not None and contacts.thermal is None
@@ -113,7 +113,7 @@ class AgeingLife(UnbentLife):
 
     @property
     def error(self) -> float:
-        """Of the share that holds, as measured so far."""
+        """Error of the share that holds, as measured so far."""
         tables = max((table.error for table in self._tables.values()), default=0.0)
         return self._rules.error + max(self._missed, tables) + ROUND_OFF
 
@@ -182,9 +182,9 @@ class AgeingLife(UnbentLife):
         return out
 
     def _table(self, speed: float, stretch: float) -> Passage | StrandSurvival:
-        """What is left of contacts born at this stretch on a slider that keeps this speed."""
+        """Survival of contacts born at this stretch on a slider that keeps this speed."""
         if (speed, stretch) not in self._tables:
-            # |x| is the same where all lengths change their sign
+            # |x| does not change when speed and stretch change sign
             along, contacts = -stretch if speed < 0.0 else stretch, self.contacts
             table: Passage | StrandSurvival
             if self._closed and speed:
@@ -207,9 +207,9 @@ class AgeingLife(UnbentLife):
         return Strands(mesh, np.tile(rule.stretch, count), np.tile(rule.weight, (count, 1)))
 
     def _shares(self, rule: StretchRule) -> Array:
-        """What holds of contacts born at the rule's stretches at the motion's beginning.
+        """Share that holds of contacts born at the rule's stretches at the motion's beginning.
 
-        Of strands it is told with few cells, whose errors hardly depend on the rule.
+        Strands use few cells here, as the errors of the cells hardly depend on the rule.
         """
         if self._closed and self.motion.one_leg and self.fastest:
             speed = float(self.motion.speeds[0])
@@ -217,13 +217,13 @@ class AgeingLife(UnbentLife):
             tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
             return rule.weight @ np.array([table.survival(lags) for table in tables])
         mesh = Mesh(self.contacts, 1, self.fastest)
-        # a way from any stretch: rules of more stretches are compared at the same moments
+        # the same way for any stretches, so that two rules are compared at the same moments
         return self._followed(
             Strands(mesh, rule.stretch, rule.weight[None]), 0, 2.0 * self.furthest
         )
 
     def _trial(self, mesh: Mesh) -> Array:
-        """What holds, all along the motion, of the contacts of the start and of some births."""
+        """Share that holds, along the whole motion, of the contacts of the start and of some births."""
         legs = self.motion.speeds.size
         births = np.linspace(0, legs - 1, min(TRIALS, legs)).astype(int)
         self._differed = 0.0
@@ -234,7 +234,7 @@ class AgeingLife(UnbentLife):
         return np.concatenate(parts)
 
     def _followed(self, strand: Strands, first: int, furthest: float) -> Array:
-        """What holds of a strand born as the leg `first` begins, at moments of all legs from it."""
+        """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
         motion, shares, held = self.motion, [], 1.0
         length = TRAVEL_STEP * strand.mesh.width
         for leg in range(first, motion.speeds.size):
@@ -257,8 +257,8 @@ class AgeingLife(UnbentLife):
 class StrandSurvival:
     """Survival of contacts born at one stretch that age at one speed >= 0, followed by a strand.
 
-    Where |x| turns at 0, and where it comes up to the lower end of the final law, another table
-    begins; each is over the root of the time since it began, as survivals change there.
+    A new table begins where |x| turns at 0, and where it reaches the lower end of the final law; the
+    variable of each is the root of the time since its beginning, in which survivals are smooth there.
     """
 
     def __init__(self, life: AgeingLife, stretch: float, speed: float, most: float) -> None:
@@ -273,7 +273,7 @@ class StrandSurvival:
         share = 1.0
         for begin, end in pairwise(marks):
             times, shares = [0.0], [share]
-            strands.torn = True  # thresholds may have gathered where the level comes now
+            strands.torn = True  # thresholds may have gathered right above the new level
             for time in np.diff(strands.steps_of(speed, end - begin)):
                 strands.advance(speed, time)
                 strands.torn = False

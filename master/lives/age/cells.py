@@ -1,14 +1,14 @@
-"""The thresholds of contacts that age and hold: their density above a level that moves.
+"""The density of the thresholds of contacts that age and hold, above a level that moves.
 
 A contact holds while its threshold ξ is above the level ℓ = |x|. With y = ξ - ℓ, D the diffusivity,
 U' the drift's potential (P_cf ~ e^-U) and h the rate of breaking early,
 
     du/dt = d/dy [(D U' + dℓ/dt) u + D du/dy] - h u,        u = 0 at y = 0.
 
-The density u is kept as weights of cells in y, small ones towards y = 0; the flux through their
-faces comes from cubics through the four cells around, of fourth order, and no weight is lost. Where
-the final law ends at a wall, cells shrink as the level comes up to it; where it begins above 0, the
-level stays there, closed, until |x| comes up to it.
+The density u is stored as weights of cells in y, small ones towards y = 0; the flux through their
+faces comes from cubics through the four cells around, of fourth order, and weight is conserved. Where
+the final law ends at a wall, cells shrink as the level approaches it; where it begins above 0, the
+level stays there as a closed wall until |x| reaches it.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ from origins.thresholds.gaussian import CutGaussian
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.intp]
 
-# Weight of a cell that counts as none, and standard deviations that a threshold goes at most.
+# Weight below which a cell counts as empty; most standard deviations that a threshold diffuses in a step.
 FAINT, FURTHEST = 1e-18, 8.0
-# Standard deviations that normal thresholds keep from the stretch of contacts that sleep: those
-# that may have been met are fewer than 1e-11.
+# Strands sleep while |x| is this many standard deviations below the mean of normal thresholds: a
+# share below 1e-11 may have met it.
 ASLEEP = 7.0
 # Cells that a step uses at least: those of one cubic.
 LEAST_CELLS = 4
@@ -56,21 +56,21 @@ class Move(NamedTuple):
 
 
 class Cells:
-    """Cells above the level, and how the weights in them, arrays (strands, cells), change.
+    """Cells above the level, and the change of their weights, arrays (strands, cells), in time.
 
     Parameters
     ----------
     contacts : Contacts
         With `ageing`, closure "exact".
     resolution : int
-        Errors of the cells fall by 8 with each.
+        Each step up divides the errors of the cells by 8.
     fastest : float
         Largest speed of the slider.
 
     Attributes
     ----------
     width : float
-        The narrowest of both laws (a length).
+        The smaller of the narrowest widths of both laws (a length).
     """
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
@@ -117,14 +117,14 @@ class Cells:
         return _between(self._law.cdf(at), self._law.sf(at))
 
     def far_above(self, stretch: Array, age: Array, deviations: float) -> npt.NDArray[np.bool_]:
-        """Whether thresholds of this age are known to be that many standard deviations above."""
+        """Whether thresholds of this age are known to be so many standard deviations above |stretch|."""
         if not self._gaussian:
             return np.zeros(np.shape(stretch), dtype=bool)
         mean, std = self._unmet(age)
         return np.asarray(mean - deviations * std > np.abs(stretch))
 
     def unmet(self, stretch: Array, age: Array) -> Array:
-        """Weights of thresholds of this age none of which has been met."""
+        """Weights of thresholds of this age if none of them has met |x| before."""
         mean, std = self._unmet(age)
         z = (np.abs(stretch)[:, None] + self.edges - mean[:, None]) / std[:, None]
         return _between(ndtr(z), ndtr(-z))
@@ -137,7 +137,7 @@ class Cells:
         return normal.mean_after(law.parent_mean, age), np.hypot(normal.std_after(age), kept)
 
     def move(self, weights: Array, move: Move) -> Array:
-        """Weights after |x| went straight on; within a move it neither turns nor passes `floor`."""
+        """Weights after a straight move, in which |x| neither turns nor passes `floor`."""
         begin, end = self.level(move.begin), self.level(move.end)
         gone = end >= self.wall * (1.0 - 1e-12)
         if gone.any():
@@ -156,7 +156,7 @@ class Cells:
         rise = (end - begin)[:, None] * (1.0 - self.edges[:-1] / (self.wall - self.floor))
         flow = self._drift(level[:, :, None] + faces) * times[:, :, None] + rise
         flow /= scale[:, :, None]
-        # an edge that is thinner than a cell is not resolved, and need not be
+        # at least a cell wide: a thinner edge of the density need not be resolved
         spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(end - begin))
         leaving = entering = flow
         breaking = np.empty((2, begin.size, 0))
@@ -173,7 +173,7 @@ class Cells:
         )
 
     def _scale(self, level: Array) -> Array:
-        """How wide cells are above this level, in units of those above the floor."""
+        """Width of cells above this level over that of cells above the floor."""
         if not np.isfinite(self.wall):
             return np.ones(np.shape(level))
         return np.asarray((self.wall - level) / (self.wall - self.floor))
@@ -183,13 +183,13 @@ class Cells:
         if self._normal is not None:
             return self._diffusion * (threshold - self._normal.mean) / self._normal.std**2
         assert self._slope is not None
-        # through a face at the very end of the final law nothing is pulled
+        # the slope is 0 at the very end of the final law
         return self._diffusion * self._slope(threshold)
 
     def _early(
         self, stretch: Array, level: Array, scale: Array, times: Array
     ) -> tuple[Array, Array]:
-        """Rates of breaking in the cells, and how the rate's slope weighs the densities at faces.
+        """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope.
 
         The mean of a product over a cell of width w is that of h times that of u plus
         (w²/12) h' u', and w u' is the difference of u at its faces.
@@ -207,7 +207,7 @@ class Cells:
         return mean, np.diff(self.edges) * np.diff(at_ends, axis=2) / 12.0
 
     def _used(self, weights: Array, flow: Array, duration: Array) -> Whole:
-        """Cells that hold thresholds now or may within the step."""
+        """Number of cells that contain thresholds now or may do so within the step."""
         if np.isfinite(self.wall):
             return np.full(weights.shape[0], weights.shape[1])
         further = np.maximum(-flow.min(axis=(0, 2)), 0.0)
@@ -217,7 +217,7 @@ class Cells:
         return np.clip(found, LEAST_CELLS, weights.shape[1]).astype(np.intp)
 
     def _shift(self, weights: Array, begin: Array, end: Array) -> Array:
-        """Weights that a level leaves which moves in no time."""
+        """Weights that remain above a level that jumps from begin to end."""
         out = np.empty(weights.shape)
         below = np.concatenate([np.zeros((begin.size, 1)), np.cumsum(weights, axis=1)], axis=1)
         before, after = self._scale(begin), self._scale(end)

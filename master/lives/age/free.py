@@ -1,7 +1,6 @@
 """Thresholds that relax towards a normal law, free of any contact: an Ornstein-Uhlenbeck process.
 
-Time is counted by the way that the slider goes: `diffusion` is D/v, a length, and rates are per
-length.
+The way of the slider takes the place of time: `diffusion` is D/v, a length, and rates are per length.
 """
 
 from __future__ import annotations
@@ -15,15 +14,15 @@ from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 
-# Edges of the panels that a sum over fresh thresholds is cut into, in standard deviations about the
-# one that comes to the level with the mean: eight Gauss nodes on each integrate a normal density.
+# Edges of the panels of an integral over fresh thresholds, in standard deviations about the threshold
+# whose mean reaches the level: eight Gauss nodes on each panel integrate a normal density.
 SPREAD = np.arange(-9.0, 9.5)
-# Share of the first distance from the mean that is still left, below which it is not divided by.
+# Least remaining share of the initial distance from the mean by which we divide.
 FORGOTTEN = 1e-150
 
 
 class FreeThresholds:
-    """How many thresholds are below a level, and go on ageing when they come there.
+    """The share of thresholds below a level, if they continue to age after they meet it.
 
     Parameters
     ----------
@@ -34,7 +33,7 @@ class FreeThresholds:
     diffusion : float
         D/v > 0, a length.
     least : float
-        Length: contacts that stood stretched at time 0 have thresholds above it.
+        Length: |x| of the contacts at time 0; their thresholds are above it.
     """
 
     def __init__(
@@ -51,7 +50,7 @@ class FreeThresholds:
         self._edges = np.unique(edges)
 
     def below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
-        """Share below `level` now of thresholds that were at the level `elapsed` ago, `rise` below."""
+        """Share now below `level` of thresholds that were, `elapsed` ago, at the level of then, `rise` lower."""
         decay, lost = np.exp(-self.rate * elapsed), -np.expm1(-self.rate * elapsed)
         distance = (level - self._mean) * lost + rise * decay
         return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
@@ -86,7 +85,7 @@ class FreeThresholds:
         return np.asarray(beyond + np.bincount(row, weights=sums, minlength=centre.size))
 
     def _smooth(self, x: Array) -> Array:
-        """Weight of the fresh law between `least` and x >= least without its exact values."""
+        """Weight of the fresh law, without its exact values, between `least` and x >= least."""
         below, first = self._fresh.cdf(x), self._fresh.cdf(self._least)
         beneath = np.where(
             below < 0.5, below - first, self._fresh.sf(self._least) - self._fresh.sf(x)

@@ -1,4 +1,4 @@
-"""Cells for the thresholds of contacts that age, cubics through them, and the final law's pull."""
+"""Cells for the thresholds of contacts that age, cubics through them, and the drift of the final law."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
-# The widest cells, of the narrowest width of the two laws; with it the errors in space and, for
-# steps of a quarter of it, in time are alike (some 1e-4 at resolution 0).
+# The widest cell over the narrowest width of the two laws; errors in space then equal those in time
+# for steps of a quarter of that width (some 1e-4 at resolution 0).
 CELL = 0.4
-# With each resolution cells become finer by 2 to that power: errors, of fourth order, fall by 8.
+# Each resolution divides cells by 2 to this power: errors, of fourth order, fall by 8.
 FINER = 0.75
-# Growth of a cell per distance from the level, until it is the widest.
+# Growth of a cell per distance from the level, up to the widest cell.
 GROWTH = 0.3
-# The narrowest cell, of the thickness D/v of the density's edge at the level, and its least value,
-# of the narrowest width: as thin edges hold less than is asked for.
+# The narrowest cell over the thickness D/v of the density's edge at the level; and its least value
+# over the narrowest width, as thinner edges contain too few thresholds to matter.
 LAYER, THINNEST = 0.05, 2e-6
-# Far out, where the tail of a law is smooth over its own distance, cells may grow by that much.
+# Growth of a cell per distance beyond the bulk of the laws, where their tails are smooth.
 FAR_GROWTH = 0.05
 # Survival of both laws at which the cells end.
 FAR = 1e-16
@@ -32,16 +32,16 @@ MOST_CELLS = 4000
 TABLE = 4096
 # Step of numerical derivatives of ln P_cf, in the logarithm of the distance from its end.
 DERIVATIVE_STEP = 2e-3
-# Distance from the end of a law, in widths, nearer to which its slope is taken to be that power's.
+# Distance from the end of a law, in widths, below which ln P_cf is treated as a power of it.
 NEAREST = 1e-8
-# Deciles: the narrowest tenth of the weight measures how sharp a law is; a normal law of the standard
-# deviation 1 has 0.25 of its length there.
+# Deciles: the narrowest tenth of the weight measures how sharp a law is; for a normal law of standard
+# deviation 1 it is 0.25 wide.
 DECILES, NORMAL_TENTH = np.linspace(0.1, 0.9, 9), 0.25
 
 
 class Faces(NamedTuple):
-    """Density and its slope at the lower face of each cell, from the weights of the cells f - 2 to
-    f + 1; arrays (2, cells, 4), with an open and with a closed lowest face."""
+    """Coefficients that give the density and its slope at the lower face f of each cell from the weights
+    of the cells f - 2 to f + 1; arrays (2, cells, 4), for an open and for a closed lowest face."""
 
     value: Array
     slope: Array
@@ -57,7 +57,7 @@ class FinalSlope:
     def __init__(self, final: Thresholds, width: float) -> None:
         self._low, self._high = final.support()
         self._width, self._walled = width, bool(np.isfinite(self._high))
-        furthest = 10.0  # of τ at a wall: closer, distances from it lose their digits
+        furthest = 10.0  # largest τ at a wall: nearer to it distances lose their digits
         if not self._walled:
             furthest = float(np.log(3.0 * (final.isf(FAR) - self._low) / width))
         nearest = min(-furthest, float(np.log(NEAREST)))
@@ -89,14 +89,14 @@ class FinalSlope:
 
 
 def narrowest(law: Thresholds) -> float:
-    """Standard deviation of a normal law as sharp as the sharpest tenth of the weight."""
+    """Standard deviation of a normal law whose narrowest tenth of the weight is as narrow as this law's."""
     spread = np.diff(law.ppf(DECILES))
     return float(spread[spread > 0.0].min(initial=law.mean())) / NORMAL_TENTH
 
 
 def cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:
-    """Ends of cells from 0 to `reach`: from the thinnest they grow up to CELL times `width`, and
-    again beyond `bulk`; all are multiplied by `share`."""
+    """Ends of cells from 0 to `reach`: their widths grow from `thinnest` to CELL times `width`, and
+    grow further beyond `bulk`; all widths are multiplied by `share`."""
     edges = [0.0]
     while edges[-1] < reach:
         widest = CELL * width + FAR_GROWTH * max(edges[-1] - bulk, 0.0)
@@ -107,19 +107,19 @@ def cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: 
                 f"ageing: laws as sharp as {width:.3g} that reach to {reach:.3g} need more than "
                 f"{MOST_CELLS} cells of thresholds; use wider laws, or a larger tolerance"
             )
-    # the last one ends where the law does
+    # scale so that the last cell ends at `reach`
     return np.array(edges) * (reach / edges[-1])
 
 
 def faces_of(edges: Array) -> Faces:
-    """Cubics through the cells around each face, or what is left of them at the ends."""
+    """Cubics through the cells around each face, and lower polynomials at both ends."""
     m = edges.size - 1
     value, slope = np.zeros((2, m, 4)), np.zeros((2, m, 4))
     for f in range(m):
         cells = np.arange(max(f - 2, 0), min(f + 2, m))
         scale = edges[cells[-1] + 1] - edges[cells[0]]
         for closed in (0, 1):
-            # beside an open end, where the density vanishes, powers from y on; elsewhere from 1 on
+            # near an open end, where the density vanishes, powers begin at y; elsewhere at 1
             least, origin = (1, 0.0) if f < 2 and not closed else (0, edges[f])
             powers = least + np.arange(cells.size)
             left, right = ((edges[cells + k, None] - origin) / scale for k in (0, 1))

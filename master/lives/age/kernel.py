@@ -1,7 +1,7 @@
 """One step in time of the weights of thresholds in cells, strand by strand: the compiled part.
 
-All that numba compiles for ageing stands in this file, because its cache on disk notices changes in
-a function's own file only.
+All code that numba compiles for ageing is in this file, because its cache on disk detects changes
+only in a function's own file.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from numba import njit
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.intp]
 
-# Radau's method of two stages, of third order: its last stage is the end of the step, so that what
-# is stiff, such as the thin edge of a density at the level, is damped to what it is at the end.
+# Radau's method of two stages, of third order: its last stage is the end of the step, so that stiff
+# components, such as the thin edge of a density at the level, are damped to their final values.
 STAGES = np.array([1.0 / 3.0, 1.0])
 RADAU = np.array([[5.0, -1.0], [9.0, 3.0]]) / 12.0
 
@@ -32,7 +32,7 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 @compiled
 def solve_band(band: Array, right: Array) -> None:
-    """Solve a system in place: band[i, 5 + j] stands in row i and column i + j, |j| <= 5."""
+    """Solve a system in place; band[i, 5 + j] is the element in row i and column i + j, |j| <= 5."""
     n = right.size
     for i in range(n):
         pivot = 1.0 / band[i, 5]
@@ -64,13 +64,13 @@ def step(
     """Weights of thresholds in cells at the end of a step, shape (strands, cells).
 
     weights : array (strands, cells) at its beginning; strand i has some in its first used[i] cells
-    leaving, entering : arrays (2, strands, cells), at both stages, what leaves a cell through its
-        lower face per density there, and what of it enters the cell below
+    leaving, entering : arrays (2, strands, cells), at both stages: the flux out of a cell through its
+        lower face, and that into the cell below, both per density at the face
     breaking : array (2, strands, cells), or of no cells, rate at which contacts in a cell break
     spread : array (2, strands), the diffusivity; the last four are multiplied by the step
     value, slope : arrays (2, cells, 4), the density and its slope at the cells' lower faces from
         the weights of four cells, with an open (0) and with a closed (1) lowest face
-    closed : array (strands,), 1 where nothing passes the lowest face
+    closed : array (strands,), 1 where there is no flux through the lowest face
     """
     out = np.zeros(weights.shape)
     most = weights.shape[1]

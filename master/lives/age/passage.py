@@ -1,6 +1,6 @@
-"""First passage, at one speed: how long contacts hold whose thresholds age towards a normal law.
+"""First passage at one speed: survival of contacts whose thresholds age towards a normal law.
 
-A contact stands at `start` at t = 0, its threshold being fresh; its stretch grows at one speed, and
+A contact has the stretch `start` at t = 0 and a fresh threshold; its stretch grows at one speed, and
 it breaks where |stretch| first meets its threshold. If thresholds went on ageing when they are met,
 all that are below |stretch| at t would have been met at some moment before: with b the breaks per
 unit of the way t,
@@ -8,9 +8,9 @@ unit of the way t,
     P(below at t | fresh) = integral_0^t b(τ) P(below at t | met at τ) dτ,       E(t) = 1 - integral_0^t b dτ.
 
 That is number conservation again, and both probabilities are known in closed form, as free
-thresholds are an Ornstein-Uhlenbeck process. It is marched in panels, on each of which 2 s b is a
-Legendre series in s = t^(1/2): b is smooth in s from the first contact on. (Shares above in place of
-those below would leave rounding alone to tell b where thresholds flee from |stretch|.)
+thresholds are an Ornstein-Uhlenbeck process. It is solved panel by panel; on each 2 s b is a Legendre
+series in s = t^(1/2), in which b is smooth from the start. (With the shares above in place of those
+below, b would be lost in rounding where thresholds move away from |stretch|.)
 """
 
 from __future__ import annotations
@@ -29,30 +29,30 @@ from origins.errors import InputError, refuse
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Survival that counts as none: rounding leaves as much.
+# Survival that counts as 0: the size of rounding.
 SPENT = 1e-14
-# Error of every answer that rounding leaves.
+# Error of every survival by rounding.
 ROUND_OFF = 1e-13
-# D/v over the mean threshold below which nothing is known to diffuse by floating point.
+# Least D/v over the mean threshold that has an effect in floating point.
 AT_REST = 1e-28
 # Panels of one march; a smooth law takes some 50.
 MOST_PANELS = 4000
-# Standard deviations of the final law above all thresholds at which the march ends at the latest.
+# The march ends at the latest so many standard deviations of the final law above all thresholds.
 BEYOND_ALL = 12.0
 # Halvings of the integral's cuts towards its upper end: from D/v up to any length.
 DOUBLINGS = 40
 # Nodes and weights on (0, 1) of the integral over earlier breaks, between two of its cuts.
 _INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
 _SIZE = rule.DEGREE
-# What the last coefficients of a density come to in its integral.
+# Factor by which the last coefficients of a density enter its integral.
 IN_NUMBER = 1.0 / (2.0 * _SIZE)
 
 
 class _Leg:
-    """A part of the way on which the level moves by `sign` per unit from `level`, and its panels.
+    """A part of the way on which the level moves from `level`, by `sign` per unit, and its panels.
 
-    edges are those of the panels in s, the root of the way since `begin`; series the Legendre
-    coefficients of 2 s b on each, and after what holds at its end.
+    `edges` are those of the panels in s, the root of the way since `begin`; `series` has the Legendre
+    coefficients of 2 s b on each panel, and `after` the survival at its end.
     """
 
     def __init__(self, begin: float, level: float, sign: float) -> None:
@@ -74,7 +74,7 @@ class _Leg:
 
 class _Earlier(NamedTuple):
     """Nodes s of integrals over earlier breaks, a row for each part between two cuts, and their
-    weights times the share that is below now; `row` (n,) tells which of the integrals."""
+    weights times the share that is below now; `row` (n,) is the number of the integral."""
 
     row: Rows
     node: Array
@@ -93,9 +93,9 @@ class Passage:
     velocity : float
         v > 0, a length per time.
     start : float
-        Stretch at the birth (a length); from below 0 it comes to 0 first.
+        Stretch at the birth (a length); a negative one first rises to 0.
     accuracy : float
-        Survival that a panel may miss.
+        Largest error of the survival from one panel.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class Passage:
         diffusion = max(ageing.rate / velocity, AT_REST * fresh.mean())
         self.velocity, self._accuracy = velocity, accuracy
         self._free = FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
-        # the share that is below now changes within a part of that way
+        # least way over which the share that is below now changes
         self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._free.rate)
         self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._free.rate, 0.1 * normal.std)))
         self._legs: list[_Leg] = []
@@ -133,7 +133,7 @@ class Passage:
         leg = _Leg(max(-start, 0.0), max(start, 0.0), 1.0)
         self._legs.append(leg)
         furthest = max(float(fresh.isf(1e-16)), normal.mean) + BEYOND_ALL * normal.std
-        # thresholds that hardly age are met all at once, or from one level on
+        # for thresholds that hardly age b jumps at breakpoints and exact values of the fresh law
         corners = np.concatenate([[-start, furthest], fresh.breakpoints, fresh.atoms[0]])
         for corner in np.unique(corners[(corners > leg.level) & (corners <= furthest)]):
             self._march(leg, float(corner - leg.level))
@@ -146,7 +146,7 @@ class Passage:
         return np.asarray(np.clip(found, 0.0, 1.0))
 
     def _finish(self) -> None:
-        """What holds after each panel, from the last one on."""
+        """Join the panels of all legs into the arrays that `_read` uses."""
         legs = [leg for leg in self._legs if leg.series]
         self._begin = np.concatenate([np.full(len(leg.series), leg.begin) for leg in legs])
         self._low, self._high = (
@@ -170,7 +170,7 @@ class Passage:
         return self._after[panel] + legendre.legval(z, self._breaks[:, panel], tensor=False)
 
     def _march(self, leg: _Leg, length: float) -> None:
-        """Panels of the leg until the level has gone `length` or next to nothing is left."""
+        """Add panels to the leg until the level has moved by `length` or hardly any contact holds."""
         last, width, left = float(np.sqrt(length)), self._first, leg.edges[-1]
         while left < last and self._left > SPENT:
             step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
@@ -196,7 +196,7 @@ class Passage:
                 )
 
     def _panel(self, leg: _Leg, left: float, width: float) -> Array:
-        """Legendre coefficients of 2 s b on a panel, from what is below at its nodes."""
+        """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
         s = left + width * rule.NODES
         t = s * s
         level = leg.level + leg.sign * t
@@ -215,8 +215,8 @@ class Passage:
     def _earlier(self, other: _Leg, leg: _Leg, s: Array, level: Array) -> _Earlier:
         """Nodes for the breaks on a leg, up to s (n,) on the present one, where the level is now.
 
-        Parts end at the panels' edges and get ever finer towards the latest breaks; nodes are even in
-        the root of the distance from these, in which what is singular there is smooth.
+        Parts end at the panels' edges and get finer towards the latest breaks; nodes are even in the
+        root of the distance from these, in which the singular integrand is smooth.
         """
         present = other is leg
         top = s if present else np.full(s.size, other.edges[-1])

@@ -1,4 +1,4 @@
-"""Contacts that age on a slider that turns round, rests or changes its speed: a Life with a memory.
+"""The Life of contacts that age on a slider that turns round, rests or changes its speed.
 
 Contacts that have moved straight since their birth are treated as in master.lives.age.ageing; those
 of the start, and births of earlier legs, are strands that follow the slider leg by leg.
@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Followed(NamedTuple):
-    """What is left of strands along a leg: times since its beginning, shape (n,), and share and
+    """Strands along a leg: times since its beginning, shape (n,), and the share that holds and the
     force of each strand, shape (n, 2, strands)."""
 
     times: Array
@@ -35,8 +35,8 @@ class Followed(NamedTuple):
 class AgeingPath(AgeingLife):
     """Life (see master.lives.life) of contacts that age, closure "exact", on any motion.
 
-    `left` tells of contacts that moved straight since their birth, and of those of the start; births
-    of earlier legs are followed by master.renewal.strand_births.
+    `left` is for contacts that moved straight since their birth, and for those of the start;
+    master.renewal.strand_births follows births of earlier legs.
     """
 
     _start: Strands | None = None
@@ -68,7 +68,7 @@ class AgeingPath(AgeingLife):
     def aged(self, born: Start, speed: float, ages: Array) -> Strands:
         """Strands of contacts that have moved straight on since their births, `ages` (n,) ago.
 
-        At one speed it is one strand, looked at again and again.
+        At one speed one strand gives all of them, at different times.
         """
         order, strand = np.argsort(ages), self.begin(born)
         found, age = [], 0.0
@@ -79,7 +79,7 @@ class AgeingPath(AgeingLife):
         return together(found).take(np.argsort(order))
 
     def follow(self, strands: Strands, leg: int) -> Followed:
-        """Move strands along a leg; what is left of them on the way."""
+        """Move strands along a leg; returns their shares and forces on the way."""
         speed = float(self.motion.speeds[leg])
         duration = float(np.diff(self.motion.times)[leg])
         times, told = strands.steps_of(speed, duration), [strands.left()]

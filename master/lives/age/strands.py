@@ -1,4 +1,4 @@
-"""Strands of contacts that age: births at any moments, which follow the slider together."""
+"""Strands of contacts that age: groups born at any moments, whose thresholds are followed together."""
 
 from __future__ import annotations
 
@@ -15,36 +15,36 @@ from origins.errors import InputError
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-# Ratio of the errors of the two resolutions.
+# Ratio of the errors of the coarse and the fine resolution.
 RATIO = 8.0
 # Share that holds below which a strand is dropped.
 DEAD = 1e-15
-# Travel in one step of a density at resolution 0, of the narrowest width of the laws.
+# Travel in one step at resolution 0, over the narrowest width of the laws.
 TRAVEL_STEP = 0.25
-# Breaks by heat that a step takes at most from fresh contacts, at resolution 0.
+# Share of fresh contacts that heat breaks in one step at most, at resolution 0.
 HEAT_STEP = 0.15
-# Growth of the steps after the speed changed, at resolution 0, per time since then: the edge of the
-# density at the level becomes another one, first fast and then ever slower.
+# Steps after a change of speed over the time since then, at resolution 0: the edge of the density at
+# the level changes, first fast and then ever more slowly.
 AFTER_CHANGE = 0.5
-# The first of these steps, of the shortest of three times: D/v², in which an edge forms at the
-# largest speed; that in which thresholds spread by the narrowest width; the move, as survivals are
-# read between its steps. It is at least the second number of the time to spread.
+# The first of these steps over the shortest of three times: D/v², in which an edge forms at the
+# largest speed; the time in which thresholds spread by the narrowest width; and that of the move, as
+# survivals are interpolated between its steps. LEAST_STEP is its least value, over the time to spread.
 FIRST_STEP, LEAST_STEP = 0.02, 1e-10
-# Share of fresh thresholds, within that part of a width above the level, from which on it counts
-# that they break at once; at resolution 0, where errors are a tenth of it.
+# Share TORN of fresh thresholds within CLOSE widths above the level, which break at once, above which
+# the first steps must be shorter; at resolution 0, where errors are a tenth of it.
 TORN, CLOSE = 1e-3, 0.1
 # Steps of one move of a strand; some 30 seconds of work.
 MOST_STEPS = 200_000
 
 
 class Mesh:
-    """Two resolutions, each of which errs by an eighth of the one before: cells, and steps in time.
+    """Cells and time steps of two resolutions, the finer one with an eighth of the coarser one's error.
 
     Parameters
     ----------
     contacts : Contacts
     resolution : int
-        Of the finer one, at least 1.
+        The finer one, at least 1.
     fastest : float
         Largest speed of the slider.
     """
@@ -58,7 +58,7 @@ class Mesh:
         self.heat_rate = fresh_rate(contacts)
 
     def torn(self, stretch: Array, share: Array) -> bool:
-        """Whether some of the fresh thresholds are right above |stretch|, which break at once."""
+        """Whether fresh thresholds are right above |stretch|, so that they break at once."""
         least = np.abs(stretch)
         held = self.law.sf(least)
         near = held - self.law.sf(least + CLOSE * self.width)
@@ -92,7 +92,7 @@ class Mesh:
 
 
 class Strands:
-    """Contacts born at given stretches, any number of strands, each with its law of thresholds.
+    """Any number of strands: groups of contacts born together, each with its law of thresholds.
 
     A strand has one or more parts, which were born at different stretches.
 
@@ -101,9 +101,9 @@ class Strands:
     stretch : array (n, parts), of each part now (lengths)
     share : array (n, parts), weights of sum 1 over the parts
     torn : bool
-        Whether there are thresholds right above the stretch, which break at once: as strands begin.
+        Whether there are thresholds right above the stretch, which break at once, as after a birth.
     error : float
-        Largest difference found so far between what two resolutions told, extrapolated.
+        Largest estimate so far of the error of the finer resolution, which is extrapolated.
     """
 
     def __init__(self, mesh: Mesh, stretch: Array, share: Array) -> None:
@@ -137,7 +137,7 @@ class Strands:
         self.torn = False
 
     def steps_of(self, speed: float, duration: float) -> Array:
-        """Ends, from 0 on, of the coarse steps in which strands would move on at this speed."""
+        """Ends, from 0, of the coarse steps that `advance` would take at this speed."""
         since = self.since if speed == self.speed else 0.0
         return duration * self.mesh.fractions(speed, since, duration, self.torn)
 
@@ -161,12 +161,12 @@ class Strands:
         return out
 
     def join(self, other: Strands) -> Strands:
-        """These strands, and then others that were born of the same law and move on with them."""
+        """These strands, followed by others of the same law that move on together with them."""
         return together([self, other])
 
 
 def together(parts: Sequence[Strands]) -> Strands:
-    """Strands that were born of the same law and move on with each other, one part after another."""
+    """Strands of the same law that move on together, joined in the order of `parts`."""
     out = parts[0].take(np.zeros(0, dtype=np.intp))
     for name in ("share", "stretch"):
         setattr(out, name, np.concatenate([getattr(part, name) for part in parts]))
@@ -180,10 +180,10 @@ def together(parts: Sequence[Strands]) -> Strands:
 def stepped(
     cells: Cells, weights: Array, begin: Array, way: Array, time: Array, ends: Array
 ) -> Array:
-    """Weights of strands that go a `way` from `begin` within `time`, step by step."""
+    """Weights of strands after a move by `way` from `begin` within `time`, in steps that end at `ends`."""
     for a, b in pairwise(ends):
         first, last, lasts = begin + way * a, begin + way * b, time * (b - a)
-        # parts of a step, between those stretches at which the level turns or leaves the floor
+        # cut the step at the stretches where the level turns or leaves the floor
         marks = [0.0] if cells.floor == 0.0 else [-cells.floor, cells.floor]
         across = [(first < mark) != (last < mark) for mark in marks]
         if not any(mark.any() for mark in across):

@@ -1,4 +1,4 @@
-"""Sums over the thresholds that a contact may have: those above the largest |x| of its life."""
+"""Sums over the possible thresholds of a contact: those above the largest |x| of its life."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 Mask = npt.NDArray[np.bool_]
-# What is summed, of contacts (n,) at thresholds (n, k) of these densities; (functions, n, k)
+# Summands of contacts (n,) at thresholds (n, k) with the densities P_c there; (functions, n, k)
 Summed = Callable[[Rows, Array, Array], Array]
 
-# Last coefficients at which pieces are no longer halved; sums are off by about their square. With a
-# larger value, tables of these sums would resolve the sums' error.
+# Last coefficients below which pieces are not halved; the error of sums is about their square. With a
+# larger value, tables of these sums would be refined to resolve that error.
 _RESOLVED = 2e-12
-# Error by rounding of the distance between two lengths, in units of these lengths.
+# Rounding of the distance between two lengths, relative to these lengths.
 _ROUNDING = 1e-14
-# Above ln A = _GONE a share e^-A is negligible, even where few contacts are left, and above _DEAD it is
+# Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
 # taken as 0; below _QUIET all contacts hold. Panels with a share of contacts below _NO_WEIGHT are left out.
 _GONE, _DEAD, _QUIET, _NO_WEIGHT = np.log(67.0), 7.0, np.log(1e-17), 1e-18
 
@@ -34,9 +34,9 @@ _GONE, _DEAD, _QUIET, _NO_WEIGHT = np.log(67.0), 7.0, np.log(1e-17), 1e-18
 class Above:
     """Sums over the thresholds x_s above m, for many contacts at once: of P_c e^-A, and of P_c h.
 
-    The continuous part of P_c is summed on the law's own panels, which are halved. A law whose rate
-    vanishes at the threshold makes A a series in (x_s - m)^(1/2), which is then what is integrated
-    over; at rest its A is 0 at x_s = m, has its maximum just above and falls from there on.
+    The continuous part of P_c is summed on the law's own panels, which are halved. Where the rate
+    vanishes at the threshold, A is a series in (x_s - m)^(1/2), which is then the variable of
+    integration; at rest that A is 0 at x_s = m, has its maximum just above m and falls beyond.
 
     Parameters
     ----------
@@ -64,9 +64,9 @@ class Above:
             self._fastest = self._fastest_at(self._places)
 
     def _fastest_at(self, x: Array) -> Array:
-        """The threshold of the contacts that break fastest at each stretch x >= 0; same shape.
+        """The threshold with the largest rate at each stretch x >= 0; same shape.
 
-        To some 10 % of x_s - x: it tells from where on A falls.
+        Accurate to some 10 % of x_s - x, enough to know beyond which threshold A falls.
         """
         xi = np.maximum(x, SMALLEST)[:, None] * (1.0 + np.geomspace(1e-10, 1e10, 201))
         rate = self.rates.log_rate(x[:, None], xi, self._weighed(xi, np.ones(xi.shape))[1])
@@ -79,9 +79,9 @@ class Above:
         )
 
     def sums(self, replay: Replay, share: Array) -> Array:
-        """Share of contacts that are left, and their relative stiffness; shape (2, n). No atoms.
+        """Share of contacts that hold, and its sum weighted by k_i/<k>; shape (2, n). Without atoms.
 
-        share : array of shape (n,), what P_c is multiplied by: 1 over the survival at birth
+        share : array of shape (n,), the factor on P_c: 1 over the survival at birth
         """
         if not self.edges.size:
             return np.zeros((2, share.size))
@@ -92,7 +92,7 @@ class Above:
         if self._rooted:
             fastest = np.clip(np.interp(least, self._places, self._fastest), least, self.edges[-1])
             quiet &= ends >= fastest[:, None]
-        # the first edge from which on A is nothing; beside `least` itself what lies beyond is not known
+        # the first edge beyond which A counts as 0; sums beyond are known only from edges above `least`
         loud = np.where(quiet.all(axis=1), 0, quiet.shape[1] - quiet[:, ::-1].argmin(axis=1))
         loud = np.maximum(loud, np.searchsorted(self.edges, least))
         known = np.minimum(loud, self.edges.size - 1)
@@ -121,7 +121,7 @@ class Above:
             return (weight * self.rates.rate(x[row, None], xi, 1.0))[None]
 
         everywhere = np.ones((x.size, self.edges.size - 1), dtype=bool)
-        # right below an edge the distance of thresholds from x is one of rounded numbers
+        # right below an edge the distance of thresholds from x suffers from rounding
         edge = self.edges[np.minimum(np.searchsorted(self.edges, x, "right"), self.edges.size - 1)]
         rounding = _ROUNDING * x / np.maximum(edge - x, _ROUNDING * edge)
         accuracy = np.maximum(_RESOLVED, rounding)
@@ -147,7 +147,7 @@ class Above:
             values = summed(row, xi, finite_density(self.law, xi))
             if not self._rooted:
                 return np.concatenate([values[:1], values])
-            # the weight is 0 right above `least`, so halving looks at the integrand without it
+            # the weight 2 at is 0 at `least`; halving is decided by the integrand without it
             whole = 2.0 * at.max(axis=1, keepdims=True)
             return np.concatenate([whole * values[:1], 2.0 * at * values])
 

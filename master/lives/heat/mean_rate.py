@@ -19,36 +19,36 @@ from origins.thresholds.quadrature import gauss
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Of H on a panel of its table: the last coefficients are no larger, relatively.
+# Largest relative last coefficients of H on a panel of its table, and the number of coefficients.
 _ACCURACY, _SIZE = 1e-13, 14
-# H in units of the attempt frequency, below which it is known to this absolutely: 1e35 attempts.
+# Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35
-# Roundings of a barrier: h is rounded by so many times it, and halving does not help.
+# Relative rounding of h per k_BT of the barrier; halving cannot reduce it.
 _ROUNDINGS = 16.0 * float(np.finfo(float).eps)
-# of the reach: the narrowest panel of the table
+# The narrowest panel of the table, over the reach.
 _NARROW = 1e-13
-# of the reach, and of L: a panel that is narrower, or adds less to L, matters less, in proportion
+# Width of a panel over the reach, and its share of L, below which its error counts in proportion.
 _FELT = 1e-3
-# median thresholds: the reach of all laws but those with a heavy tail is about that
+# Median thresholds: about the reach of all laws without a heavy tail.
 _SPAN = 4.0
-# place on a panel, away from its nodes, at which the table is checked
+# Place on a panel (0 to 1), away from its nodes, at which the table is checked.
 _BESIDE = 0.02
 _EPSILON = float(np.finfo(float).eps)
 _CHUNK = 400  # stretches at which H is summed at once
 # Relative distance from an exact threshold within which rounding may put a contact on the wrong side.
 _TOLD = 1e-9
-_LARGEST_SLOPE = 1.0 / np.e  # of e^-A over ln A: what a relative error of A is to the survival
+_LARGEST_SLOPE = 1.0 / np.e  # of e^-A over ln A: bounds the error of E by that of ln A
 
 
 class MeanRateLife(ReplayedLife):
-    """What is left of contacts with P_T = P + H/v (paper, Eqs. temper2 and temper4); a Life.
+    """The Life of contacts with P_T = P + H/v (paper, Eqs. temper2 and temper4).
 
     H(x), the integral of h(x; x_s) P_c(x_s) over x_s > |x|, is the rate of all contacts, and
 
         E = product over all ways out of S(|x_end|)/S(|x_begin|) exp(-integral of H over time),
 
-    a way out being one on which |x| grows beyond |r|. As in App. C a contact that was pulled back and goes out
-    again may break at all that it has passed before; on one leg E is S(|x|)/S(|r|) times the rest.
+    a way out being one on which |x| grows beyond |r|. As in App. C, a contact that was pulled back and goes out
+    again may break at thresholds that it has passed before; on one leg the product is S(|x|)/S(|r|).
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class MeanRateLife(ReplayedLife):
         ends = np.stack([self.table.begin + share * widths for share in (0.0, 0.5, 1.0 - 1e-12)])
         wrong /= np.maximum(self.table.rate(ends).max(axis=0), _NEVER * rates.scale)
         wrong += [min(self._above.mean_rate(np.array([x])).missed[0], 1.0) for x in at]
-        # on a panel that adds little to L, H matters only to contacts that slow down there
+        # on a panel that adds little to L an error of H hardly changes the survival
         span = min(self.reach, _SPAN * float(contacts.thresholds.isf(0.5)))
         grown = self.table.grown(self.table.edges)
         share = np.diff(grown) / np.maximum(grown[1:], np.finfo(float).tiny)
@@ -104,18 +104,18 @@ class MeanRateLife(ReplayedLife):
                 for x in (near, (born + legs.displacement[pair, leg + 1])[on])
             )
             spent[on] += np.abs(after - before)
-            rounded[on] += _EPSILON * np.abs(after)  # more than they differ, on short ways
+            rounded[on] += _EPSILON * np.abs(after)  # may exceed their difference on short ways
         share = np.clip(self._passed(pair, born, side, legs), 0.0, 1.0) * np.exp(-spent)
         self.error = max(self.error, float((share * rounded).max(initial=0.0)))
         return np.stack([share, share * (born + moves.now[pair])])
 
     def _passed(self, pair: Rows, born: Array, side: Array, legs: Legs) -> Array:
-        """Share that has passed no threshold: S(|x|) at the end over the beginning of every way out."""
+        """Product over all ways out of S(|x|) at the end over S(|x|) at the beginning."""
         first = np.abs(born)  # no threshold lies below
         share, begin, before = np.ones(pair.size), first, born
         for leg in range(legs.speed.size):
             x = born + legs.displacement[pair, leg + 1]
-            # a way through 0 begins there, a way towards it ends where it began
+            # a way out through 0 begins at |r|; a way towards 0 (`turned`) has the factor 1
             begin = np.where(before * x < 0.0, first, begin)
             end = np.maximum(np.abs(x), first)
             turned = end < begin
@@ -157,7 +157,7 @@ class RateTable(Table):
 
         def felt(values: Array, widths: Array) -> Array:
             most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
-            # beside a bend the panels get narrow, and what they add to L gets little
+            # near a bend panels get narrow and add little to L
             return np.asarray(most / np.minimum(1.0, widths / (_FELT * edges[-1])))
 
         shortest, rounding = _NARROW * float(edges[-1]), rounding / _ACCURACY
@@ -173,7 +173,7 @@ class RateTable(Table):
         return np.sign(x) * self.before(np.abs(x))
 
     def mean(self, near: Array, far: Array) -> Array:
-        """Mean of H on short ways on one side of 0; same shape."""
+        """Mean of H over short ways from near to far on one side of 0; same shape."""
         near, far = np.abs(near), np.abs(far)
         at, weights = gauss(np.minimum(near, far), np.maximum(near, far))
         lengths = weights.sum(axis=-1)

@@ -13,14 +13,14 @@ from origins.laws.rate_law import LARGEST_EXPONENT, RateLaw
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# ln A of contacts whose rate has not begun to add up
+# ln A in place of -inf, where A = 0 or underflows.
 _NOTHING = -740.0
-# Share of the integral from 0 below which what a move adds would lose 3 digits as a difference.
+# A move's share of the integral from 0 below which a difference of integrals would lose 3 digits.
 _SHORT = 1e-3
 
 
 class Replay:
-    """The rate of n contacts integrated leg by leg: closed integrals on moves, h times a hold.
+    """The rate of n contacts, integrated leg by leg: closed integrals on moves, h times the time in holds.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Replay:
         self._near = born[:, None] + legs.displacement[:, used]
         self._far = born[:, None] + legs.displacement[:, used + 1]
         self._duration, self._speed = legs.duration[:, used], legs.speed[used]
-        # on the first leg speed times time is more accurate than the difference of two positions
+        # on the leg of birth speed times time is more accurate than the difference of two positions
         first = legs.displacement[:, used] == 0.0
         since = born[:, None] + self._speed * self._duration
         self._far = np.where(first & (self._speed != 0.0), since, self._far)
@@ -67,8 +67,8 @@ class Replay:
 
     @classmethod
     def known(cls, rates: RateLaw, least: Array, log_spent: Array) -> Replay:
-        """Of contacts whose largest |x| and ln A there are known, shapes (n,); a separable law."""
-        out = cls.__new__(cls)  # no legs to work out
+        """A Replay from known largest |x| and ln A at that threshold, shapes (n,); for a separable law."""
+        out = cls.__new__(cls)  # there are no legs
         out._rates, out._stiffness = rates, None
         out.least = least
         out._in_proportion = log_spent, rates.log_rate(0.0, least, 1.0)
@@ -85,7 +85,7 @@ class Replay:
         return np.maximum(level, _NOTHING)
 
     def spent_at(self, threshold: float) -> Array:
-        """A of all contacts at one threshold, which none has passed but by rounding; shape (n,)."""
+        """A of all contacts at one threshold, which |x| has exceeded at most by rounding; shape (n,)."""
         near, far = self._near, self._far
         self._near, self._far = (np.clip(part, -threshold, threshold) for part in (near, far))
         every = np.arange(self.least.size)
@@ -131,7 +131,7 @@ class Replay:
     ) -> Array:
         """The integral of h over a way much shorter than the stretch; all of shape (n,).
 
-        `way` is its length, of which the ends, being rounded, know less.
+        `way` is its length, more accurate than the difference of the rounded ends.
         """
         near, far = np.minimum(np.abs(near), threshold), np.minimum(np.abs(far), threshold)
         near, far = np.minimum(near, far), np.maximum(near, far)

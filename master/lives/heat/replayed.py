@@ -1,4 +1,4 @@
-"""Lives of contacts that break at rates: what is left follows from the moves since their birth."""
+"""Lives of contacts that break at rates: the survival follows from the moves since their birth."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from origins.thresholds.law import Thresholds
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Factor on the measured error: beside a root halving changes two thirds of it, and only some contacts
-# are measured.
+# Factor on the measured error: near a root halving shows only two thirds of the error, and only some
+# contacts are measured.
 MARGIN = 4.0
-# Pieces of the stretches at birth to begin with; and last coefficients at which they are not halved.
+# First number of pieces of the stretches at birth; and last coefficients below which they are not halved.
 _PIECES, RESOLVED = 4, 1e-9
 
 
 class ReplayedLife(UnbentLife):
-    """A Life that looks at all legs since the birth; what differs between closures is `_of`.
+    """A Life computed from all legs since the birth; each closure defines its own `_of`.
 
-    Attributes as in Life. `error` is measured as `left` goes.
+    Attributes as in Life. `left` measures `error` whenever it is called.
 
     Parameters
     ----------
     law : Thresholds
     edges : array of shape (n,)
-        Of panels on which the law is smooth; none where there are atoms alone.
+        Of panels on which the law is smooth; none where there are only atoms.
     resolved : float
-        To which averages over the stretches at birth are resolved.
+        Last coefficients to which averages over the stretches at birth are resolved.
     """
 
     pair_work, error = 6, 0.0
@@ -54,7 +54,7 @@ class ReplayedLife(UnbentLife):
         self.grain = float(np.diff(edges) @ lost / lost.sum()) if many else self.reach
 
     def atom_share(self, atom: float, stretch: float) -> float:
-        """See Life; fewer where heat breaks them before."""
+        """See Life; an upper bound, as heat may break some before."""
         return float(self._weights[self.atoms == atom].sum() / self._law.sf(abs(stretch)))
 
     def left(self, born: Start | Array, history: History) -> Array:

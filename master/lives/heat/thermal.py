@@ -16,7 +16,7 @@ from origins import Contacts
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Contacts replayed at once: the panels of so many are halved together.
+# Contacts replayed at once, whose panels are halved together.
 _AT_ONCE = 4000
 # Share of contacts that sums over thresholds may round away, and the decades over which their tail
 # is summed.
@@ -24,7 +24,7 @@ _LOST, _DECADES = 3e-14, 60.0
 
 
 class ThermalLife(ReplayedLife):
-    """What is left of contacts that break by heat, each at its own rate h(x; x_s); a Life.
+    """The Life of contacts that break by heat, each at its own rate h(x; x_s).
 
     Born at r, a contact whose largest |x| was m still holds with the probability
 
@@ -55,10 +55,10 @@ class ThermalLife(ReplayedLife):
         return float(self._law.isf(self.FEW))
 
     def rounded_away(self) -> Array:
-        """At most what E and K, integrated, miss where few contacts are left; shape (2,).
+        """Bounds of the errors of the integrals of E and K where few contacts hold; shape (2,).
 
-        Sums over thresholds round away the last contacts. Without heat, which only breaks contacts
-        earlier, they would add the integrals of S and x S.
+        Rounding in sums over thresholds loses the last contacts. Without heat, which only breaks contacts
+        earlier, they would add the integrals of S and x S over the tail.
         """
         begin = min(self.reach, float(self._law.isf(_LOST)))
         steps = np.linspace(0.0, _DECADES * np.log(10.0), 2001)

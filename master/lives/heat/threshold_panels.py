@@ -1,4 +1,4 @@
-"""Panels in the threshold x_s: those of a law, and those between which a contact's sum is cut."""
+"""Panels in the threshold x_s: those of a law, and those of the sum over one contact's thresholds."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Panels(NamedTuple):
 def nodes(law: Thresholds, panels: Panels, base: Array | None) -> tuple[Array, Array]:
     """Thresholds on each panel and their weights by P_c; both of shape (n, 16).
 
-    base : array of shape (n,), where what is summed is a series in (x_s - base)^(1/2); else None
+    base : array of shape (n,), where the summand is a series in (x_s - base)^(1/2); else None
     """
     low, width = panels.low[:, None], (panels.high - panels.low)[:, None]
     if base is None:
@@ -57,7 +57,7 @@ def nodes(law: Thresholds, panels: Panels, base: Array | None) -> tuple[Array, A
 
 
 def law_edges(law: Thresholds) -> Array:
-    """Edges of panels on which 16 nodes sum P_c and x_s P_c; none where there are atoms alone."""
+    """Edges of panels on which 16 nodes sum P_c and x_s P_c; none where there are only atoms."""
     if float(law.atoms[1].sum()) > 1.0 - 1e-14:
         return np.empty(0)
     return np.maximum(panel_edges(law, tail=_TAIL), SMALLEST)
