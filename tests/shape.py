@@ -32,9 +32,9 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 12564, 200, 404),
+    "master": Room(7500, 12562, 200, 404),
     "eq_model": Room(2200, 3758, 60, 149),
-    "origins": Room(4500, 8990, 120, 257),
+    "origins": Room(4500, 8985, 120, 257),
     "toolkit": Room(4000, 4489, 100, 116),
 }
 Graph = dict[str, set[str]]
