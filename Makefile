@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-all promise bench docs lint clean
+.PHONY: demo test test-slow test-all promise bench docs lint clean
 
 demo: $(READY)
 	$(BIN)/mpirun -n 2 $(BIN)/mesofriction compare rough-gw-paper rough-gw-amontons rough-gw-strength \
@@ -14,9 +14,11 @@ demo: $(READY)
 test: $(READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
-# those marked slow as well
-test-all: $(READY)
-	$(BIN)/python -m pytest -n auto --dist worksteal -m ""
+# those marked slow
+test-slow: $(READY)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
+
+test-all: test test-slow
 
 # what force_error promises, on 1,000 seeded scenes of every kind, and in 250 far corners
 promise: $(READY)
