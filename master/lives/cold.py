@@ -201,7 +201,10 @@ class ColdLife:
             return self._left(r, moves.largest(pair, r), r + moves.now[pair, None])
 
         pieces = int(np.clip((born.span[1] - born.span[0]) / (4.0 * self.grain), 8, 64))
-        found = averaged(born, moves, self._end, self.bends, inside, RESOLVED, pieces)
+        # without a cusp, as at S(|r|) = 1, the error of the sums is the square of the coefficients
+        cusp = float(self._law.cdf(max(-born.span[0], born.span[1]))) > NONE_LEFT
+        resolved = RESOLVED if cusp else 1e-8
+        found = averaged(born, moves, self._end, self.bends, inside, resolved, pieces)
         self.error = max(self.error, MARGIN * float(found.missed[0]))
         return found.value.reshape(2, *history.now.shape)
 

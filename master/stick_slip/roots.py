@@ -234,8 +234,7 @@ def _polished(transform: Transform, wait: float, s: Complex, step: float, decay:
         near = np.abs(s[open_] - start[open_]) < 3.0 * step
         open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(s[open_]))]
     value, slope = conserved(transform, wait, s)
-    with np.errstate(invalid="ignore"):
-        s = s[(np.abs(value / slope) < ONE * np.abs(s)) & (s.imag > 0.0)]
+    s = s[(np.abs(value) < ONE * np.abs(s * slope)) & (s.imag > 0.0)]
     s = s[np.lexsort([s.real, s.imag])]
     apart = np.abs(s[:, None] - s) > ONE * np.abs(s)
     first = np.array([apart[i, :i].all() for i in range(s.size)], dtype=bool)

@@ -64,14 +64,14 @@ def load(file: str | Path = ANSWERS) -> dict[str, Given]:
     }
 
 
-def give(kind: str, call: str, longest: int = LONGEST) -> Given:
-    """Answer a call; never raises. Stops after `longest` seconds."""
+def give(kind: str, call: str) -> Given:
+    """Answer a call; never raises. Stops after LONGEST."""
 
     def stop(*_: object) -> None:
-        raise TimeoutError(f"takes longer than {longest} s")
+        raise TimeoutError(f"takes longer than {LONGEST} s")
 
     before = signal.signal(signal.SIGALRM, stop)
-    own, begin = signal.alarm(longest), time.perf_counter()
+    own, begin = signal.alarm(LONGEST), time.perf_counter()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -82,8 +82,7 @@ class MeanRateMemory(Memory):
         life = MeanRateLife(contacts)
         self._table, self._law, self.reach = life.table, contacts.thresholds, life.reach
         self.error = life.error + SUMS
-        fresh_rate = float(self._table.rate(np.zeros(1))[0])
-        self.scales = scales_of(contacts)._replace(rate=fresh_rate)
+        self.scales = scales_of(contacts)._replace(rate=float(self._table.rate(np.zeros(1))[0]))
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""

@@ -30,9 +30,8 @@ Array = npt.NDArray[np.float64]
 MOST_STEPS, MOST_WORK, MORE = 6e3, 1e9, 10.0
 # Accuracy of a step's balance, as a share of the step: this share of the tolerance, between limits.
 CLOSE, CLOSEST = 1e-2, (1e-10, 1e-6)
-# Factor on the last change of extrapolated answers: with growing thresholds changes fall only by about
-# a half with each level, and where births jump or P_c bends they fall irregularly. Contacts that age
-# are followed by a method of third order, whose changes fall faster.
+# Factor on the last change of extrapolated answers: changes fall irregularly where births jump or P_c
+# bends, and by a half with growing thresholds; it is 1 with ageing, whose method is of third order.
 MARGIN = 2.0
 
 
