@@ -18,7 +18,6 @@ ROUNDS = 10
 # purposes of streams: the top four bits of the counter's second word; the replica is in the lower bits
 THRESHOLDS, START, THRESHOLD_TAILS, START_TAILS, DOMAINS, LIVES, LIFE_TAILS, LIFE_STEPS = range(8)
 PURPOSE_SHIFT = 28
-MOST_REPLICAS = 1 << PURPOSE_SHIFT
 
 _MASK = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)

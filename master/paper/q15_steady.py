@@ -222,10 +222,6 @@ class TabulatedLaw(Thresholds):
     def support(self) -> tuple[float, float]:
         return float(self._edges[0]), float(self._edges[-1])
 
-    @property
-    def panels(self) -> Array:
-        return self._edges
-
     def _pdf(self, x: Array) -> Array:
         return np.maximum(self._slope(x), 0.0)
 
