@@ -21,6 +21,7 @@ def brief(record: Any) -> str:
 
 
 def _short(value: object) -> str:
+    """One field in a few words: of a long array its shape and range, of other values their repr."""
     if isinstance(value, np.ndarray) and value.size > _FEW:
         shape = "x".join(map(str, value.shape))
         known = value[np.isfinite(value)] if value.dtype.kind == "f" else value

@@ -124,6 +124,7 @@ def changed(
 
 
 def _numbers(name: str, value: npt.ArrayLike) -> Array:
+    """The value as an array; InputError unless all numbers are finite and in the argument's range."""
     try:
         numbers = np.array(value, dtype=float)
     except (TypeError, ValueError):

@@ -59,8 +59,8 @@ def bootstrap(
 ) -> Bootstrapped:
     """Sampling error of `statistic(thresholds)` for thresholds that come from from_samples.
 
-    statistic : function of a law that returns a number or an array of fixed shape: lambda law: law.pdf(x), or numbers
-        from master.propensity and master.steady_state.
+    statistic : function of a law that returns a number or an array of fixed shape, such as law.pdf(x), or numbers
+        read off the results of master.propensity and master.steady_state.
     resamples : number of laws, at least 2; the relative error of standard_error is about 1/(2 resamples)^(1/2).
     seed : whole number; the same seed gives the same resamples.
 
