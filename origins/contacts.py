@@ -127,8 +127,7 @@ class Contacts:
         if not 1.0 / _LONGEST < self.mean_threshold < _LONGEST:
             raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {_UNIT}")
         # a family whose survival is invalid is refused here, by name, and not in the middle of a solution
-        x = self.mean_threshold * np.linspace(0.05, 3.0, 60)
-        self.thresholds.check_survival(x, self.thresholds.sf(x))
+        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         self._take(thermal, ageing, delay, reforming, stiffness)
 

@@ -48,6 +48,7 @@ FAMILIES = {
     "weibull": lambda: origins.gw_elastic(1.0),
     "summits": lambda: origins.gw_gaussian(1.5, 1.0, "paper", "elastic"),
     "persson": lambda: origins.persson(1.0, 0.5),
+    "persson, heavy": lambda: origins.persson(10.0, 1.0),
     "lubricated": lambda: origins.lubricated(1.0),
     "gamma": lambda: origins.lubricated(1.3, power=5.0, decay=4.0),
     "sizes of grains": LifshitzSlyozov,

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev
 
-from origins.thresholds.identical import identical
+from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 
 Sizes = Callable[[Array], Array]

@@ -10,9 +10,8 @@ import numpy.typing as npt
 
 from origins.errors import refuse, whole
 from origins.samples.from_samples import Sampled
-from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.mixture import Mixture, mixture
+from origins.thresholds.mixture import ContinuousMixture, Mixture
 
 _CONFIDENCE = 1.96
 _DRAWN = 1 << 15
@@ -99,8 +98,10 @@ def bootstrap_laws(
 
 def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
     """The laws from samples that `thresholds` is, or is a mixture of."""
-    parts = thresholds.parts if isinstance(thresholds, Mixture) else ()
-    return [law for _, law in parts if isinstance(law, Sampled)]
+    if isinstance(thresholds, Sampled):
+        return [thresholds]
+    given = thresholds.given if isinstance(thresholds, Mixture) else ()
+    return [part for _, law in given for part in sampled_parts(law)]
 
 
 def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
@@ -108,8 +109,9 @@ def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
         return _resampled(law, generator)
     if not isinstance(law, Mixture):
         return law
-    weights = np.array([weight for weight, _ in law.parts])
-    return mixture([_anew(part, generator) for _, part in law.parts], weights / weights.sum())
+    return Mixture(
+        [_anew(part, generator) for _, part in law.given], np.array([w for w, _ in law.given])
+    )
 
 
 def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from origins.errors import InputError, finite_array, positive, refuse
 from origins.samples.repeats import distinct, exact
 from origins.samples.smoothing import smooth
-from origins.thresholds.identical import identical
+from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
 
@@ -193,7 +193,6 @@ class Sampled(Mixture):
             laws += found
             weights = np.append(weights, own)
         super().__init__(laws, weights / weights.sum())
-        self.parts = ((1.0, self),)
         self.samples, self.shares = values, shares
         self.onset_power_error = 0.0
         if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:

@@ -11,9 +11,9 @@ from origins.roughness.interface import Interface
 from origins.samples.bootstrap import sampled_parts
 from origins.samples.from_samples import Sampled
 from origins.samples.repeats import OFTEN
-from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.mixture import ContinuousMixture
 from toolkit.scene.scene import Scene
 
 _HEIGHT_INTEGRALS = 1e-8  # relative error of numbers from a surface's heights, checked by tests
