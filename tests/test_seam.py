@@ -28,7 +28,6 @@ SAMPLES = {
     "diverging": lambda r: r.gamma(0.5, size=1000),
     "edges": lambda r: r.uniform(0.5, 1.5, 1000),
     "decades": lambda r: 1.0 + r.pareto(2.5, 1000),
-    "gaps": lambda r: r.normal(np.repeat([0.5, 1.0, 1.5], 100), 0.01),
     "outlier": lambda r: np.append(r.normal(1.0, 0.05, 100), [1e-12, 50.0]),
     "half tied": lambda r: np.concatenate([np.ones(300), r.weibull(2.0, 300)]),
     "two": lambda r: r.weibull(2.0, 2),

@@ -61,37 +61,18 @@ class Columns:
         return np.concatenate([[self.first], x[(x > self.first) & (x < self.last)], [self.last]])
 
     def rows(self, x: Array) -> Array:
-        """Values at x, shape (x.size, columns)."""
-        inside = np.clip(x, self.first, self.last)
-        y = (self._variable(inside) - self._middle) / self._half
+        """Values at x, shape (..., columns)."""
+        y = (self._variable(np.clip(x, self.first, self.last)) - self._middle) / self._half
         below, above = np.minimum(x - self.first, 0.0), np.maximum(x - self.last, 0.0)
-        parts = [
-            legendre.legvander(y, self.degree)[:, 1:]
-            + np.outer(below, self._first_slope)
-            + np.outer(above, self._last_slope)
-        ]
+        bent = np.multiply.outer(below, self._first_slope)
+        bent += np.multiply.outer(above, self._last_slope)
+        parts = [legendre.legvander(y, self.degree)[..., 1:] + bent]
         if self.form.decades:
-            parts.append(x[:, None])
+            parts.append(x[..., None])
         if self.form.power:
             with np.errstate(divide="ignore"):
-                parts.append((np.log(np.minimum(x, self.last)) + above / self.last)[:, None])
-        return np.concatenate(parts, axis=1)
-
-    def value(self, x: Array, coefficients: Array) -> Array:
-        """rows(x) @ coefficients, shape as x; each value has the same bits whatever the other x."""
-        inside = np.clip(x, self.first, self.last)
-        below, above = np.minimum(x - self.first, 0.0), np.maximum(x - self.last, 0.0)
-        y = (self._variable(inside) - self._middle) / self._half
-        polynomial = coefficients[: self.degree]
-        out = legendre.legval(y, np.append(0.0, polynomial))
-        out += below * float(self._first_slope @ polynomial)
-        out += above * float(self.end_slope() @ coefficients)
-        if self.form.decades:
-            out += coefficients[self.degree] * np.minimum(x, self.last)
-        if self.form.power:
-            with np.errstate(divide="ignore"):
-                out += coefficients[-1] * np.log(np.minimum(x, self.last))
-        return out
+                parts.append((np.log(np.minimum(x, self.last)) + above / self.last)[..., None])
+        return np.concatenate(parts, axis=-1)
 
     def end_slope(self) -> Array:
         """Slopes of the columns beyond the last sample."""
@@ -132,4 +113,5 @@ class LogPolynomial(Thresholds):
         return np.unique([end for end in (*self.support(), *self._extremes) if np.isfinite(end)])
 
     def _log_weight(self, x: Array) -> Array:
-        return self._columns.value(x / self._unit, self._coefficients)
+        # no product of matrices: each value has the same bits whatever the other x
+        return (self._columns.rows(x / self._unit) * self._coefficients).sum(axis=-1)

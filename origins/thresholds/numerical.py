@@ -113,8 +113,7 @@ class NumericalLaw:
     def _first_edges(self, points: Array, power: float) -> tuple[Array, float, float]:
         """Edges that halve towards the points, the ends and where most weight is, and the log-density there; and that
         at the first panel's right end, if it is its power up to there, else -inf."""
-        places = np.concatenate([points, [self._lower, self._upper]])
-        seen, most = self._around(places), -np.inf
+        seen, most = self._around(np.append(points, [self._lower, self._upper])), -np.inf
         while True:  # a peak may be far narrower than the steps
             density = self._log_at(seen)
             weight = density + np.log(seen - self._lower)
@@ -127,7 +126,8 @@ class NumericalLaw:
             told = "the density is zero, or no number, wherever it was looked at"
             raise InputError(f"thresholds: {told}")
         inside = points[(points > self._lower) & (points < self._upper)]
-        edges = np.union1d(self._around(np.append(places, highest)), np.append(inside, highest))
+        around = np.array([self._lower, self._upper, highest])
+        edges = np.union1d(self._around(around), np.append(inside, highest))
         log = self._log_at(edges)
         away = np.log(edges - self._lower)
         live = np.flatnonzero(log + away > weight.max() - _NOTHING)
@@ -145,6 +145,7 @@ class NumericalLaw:
         """Edges of n panels, shape (n + 1,), the density over exp(top) at the nodes, shape (n, 12), and the errors of
         the polynomials relative to the largest density on each, shape (n,)."""
         left, right = edges[:-1], edges[1:]
+        log = self._log_at(left[:, None] + (right - left)[:, None] * _PLACES) - top
         before: Array = np.full(left.shape, np.inf)
         done, count = [], left.size
         while left.size:
@@ -152,10 +153,7 @@ class NumericalLaw:
                 rule = f"{_MOST} panels do not follow it; smooth it"
                 raise InputError(f"thresholds: the density is too rough: {rule}")
             width, place = right - left, np.maximum(np.abs(left), np.abs(right))
-            log, finer = (
-                self._log_at(left[:, None] + width[:, None] * nodes) - top
-                for nodes in (_PLACES, _HALVED)
-            )
+            finer = self._log_at(left[:, None] + width[:, None] * _HALVED) - top
             highest = finer.max(axis=1)
             with np.errstate(all="ignore"):  # where the density is zero
                 spread, beside = highest - finer.min(axis=1), highest[:, None]
@@ -168,6 +166,7 @@ class NumericalLaw:
             rough &= (left > self._lower) & (right < self._upper)
             done.append(np.column_stack([left, missed, np.exp(log)])[~rough])
             left, right, before = left[rough], right[rough], np.tile(missed[rough], 2)
+            log = np.concatenate([finer[rough, :_NODES], finer[rough, _NODES:]])
             middle = 0.5 * (left + right)
             left, right = np.append(left, middle), np.append(middle, right)
             count += middle.size

@@ -9,8 +9,7 @@ from origins import Contacts, bootstrap
 from origins.contacts import too_hot
 from origins.roughness.interface import Interface
 from origins.samples.bootstrap import sampled_parts
-from origins.samples.from_samples import Sampled
-from origins.samples.repeats import OFTEN
+from origins.samples.from_samples import OFTEN, Sampled
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import ContinuousMixture
