@@ -111,12 +111,6 @@ class CutGaussian(Thresholds):
             lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
         return moment
 
-    def _variance(self) -> float:
-        if self.parent_mean < 0.0:
-            return super()._variance()
-        edge = self._at_zero * self.parent_std
-        return self.parent_std**2 * (1.0 + self._z0 * edge - edge * edge)
-
 
 class ChordGaussian(Thresholds):
     """P_c ~ h(x) = G(x) - G(0) - (x/upper) [G(upper) - G(0)] where that is positive (paper, after Eq. Q14e).

@@ -78,8 +78,6 @@ class Thresholds:
         Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
     cut_weight : float
         Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
-    knows_breakpoints : bool
-        Whether `breakpoints` are complete; a law of the user may have other kinks or jumps.
     """
 
     onset_power: float = np.inf
@@ -87,7 +85,6 @@ class Thresholds:
     interface: Any = None
     domains: Any = None
     cut_weight: float = 0.0
-    knows_breakpoints: bool = True
 
     # -- methods that a family defines, for x inside the support ----------------------------------------
     def support(self) -> tuple[float, float]:

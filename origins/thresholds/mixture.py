@@ -139,7 +139,6 @@ class Mixture(Thresholds):
             c.onset_power for c in self.components if c.support()[0] == self._support[0]
         )
         self._breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
-        self.knows_breakpoints = all(part.knows_breakpoints for part in self.components)
         self.cut_weight = float(self._sum([np.array(part.cut_weight) for part in self.components]))
         positions = np.concatenate([c.atoms[0] for c in self.components])
         shares = np.concatenate([weight * part.atoms[1] for weight, part in flat])

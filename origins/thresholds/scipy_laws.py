@@ -75,8 +75,6 @@ class ScipyDensity(Thresholds):
     A distribution gives the ends of its support, but no other breakpoints; its onset is fitted.
     """
 
-    knows_breakpoints = False
-
     def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
         self.distribution, self._support = distribution, ends
         self.cut_weight = below if below > _BELOW_ZERO else 0.0
