@@ -7,13 +7,13 @@ and B. Marx, Stat. Sci. 11, 89, 1996).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from copy import copy
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import laguerre, legendre
 
-from origins.samples.log_polynomial import Columns, Form
+from origins.samples.log_polynomial import Form, LogPolynomial
 from origins.thresholds.law import Array
 
 _MOST_DEGREE = 48  # a peak of 1/30 of the samples' reach is resolved
@@ -44,29 +44,7 @@ def cost(size: float) -> float:
     return min(0.5 * float(np.log(size)), 2.0)
 
 
-@dataclass(frozen=True)
-class Fit:
-    """The most likely density of one form; lengths in units of the median.
-
-    score : log-likelihood minus the cost of the parameters; akaike : minus one for each parameter; power_error :
-    standard error of m; beyond : weights below the first sample and above the last.
-    """
-
-    columns: Columns
-    coefficients: Array
-    score: float
-    akaike: float
-    power_error: float
-    beyond: tuple[float, float]
-
-    @property
-    def power(self) -> float:
-        """m of P_c ~ x^m."""
-        return float(self.coefficients[-1]) if self.columns.form.power else 0.0
-
-
-@dataclass(frozen=True)
-class _State:
+class _State(NamedTuple):
     """Penalised log-likelihood per sample at some coefficients, and the quantities that Newton's method uses."""
 
     coefficients: Array
@@ -82,73 +60,73 @@ class _State:
 
 
 class Likelihood:
-    """The penalised likelihood of one form for samples x (sorted, distinct, in units of their median) with `shares`
-    (sum 1); `size` is the effective number of samples."""
+    """The penalised likelihood of one form for samples x (lengths, sorted, distinct) with `shares` (sum 1).
 
-    def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
-        self._size, self._form, self._bends = size, form, x.size > 2
+    size : the effective number of samples; unit : their median.
+    """
+
+    def __init__(self, x: Array, shares: Array, size: float, unit: float, form: Form) -> None:
         degree = int(np.clip(round(4.0 * size**0.3), 4, _MOST_DEGREE))
-        self._columns = columns = Columns(form, float(x[0]), float(x[-1]), degree)
+        self._law = law = LogPolynomial(form, (float(x[0]), float(x[-1])), degree, unit)
+        self._size, self._bends, x = size, x.size > 2, x / unit
         starts = range(0, x.size, _CHUNK)
         self._mean: Array = np.sum(
-            [shares[i : i + _CHUNK] @ columns.rows(x[i : i + _CHUNK]) for i in starts], axis=0
+            [shares[i : i + _CHUNK] @ law.rows(x[i : i + _CHUNK]) for i in starts], axis=0
         )
         # where samples are dense the density may change over short distances
         dense = np.linspace(0, x.size - 1, min(x.size, degree)).astype(int)
-        edges = np.concatenate([columns.grid(), x[dense], x[:_ENDS], x[-_ENDS:]])
-        edges = np.unique(np.append(edges, [columns.first, columns.last]))
+        edges = [law.grid(), x[dense], x[:_ENDS], x[-_ENDS:]]
         # finer panels towards 0, and on either side of the first sample, where the density may be steep
-        down = 0.25 ** np.arange(_QUARTERS + np.ceil(np.log2(columns.last / columns.first) / 2))
+        down = 0.25 ** np.arange(_QUARTERS + np.ceil(np.log2(law.last / law.first) / 2))
         if form.from_zero:
-            beside = columns.first * (1.0 - down[1:])
-            edges = np.concatenate([[0.0], columns.last * down, beside, edges])
+            edges += [np.zeros(1), law.last * down, law.first * (1.0 - down[1:])]
         else:
-            beside = (columns.last - columns.first) * down[1:]
-            edges = np.concatenate([edges, columns.first + beside, columns.last - beside])
-        edges = np.unique(edges)
-        width = np.diff(edges)[:, None]
-        self._nodes = (edges[:-1, None] + width * _NODES).ravel()
+            beside = (law.last - law.first) * down[1:]
+            edges += [law.first + beside, law.last - beside]
+        ends = np.unique(np.concatenate(edges))
+        width = np.diff(ends)[:, None]
+        self._nodes = (ends[:-1, None] + width * _NODES).ravel()
         self._log_weights = np.log((width * _WEIGHTS).ravel())
-        self._rows = columns.rows(self._nodes)
-        self._end, self._slope = columns.rows(np.array([columns.last]))[0], columns.end_slope()
+        self._rows = law.rows(self._nodes)
+        self._end, self._slope = law.rows(np.array([law.last]))[0], law.end_slope()
         self._ridge = np.zeros((self._mean.size,) * 2)
         if form.power:
             self._ridge[-1, -1] = _LARGE_POWER**-2 / size
 
-    def best(self) -> Fit:
+    def best(self) -> LogPolynomial:
         """The fit of largest score: first a straight line, then smaller and smaller penalties."""
-        start = np.zeros(self._mean.size)
-        first = 0.0 if self._form.from_zero else self._columns.first
-        at = self._columns.degree if self._form.decades else 0
-        start[at] = -(self._slope[at] ** -1) / max(1.0 - first, 0.1) if at == 0 else -1.0
-        fits: list[Fit] = []
-        for penalty in self._penalties():
-            state = self._newton(start, penalty + self._ridge)
-            found, start = self._scored(state, penalty + self._ridge), state.coefficients
-            if fits and -np.inf < found.score < max(fit.score for fit in fits) - _NO_BETTER:
+        start, law, bends = np.zeros(self._mean.size), self._law, self._law.penalty()
+        if law.form.decades:
+            start[law.degree] = -1.0
+        else:
+            first = 0.0 if law.form.from_zero else law.first
+            start[0] = -1.0 / self._slope[0] / max(1.0 - first, 0.1)
+        straight = np.zeros(start.size)
+        straight[1 : law.degree] = _STRAIGHT
+        laws: list[LogPolynomial] = []
+        rivals: list[float] = []  # log-likelihoods minus one for each parameter (Akaike)
+        for smooth in [np.diag(straight) + bends, *np.multiply.outer(_PENALTIES, bends)]:
+            state = self._newton(start, smooth + self._ridge)
+            found, rival = self._scored(state, smooth + self._ridge)
+            start = state.coefficients
+            if laws and -np.inf < found.score < max(one.score for one in laws) - _NO_BETTER:
                 break
-            fits.append(found)
-        best = max(fits, key=lambda fit: fit.score)
+            laws, rivals = [*laws, found], [*rivals, rival]
+            if not self._bends:
+                break
+        best = max(laws, key=lambda one: one.score)
         # other penalties of similar likelihood give other powers: their spread is part of the error of m
-        likely = np.exp([fit.akaike - max(fit.akaike for fit in fits) for fit in fits])
-        squares = [fit.power_error**2 + (fit.power - best.power) ** 2 for fit in fits]
-        return replace(best, power_error=float(np.sqrt(likely @ squares / likely.sum())))
-
-    def _penalties(self) -> Iterator[Array]:
-        bends = self._columns.penalty()
-        bent = np.arange(1, self._columns.degree)
-        straight = bends.copy()
-        straight[bent, bent] += _STRAIGHT
-        yield straight
-        for penalty in _PENALTIES if self._bends else ():
-            yield penalty * bends
+        likely = np.exp(np.array(rivals) - max(rivals))
+        off = [np.hypot(o.onset_power_error, o.onset_power - best.onset_power) for o in laws]
+        best.onset_power_error = float(np.sqrt(likely @ np.square(off) / likely.sum()))
+        return best
 
     def _state(self, coefficients: Array, penalty: Array) -> _State | None:
         """The state; None if these give no density: a tail that does not fall, a power below -0.95, or overflow."""
         log, rows = self._rows @ coefficients + self._log_weights, self._rows
-        if self._form.power and coefficients[-1] <= _LEAST_POWER:
+        if self._law.form.power and coefficients[-1] <= _LEAST_POWER:
             return None
-        if self._form.open_above:
+        if self._law.form.open_above:
             rise = float(self._slope @ coefficients)
             if rise >= 0.0:
                 return None
@@ -171,11 +149,10 @@ class Likelihood:
             gradient = self._mean - now.shares @ now.rows - penalty @ now.coefficients
             step = _inverse(now.covariance() + penalty) @ gradient
             gain, length = float(gradient @ step), 1.0
+            trial = self._state(now.coefficients + step, penalty)
             if not gain * self._size > _DONE:
                 # with one more step the mean equals that of the samples to round-off
-                last = self._state(now.coefficients + step, penalty)
-                return now if last is None else last
-            trial = self._state(now.coefficients + step, penalty)
+                return now if trial is None else trial
             while trial is None or not trial.value > now.value + 1e-4 * length * gain - 1e-14:
                 length *= 0.5
                 if length < 1e-9:
@@ -184,26 +161,26 @@ class Likelihood:
             now = trial
         return now
 
-    def _scored(self, state: _State, penalty: Array) -> Fit:
-        """The fit, its score with the effective number of parameters and Hurvich's correction for few samples."""
-        covariance = state.covariance()
+    def _scored(self, state: _State, penalty: Array) -> tuple[LogPolynomial, float]:
+        """The law with its score, by the effective number of parameters and Hurvich's correction for few samples; and
+        the log-likelihood minus that number."""
+        law, covariance = copy(self._law), state.covariance()
         spread = _inverse(covariance + penalty)
         count = float(np.trace(spread @ covariance))
         correction = self._size / max(self._size - count - 1.0, 1.0)
-        score = self._size * state.likelihood - cost(self._size) * count * correction
+        law.coefficients, law.onset_power = state.coefficients, 0.0
+        law.score = self._size * state.likelihood - cost(self._size) * count * correction
         fall = -float(self._slope @ state.coefficients)
-        length = 1.0 / (fall * self._columns.last) if self._form.open_above else 0.0
+        length = 1.0 / (fall * law.last) if law.form.open_above else 0.0
         if length > _LONG:
-            score -= _HEAVY if length < _LONGEST else np.inf
+            law.score -= _HEAVY if length < _LONGEST else np.inf
+        law.onset_power_error = np.inf
+        if law.form.power:
+            law.onset_power = float(state.coefficients[-1])
+            law.onset_power_error = float(np.sqrt(spread[-1, -1] / self._size))
         inner, tail = np.split(state.shares, [self._nodes.size])
-        return Fit(
-            columns=self._columns,
-            coefficients=state.coefficients,
-            score=score,
-            akaike=self._size * state.likelihood - count,
-            power_error=float(np.sqrt(spread[-1, -1] / self._size)) if self._form.power else np.inf,
-            beyond=(float(inner[self._nodes < self._columns.first].sum()), float(tail.sum())),
-        )
+        law.beyond = float(inner[self._nodes < law.first].sum()), float(tail.sum())
+        return law, self._size * state.likelihood - count
 
 
 def _inverse(matrix: Array) -> Array:
