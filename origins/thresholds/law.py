@@ -118,8 +118,9 @@ class Thresholds:
     def _logpdf(self, x: Array) -> Array:
         if type(self)._pdf is Thresholds._pdf:
             return self._numerical.logpdf(x)
-        with np.errstate(divide="ignore"):
-            return np.log(self._pdf(x))
+        density = self._pdf(x)
+        with np.errstate(divide="ignore"):  # the last digits before underflow are no smooth density
+            return np.log(np.where(density > 1e-300, density, 0.0))
 
     def _pdf(self, x: Array) -> Array:
         # where the density diverges it may overflow

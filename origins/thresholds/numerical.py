@@ -18,7 +18,7 @@ _SPREAD = (
 _NOISE = (
     1e-8  # an error below it that halving does not reduce may come from rounding of the density
 )
-_LOST = 1e-9  # largest weight on panels that no polynomial follows: beside a pole they cannot be halved enough
+_LOST = 1e-10  # largest weight on panels that no polynomial follows: beside a pole they cannot be halved enough
 _MOST = 20_000  # panels; smooth densities take some 300
 _NOTHING = 745.0  # minus the log of the smallest relative weight: exp(-745) is the smallest float
 _STEPS = 2.0 ** np.arange(-432.0, 433.0)  # distances at which panels end, in any unit of length
@@ -83,7 +83,9 @@ class NumericalLaw:
         # next to the lower end the density is its power
         self._power = power if level > -np.inf else np.inf
         if level > -np.inf:
-            masses[0], missed[0] = np.exp(level - top) * self._widths[0] / (power + 1.0), 0.0
+            mass = np.exp(level - top) * self._widths[0] / (power + 1.0)
+            values[0] *= mass / masses[0]
+            masses[0], missed[0] = mass, 0.0
         whole = float(masses.sum())
         lost = np.where(missed > _NOISE, missed * masses, 0.0)
         if not lost.sum() < _LOST * whole:
