@@ -14,8 +14,9 @@ from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import ContinuousMixture, Mixture
 
 _CONFIDENCE = 1.96
-_DRAWN = 1 << 15
-_CELLS = 1 << 12
+_CELLS = (
+    1 << 12
+)  # of equal weight: of more samples than these only the number in each cell is drawn
 
 
 @dataclass(frozen=True)
@@ -66,8 +67,11 @@ def bootstrap(
     Raises InputError for thresholds that are not from samples, and for a statistic that is not finite or changes shape.
     """
     laws = bootstrap_laws(thresholds, whole("resamples", resamples, 2), seed)
-    value = _checked(statistic(thresholds), None)
-    resampled = np.stack([_checked(statistic(law), value.shape) for law in laws])
+    found = [np.asarray(statistic(law), dtype=float) for law in (thresholds, *laws)]
+    for one in found:
+        if one.shape != found[0].shape or not np.isfinite(one).all():
+            refuse("statistic", one, "must be finite, and of one shape, for all laws")
+    value, resampled = found[0], np.stack(found[1:])
     return Bootstrapped(
         value, resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - value, resampled
     )
@@ -114,16 +118,6 @@ def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
     )
 
 
-def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:
-    values = np.asarray(found, dtype=float)
-    bad = values[~np.isfinite(values)]
-    if bad.size:
-        refuse("statistic", bad.flat[0], "must be finite for the law and all resampled ones")
-    if shape is not None and values.shape != shape:
-        refuse("statistic", values.shape, f"must keep its shape {shape} for the resampled laws")
-    return values
-
-
 def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
     size = max(round(law.effective_samples), 2)
     positions, weights = law.atoms
@@ -139,9 +133,9 @@ def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
 
 def _drawn(law: Thresholds, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
     """`size` samples of a law, some merged: values, and the number of samples that each represents."""
-    if size <= _DRAWN:
+    if size <= _CELLS:
         return law.rvs(size, generator), np.ones(size)
-    # most samples are replaced by the medians of cells of equal weight; those in the two outermost cells are drawn
+    # samples are replaced by the medians of their cells, but for those in the two outermost cells
     counts = generator.multinomial(size, np.full(_CELLS, 1.0 / _CELLS))
     inner = np.flatnonzero(counts[1:-1]) + 1
     low = law.ppf(generator.random(counts[0]) / _CELLS)

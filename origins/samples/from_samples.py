@@ -135,7 +135,7 @@ def _on_a_grid(values: Array) -> bool:
 class Sampled(Mixture):
     """A smooth law through samples, with their exact values as atoms.
 
-    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/likelihood.py). The likelihood
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/smoothing.py). The likelihood
     also determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest sample, and
     whether it ends as an exponential or with an edge at the largest; for thresholds over decades the polynomial's
     variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is that of the

@@ -79,13 +79,11 @@ class NumericalLaw:
         edges, top, level = self._first_edges(np.asarray(points, dtype=float), power)
         self._edges, values, missed = self._halved(edges, top)
         self._widths = np.diff(self._edges)
-        masses = self._widths * (values @ _WEIGHTS)
-        # next to the lower end the density is its power
+        # next to the lower end the density is its power; its mean stands at the nodes
         self._power = power if level > -np.inf else np.inf
         if level > -np.inf:
-            mass = np.exp(level - top) * self._widths[0] / (power + 1.0)
-            values[0] *= mass / masses[0]
-            masses[0], missed[0] = mass, 0.0
+            values[0], missed[0] = np.exp(level - top) / (power + 1.0), 0.0
+        masses = self._widths * (values @ _WEIGHTS)
         whole = float(masses.sum())
         lost = np.where(missed > _NOISE, missed * masses, 0.0)
         if not lost.sum() < _LOST * whole:
