@@ -7,11 +7,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import finite, finite_array, positive, refuse
+from origins.errors import InputError, finite, finite_array, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
 _NODES = (8, 16, 32, 64, 128, 256, 512)  # orders of Gauss's rule over a parameter
+_SAME, _JUMP = (
+    1e-9,
+    1e-4,
+)  # relative distance of places that count as equal; least jump, in units of 1/<x_s>
 _TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
 
 
@@ -66,9 +70,9 @@ def continuous_mixture(
         A mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability below it
         is that of the laws at the nodes.
 
-    Raises InputError for values outside these, and where 512 laws do not reach the accuracy: as where P_c(x; phi) has
-    exact values or jumps that move with phi. The average has none, while a finite mixture has one for each law, and
-    therefore another K*: write the average itself, as scipy.stats.uniform(1.0, 1.0) for identical(1.0 + phi).
+    Raises InputError for values outside these, where 512 laws do not reach the accuracy, and where P_c(x; phi) has
+    exact values or jumps that move with phi: the average has none, while a finite mixture has one for each law, and
+    therefore another K*.
     """
     lower, upper = finite("lower", lower), finite("upper", upper)
     accuracy = positive("accuracy", accuracy)
@@ -89,6 +93,7 @@ def continuous_mixture(
             refuse("density", density, "is zero at all phi asked")
         laws = [as_thresholds(law(float(phi))) for phi in phis]
         if not x.size:
+            _check_moving(laws)
             x = np.unique([x for one in laws for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
         shares = weights / weights.sum()
         mean = shares @ [one.mean() for one in laws]
@@ -102,8 +107,24 @@ def continuous_mixture(
                 return found
         before = sums
     told = f"{_NODES[-1]} laws reach {error:.2g} only; ask for less, or smooth the law"
-    moving = "; an exact value or a jump of the density moves with phi, perhaps, which the average has not"
-    refuse("accuracy", accuracy, told + moving)
+    refuse("accuracy", accuracy, told)
+
+
+def _check_moving(laws: Sequence[Thresholds]) -> None:
+    """InputError where exact values, jumps or poles of the density are not at the same places in all laws."""
+    found = []
+    for law in laws:
+        points = law.breakpoints[law.breakpoints > 0.0]
+        below, above = (law.pdf(points * (1.0 + side)) * law.mean() for side in (-_SAME, _SAME))
+        with np.errstate(invalid="ignore"):
+            found.append(points[~(np.abs(above - below) <= _JUMP) | np.isin(points, law.atoms[0])])
+    for points in found:
+        if points.size != found[0].size or (np.abs(points / found[0] - 1.0) > _SAME).any():
+            told = "an exact value or a jump of the density moves with phi"
+            rule = "the average has none, a mixture of many laws has them all and a K* of its own; average it yourself"
+            raise InputError(
+                f"law: {told}: {rule}, as scipy.stats.uniform(1.0, 1.0) for identical(1.0 + phi)"
+            )
 
 
 def _height(density: Callable[[float], float], phi: float) -> float:

@@ -130,7 +130,7 @@ class NumericalLaw:
         edges = np.union1d(self._around(around), np.append(inside, highest))
         log = self._log_at(edges)
         away = np.log(edges - self._lower)
-        live = np.flatnonzero(log + away > weight.max() - _NOTHING)
+        live = np.flatnonzero(log + away >= weight.max() - _NOTHING)
         level, first = -np.inf, max(live[0] - 1, 0)
         if live[0] == 0 and np.isfinite(power):
             with np.errstate(invalid="ignore"):
