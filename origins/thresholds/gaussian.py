@@ -3,7 +3,7 @@
 from typing import Literal
 
 import numpy as np
-from scipy.special import erfcx, log_ndtr, ndtr
+from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
 
 from origins.errors import between, finite, one_of, positive, refuse
 from origins.thresholds.law import Array, Thresholds
@@ -101,6 +101,17 @@ class CutGaussian(Thresholds):
             nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
             out[near] = (weights * self._pdf(nodes)).sum(-1)
         return np.minimum(out, 1.0)
+
+    def _reaching(self, below: Array, above: Array) -> Array:
+        if self._z0 > 0.0:
+            return super()._reaching(below, above)
+        # in closed form, except near x = 0, where that loses digits
+        lower = ndtri(ndtr(self._z0) + below * self._kept)
+        z = np.where(below < above, lower, -ndtri_exp(np.log(above) + self._log_kept))
+        x = self.parent_mean + self.parent_std * z
+        near = ~(x > 0.5 * self.parent_mean)
+        x[near] = super()._reaching(below[near], above[near])
+        return x
 
     def _moment(self, n: float) -> float:
         if self.parent_mean < 0.0 or n != round(n):
