@@ -17,7 +17,6 @@ import master
 import origins
 import toolkit
 from origins.errors import InputError
-from toolkit.judge.precision import Ladders
 from toolkit.running.progress import Progress
 from toolkit.scene.scene import shipped_scenes
 
@@ -259,13 +258,14 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
     assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
 
 
-SHORT = Ladders((1e-2, 1e-6, 1e-10), (25, 50, 100, 200), (100, 1000, 10_000), (100, 1000), np.inf)
+SHORT = {"master": (1e-2, 1e-6, 1e-10), "explicit": (25.0, 50.0, 100.0, 200.0)}
+SHORT |= {"ensemble": (100.0, 1000.0, 10_000.0), "closest": (100.0, 1000.0)}
 
 
 def test_precision_measures_every_rung_against_the_closed_form(
     capsys: Any, monkeypatch: Any
 ) -> None:
-    monkeypatch.setattr("toolkit.judge.precision.Ladders", lambda: SHORT)
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
     law, start = (
         {"kind": "gaussian", "mean": 2.0, "std": 0.1},
         {"kind": "gaussian", "mean": 0.1, "std": 0.05},

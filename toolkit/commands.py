@@ -180,22 +180,18 @@ def precision(arguments: argparse.Namespace) -> int:
     """True error against run time of each solver the scene names, as picture and table; each line is printed once it
     is measured."""
     scene = load_scene(arguments.scene)
-    folder = arguments.out or f"{scene.name}-output"
+    folder, lines = arguments.out or f"{scene.name}-output", list[str]()
     check_folder(folder)  # before the work, not after it
-    lines = [scene.title or scene.name, *ladders.table_head()]
 
-    def show(point: ladders.Point) -> None:
-        lines.append(ladders.table_line(point))
-        print(
-            "\n".join(lines if len(lines) == 4 else lines[-1:]), flush=True
-        )  # head and all at first
+    def say_it(line: str) -> None:
+        lines.append(line)
+        print(line, flush=True)
 
     with runner.until(scene.deadline(), scene, "[precision]"):
-        measured = ladders.precision(scene, report=show)
-    numbers = {"reference": "the closed form for Gaussian thresholds", **asdict(measured)}
-    lines += measured.notes
-    _write(folder, "precision", partial(pictures.save_precision, measured), lines, numbers)
-    print("\n".join([*measured.notes, f"written to {folder}"]))
+        found = ladders.precision(scene, say_it)
+    draw = partial(ladders.save_picture, found)
+    _write(folder, "precision", draw, [*lines, *found["notes"]], found)
+    print("\n".join([*found["notes"], f"written to {folder}"]))
     return 0
 
 

@@ -1,4 +1,4 @@
-"""Pictures of judgements: scenes beside each other, and true error against run time."""
+"""The picture of scenes beside each other."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from toolkit.judge.compare import Verdict
-from toolkit.judge.precision import Precision
 from toolkit.pictures.thresholds import highest, plain, some_of
 from toolkit.results.beside import deviation
 
@@ -16,13 +15,6 @@ _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4
 _DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
 _BARS = 33  # error bars of a curve
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
-_METHODS = {
-    "master": ("o", "#1f4e79", "master equation"),
-    "explicit": ("s", "#5dade2", "the paper's explicit scheme"),
-    "ensemble": ("^", "#c0392b", "EQ ensemble, one seed"),
-    "closest": ("v", "#e59866", "the paper's closest contact, one seed"),
-}
-_LEAST = 1e-17  # an error of 0 has no place on a logarithmic axis
 
 
 def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
@@ -119,29 +111,3 @@ def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.set_title("stick-slip below this spring")
-
-
-def save_precision(measured: Precision, path: Path) -> None:
-    """True error in units of <x_s> against run time in s as a PNG, one marker per method, hollow for the error that it
-    claims."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9, 6), layout="constrained")
-    axes = figure.subplots()
-    for method, (marker, ink, label) in _METHODS.items():
-        points = [point for point in measured.points if point.method == method]
-        run_time = [point.run_time for point in points]
-        claimed = [point.claimed_error or np.nan for point in points]
-        hollow: dict[str, Any] = {"mfc": "none", "mec": ink, "label": f"{label}: its claim"}
-        if points:
-            error = np.maximum([point.error for point in points], _LEAST)
-            axes.plot(run_time, error, marker + "-", color=ink, lw=1, label=label)
-        if np.isfinite(claimed).any():
-            axes.plot(run_time, claimed, marker, **hollow)
-    axes.set(xscale="log", yscale="log", xlabel="run time (s)")
-    axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
-    axes.grid(alpha=0.3)
-    against = f"against the closed form, good to {measured.reference_error:.0e}"
-    axes.set_title(f"{plain(measured.title)}\n{against}", fontsize="medium")
-    axes.legend(fontsize="small")
-    figure.savefig(path, dpi=130, format="png")
