@@ -130,7 +130,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
             rule = f"holds the result of {whose}; choose another, or run this scene there"
             refuse("out", str(folder), rule)
         with closing(Progress("thresholds")), runner.until(scene.deadline(), scene, "[contacts]"):
-            return describe(scene.contacts, *scene.sliding)
+            return describe(scene.contacts, scene.sliding)
 
     found = on_root(comm, describe_it)
     law, title = scene.contacts.thresholds, scene.title or scene.name

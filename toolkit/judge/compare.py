@@ -86,7 +86,7 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
 
     def measure() -> Description:
         with until(scene.deadline(), scene, "K*"):
-            return describe(contacts, speed.value, speed.chosen)
+            return describe(contacts, speed)
 
     found = on_root(comm, measure)
     if "critical_spring" not in found.numbers:
@@ -96,7 +96,7 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
         if (own := found.numbers.get(name)) is not None:
             scale = unit if own.unit else 1.0
             numbers[name] = Number(own.value / scale, (own.error or 0.0) / scale, "")
-    held, apart = conditions(contacts, speed.value, speed.chosen), list[str]()
+    held, apart = conditions(contacts, speed), list[str]()
     try:
         if scene.given_drive is not None:
             scene.only_forward("the picture of forces")
@@ -111,7 +111,7 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
         unit=result.thresholds.unit,
         sampled=found.sampled,
         cautions=(*apart, *(note for note in found.notes if note not in held)),
-        velocity=speed.value,
+        velocity=speed,
         conditions=tuple(held),
         run_time=found.run_time,
         evidence=_evidence(result, numbers["kinetic_force"].value * unit),

@@ -30,9 +30,9 @@ class Description:
     run_time: float
 
 
-def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Description:
+def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
     """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; it matters only with rates or
-    a delay); `chosen` says in words where that speed comes from.
+    a delay).
 
     The errors of F_k and of the propensity are the master equation's. Where the thresholds come from samples, all
     include the sampling error. Contacts with laws that the master equation does not take have no F_k and no propensity
@@ -41,7 +41,7 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
     began = time.perf_counter()
     law = contacts.thresholds
     numbers = _of_law(law)
-    notes = conditions(contacts, velocity, chosen)
+    notes = conditions(contacts, velocity)
     if np.isfinite(law.moment(2)):
         try:
             notes += _slide(contacts, velocity, numbers)
@@ -100,7 +100,7 @@ def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> l
     return [f"not as asked: {steady.message}; {found.message}"]
 
 
-def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[str]:
+def conditions(contacts: Contacts, velocity: float) -> list[str]:
     """The speed, temperature and laws of contacts on which F_k and the propensity depend, in words."""
     surface, thermal, said = contacts.interface, contacts.thermal, list[str]()
     length, square, clock, per = (" m", " m²", " s", "/s") if surface is not None else ("",) * 4
@@ -117,5 +117,5 @@ def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[st
         said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
     if not said:
         return []
-    speed = f"v = {velocity:.4g}{length}{per}{f' ({chosen})' if chosen else ''}"
+    speed = f"v = {velocity:.4g}{length}{per}"
     return [f"F_k, K*, F_s/F_k and X* at {', '.join([speed, *said])}; all else is P_c alone"]

@@ -46,7 +46,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     for method, work in _methods(scene).items():
         work(RUNGS[method][0])  # so that nothing is imported or compiled while timed
         if not points:
-            say(_line("method at error claimed time runs".split()))
+            say(_line(["method", "at", "error", "claimed", "time", "runs"]))
         for setting in RUNGS[method]:
             times: list[float] = []
             while len(times) < 5 and (not times or times[-1] < 1.0):  # long runs are not repeated
@@ -63,8 +63,11 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
                 break
     return {
         "reference": "the closed form for Gaussian thresholds",
-        **{"name": scene.name, "title": scene.title or scene.name},
-        **{"reference_error": reference_error, "points": points, "notes": notes},
+        "name": scene.name,
+        "title": scene.title or scene.name,
+        "reference_error": reference_error,
+        "points": points,
+        "notes": notes,
     }
 
 
@@ -80,7 +83,8 @@ def _methods(scene: Scene) -> dict[str, Callable[[float], tuple[Array, float | N
     from eq_model.closest import closest
     from master.paper.explicit import explicit
 
-    contacts, path, unit, eq = scene.contacts, scene.path, scene.contacts.mean_threshold, scene.eq
+    contacts, path, unit = scene.contacts, scene.path, scene.contacts.mean_threshold
+    seed = 0 if scene.eq is None else scene.eq.seed
 
     def solve(tolerance: float) -> tuple[Array, float]:
         solved: Any = master.solve(contacts, path, tolerance=tolerance)
@@ -90,14 +94,14 @@ def _methods(scene: Scene) -> dict[str, Callable[[float], tuple[Array, float | N
         return explicit(contacts, path, step=unit / number).force, None
 
     def simulate(size: float) -> tuple[Array, float]:
-        found: Any = eq_model.simulate(contacts, path, n_contacts=int(size), seed=eq and eq.seed)
+        found: Any = eq_model.simulate(contacts, path, n_contacts=int(size), seed=seed)
         return found.force, float(found.force_standard_error.max()) / unit
 
     def follow(size: float) -> tuple[Array, None]:
-        return closest(contacts, path, n_contacts=int(size), seed=eq and eq.seed)[0], None
+        return closest(contacts, path, n_contacts=int(size), seed=seed)[0], None
 
     own: Any = {"master": solve, "explicit": step} if scene.master is not None else {}
-    return own | ({} if eq is None else {"ensemble": simulate, "closest": follow})
+    return own | ({} if scene.eq is None else {"ensemble": simulate, "closest": follow})
 
 
 def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
