@@ -1,6 +1,7 @@
 """A scene's [drive]: the points of the slider's path, and their times."""
 
 import re
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -132,15 +133,13 @@ def histogram_points(drive: Drive, asked: EqTable) -> npt.NDArray[np.intp]:
 
     Raises InputError for values that are none of the path's points, and for times on a path that has none.
     """
+    places: dict[str, Any] = {"histograms": drive.path, "histogram_times": drive.time}
     found = set[int]()
-    for name, points in (("histograms", drive.path), ("histogram_times", drive.time)):
-        values = getattr(asked, name) or []
-        if points is None:
-            if not values:
-                continue
-            rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
-            refuse(f"eq.{name}", values, rule)
-        for k, value in enumerate(values):
+    for name, points in places.items():
+        for k, value in enumerate(getattr(asked, name) or []):
+            if points is None:
+                rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
+                refuse(f"eq.{name}", asked.histogram_times, rule)
             off = np.abs(points - value)
             # relative distances of 1e-9 count as none; a position near 0 is rounded as the path is
             size = abs(value) if points is drive.time else max(abs(value), np.abs(points).max())
