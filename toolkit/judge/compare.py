@@ -8,50 +8,52 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.judge.describe import PROPENSITY, Description, conditions, describe
+from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
 from toolkit.results.beside import deviation, why_not_compared
 from toolkit.results.records import Result
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
-from toolkit.scene.interfaces import RESAMPLES, Number, with_error
+from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.scene import Scene
+
+_SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
+_HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
+_WIDTHS = (15, 17, 17, 17, 17, 17, 7, 16, 8, 7, 7)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
+    """One scene's line of the comparison.
 
-    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) for a surface only.
-    `conditions` give the speed, temperature and more on which they depend; `cautions` say why K* is infinite, where
-    samples, surface or load are at the limits of the law, and which errors are not shown; `sampled` is whether the
-    thresholds come from samples. `evidence` is the ensemble's: its force over the exact F_k, with one standard error,
-    where the master equation's force is largest (its own, without [master]), the master's there, and the largest
-    difference of both over the path in standard errors, or why there is none; None without [eq].
+    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) for a surface only,
+    lengths in mean thresholds; `conditions` the speed, temperature and more on which they depend; `cautions` say why
+    K* is infinite, and what is at the limits of the law; `found` describes the law. `evidence` is the ensemble's: its
+    force over the exact F_k, with one standard error, where the master equation's force is largest (its own, without
+    [master]), the master's there, and the largest difference of both over the path in standard errors, or why there is
+    none; None without [eq].
     """
 
     name: str
-    title: str
     numbers: dict[str, Number]
-    mean_threshold: float
-    unit: str
-    sampled: bool
-    cautions: tuple[str, ...]
-    velocity: float
-    conditions: tuple[str, ...]
-    run_time: float
+    conditions: list[str]
+    cautions: list[str]
     evidence: dict[str, Any] | None
+    found: Description
     result: Result
 
     def value(self, name: str) -> float:
         return self.numbers[name].value
 
     def plain(self) -> dict[str, Any]:
-        """The content of a file: all but the result."""
-        kept = {key: value for key, value in vars(self).items() if key not in ("result", "numbers")}
-        for name in ("friction_coefficient", *self.numbers):
-            number = self.numbers.get(name)
-            kept[name] = None if number is None else number.value
-            kept[f"{name}_error"] = None if number is None else number.error
+        """The content of a file; times in s."""
+        result = self.result
+        kept: dict[str, Any] = {"name": self.name, "title": result.title or self.name}
+        kept |= {"mean_threshold": result.mean_threshold, "unit": result.thresholds.unit}
+        kept |= {name: getattr(self, name) for name in ("conditions", "cautions", "evidence")}
+        kept |= {"sampled": self.found.sampled, "run_time": self.found.run_time}
+        for name in _SHOWN:
+            number = self.numbers.get(name, Number(np.nan, None, ""))
+            kept |= {name: number.value, f"{name}_error": number.error}
         return kept
 
 
@@ -92,31 +94,23 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
     if "critical_spring" not in found.numbers:
         raise InputError("; ".join(found.notes))
     numbers = {}
-    for name in ("onset_power", "kinetic_force", *PROPENSITY, "friction_coefficient"):
+    for name in _SHOWN:
         if (own := found.numbers.get(name)) is not None:
             scale = unit if own.unit else 1.0
             numbers[name] = Number(own.value / scale, (own.error or 0.0) / scale, "")
-    held, apart = conditions(contacts, speed), list[str]()
+    held = conditions(contacts, speed)
+    cautions = [note for note in found.notes if note not in held]
     try:
         if scene.given_drive is not None:
             scene.only_forward("the picture of forces")
     except InputError as error:
-        scene, apart = replace(scene, master=None, eq=None), [f"F(X) is left out: {error}"]
+        scene, cautions = (
+            replace(scene, master=None, eq=None),
+            [f"F(X) is left out: {error}", *cautions],
+        )
     result = solve(scene, comm, told=told)[0]
-    return Verdict(
-        name=scene.name,
-        title=scene.title or scene.name,
-        numbers=numbers,
-        mean_threshold=unit,
-        unit=result.thresholds.unit,
-        sampled=found.sampled,
-        cautions=(*apart, *(note for note in found.notes if note not in held)),
-        velocity=speed,
-        conditions=tuple(held),
-        run_time=found.run_time,
-        evidence=_evidence(result, numbers["kinetic_force"].value * unit),
-        result=result,
-    )
+    evidence = _evidence(result, numbers["kinetic_force"].value * unit)
+    return Verdict(scene.name, numbers, held, cautions, evidence, found, result)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
@@ -135,11 +129,6 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
     }
 
 
-_HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
-_WIDTHS = (15, 17, 17, 17, 17, 17, 7, 16, 8, 7, 7)
-_SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
-
-
 def table(verdicts: Sequence[Verdict]) -> list[str]:
     """The comparison as lines of text, every number with its error, and run times."""
     names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
@@ -156,7 +145,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
             own = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
             told = with_error(own.value, own.error or 0.0, 4 if name == "onset_power" else 6)
             cells.append({"inf": "infinite", "nan": ""}.get(told, told))
-        cells.append(f"{verdict.run_time:.2g} s")
+        cells.append(f"{verdict.found.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
             apart = "" if seen["not_compared"] is None else "none"
             cells += [
@@ -184,7 +173,7 @@ def _notes(verdicts: Sequence[Verdict]) -> list[str]:
         own = [*verdict.conditions, *verdict.cautions]
         if verdict.evidence is not None and verdict.evidence["not_compared"] is not None:
             own.append(f"EQ and ME not compared: {verdict.evidence['not_compared']}")
-        if verdict.sampled:
+        if verdict.found.sampled:
             own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
         notes += [f"{verdict.name}: {note}" for note in own]
     return notes

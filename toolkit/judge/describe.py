@@ -7,16 +7,13 @@ import numpy as np
 
 from origins import Contacts
 from origins.errors import InputError
+from origins.samples.bootstrap import bootstrap_laws, sampled_parts
+from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.law import Thresholds
-from toolkit.scene.interfaces import Number, of_interface, remarks, sampling_errors, why_infinite
+from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
-_NUMERICAL = (
-    1e-10  # relative error of moments and quantiles: 6e-11 is the largest seen, of a tail as x^-4.5
-)
-_ROUNDING = (
-    4.0 * np.finfo(float).eps
-)  # of <x^2>, of which the variance of a narrow law is a small part
+RESAMPLES = 20  # the relative error of the sampling error is then a sixth
 
 
 @dataclass(frozen=True)
@@ -51,40 +48,66 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
         notes.append(
             "<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with"
         )
-    sampled: dict[str, float] = {}
+    sampled = False
     if (spring := numbers.get("critical_spring")) is not None:
-        sampled = sampling_errors(contacts)
         notes += [why_infinite(contacts)] if np.isinf(spring.value) else []
-    for name, scatter in sampled.items():
-        both = float(np.hypot(numbers[name].error or 0.0, scatter))
-        numbers[name] = replace(numbers[name], error=both)
+        if isinstance(law, ContinuousMixture) and sampled_parts(law):
+            notes.append("sampling errors are missing: its laws may all be of the same samples")
+        elif sampled := bool(sampled_parts(law)):
+            _add_sampling_errors(contacts, numbers)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
     notes += remarks(law)
-    return Description(numbers, tuple(notes), bool(sampled), time.perf_counter() - began)
+    return Description(numbers, tuple(notes), sampled, time.perf_counter() - began)
 
 
 def _of_law(law: Thresholds) -> dict[str, Number]:
     """Moments, ends, quantiles and the onset of P_c."""
     unit, spread = "m" if law.interface is not None else "length", law.std()
+    # relative error of moments and quantiles: 6e-11 is the largest seen, of a tail as x^-4.5
+    numerical = 1e-10
     values = {"mean": law.mean(), "standard_deviation": spread}
     values |= {"second_moment": law.moment(2), "third_moment": law.moment(3)}
     values |= {"one_in_a_hundred_below": float(law.ppf(0.01)), "median": float(law.ppf(0.5))}
     values |= {"one_in_a_hundred_above": float(law.isf(0.01))}
     units = {"second_moment": f"{unit}^2", "third_moment": f"{unit}^3"}
     numbers = {
-        name: Number(value, _NUMERICAL * value if value < np.inf else None, units.get(name, unit))
+        name: Number(value, numerical * value if value < np.inf else None, units.get(name, unit))
         for name, value in values.items()
     }
     if 0.0 < spread < np.inf:
-        error = _NUMERICAL * spread + _ROUNDING * law.moment(2) / spread
+        # of <x^2> is rounded, of which the variance of a narrow law is a small part
+        error = numerical * spread + 4.0 * np.finfo(float).eps * law.moment(2) / spread
         numbers["standard_deviation"] = Number(spread, error, unit)
     for name, end in zip(("lower_end", "upper_end"), law.support(), strict=True):
         numbers[name] = Number(end, None, unit)
     return numbers | {"onset_power": Number(law.onset_power, law.onset_power_error, "")}
 
 
-def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> list[str]:
+def _add_sampling_errors(contacts: Contacts, numbers: dict[str, Number]) -> None:
+    """Add to the errors one standard error of what other samples would have given, bias of the smoothing included.
+
+    inf where a resampled law has an infinite value; for K* and F_s/F_k, too, where all of them have the least possible
+    value: then the error cannot be estimated.
+    """
+    again: list[dict[str, Number]] = []
+    for law in [contacts.thresholds, *bootstrap_laws(contacts.thresholds, RESAMPLES)]:
+        again.append(_of_law(law))
+        _slide(Contacts(law, start=contacts.start), 1.0, again[-1], tolerance=1e-4)
+    for name in {*numbers} - {"lower_end", "upper_end", "onset_power"}:
+        value, *others = (one[name].value for one in again)
+        with np.errstate(invalid="ignore"):
+            scatter = np.hypot(np.std(others, ddof=1), np.mean(others) - value)
+        unknown = name in PROPENSITY and scatter == 0.0
+        error = np.hypot(numbers[name].error or 0.0, scatter)
+        if unknown or not np.isfinite(error):
+            error = np.inf
+        numbers[name] = replace(numbers[name], error=float(error))
+
+
+def _slide(
+    contacts: Contacts, velocity: float, numbers: dict[str, Number], tolerance: float = 1e-8
+) -> list[str]:
     """Add F_k and the propensity to `numbers`; returns a note where they miss their tolerance."""
     import master
 
@@ -92,7 +115,7 @@ def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> l
     steady = master.steady_state(contacts, velocity=velocity)
     error = steady.force_error * contacts.mean_threshold
     numbers["kinetic_force"] = Number(steady.force, error, unit)
-    found = master.propensity(contacts, velocity=velocity)
+    found = master.propensity(contacts, velocity=velocity, tolerance=tolerance)
     for name, own in zip(PROPENSITY, ("", "", unit), strict=True):
         numbers[name] = Number(getattr(found, name), getattr(found, f"{name}_error"), own)
     if steady.success and found.success:

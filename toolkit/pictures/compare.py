@@ -47,7 +47,7 @@ def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None
     """P_c of each scene in units of its own mean threshold; exact values as spikes, on an axis for their weight."""
     reach, tops, own = 0.0, list[float](), None
     for style, verdict in styled:
-        curve, unit = verdict.result.thresholds, verdict.mean_threshold
+        curve, unit = verdict.result.thresholds, verdict.result.mean_threshold
         shown = np.isfinite(curve.density)
         axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, **style)
         if curve.density[shown].any():
@@ -71,8 +71,8 @@ def _forces(axes: Any, below: Any, styled: list[tuple[dict[str, Any], Verdict]])
     reaches = []
     for style, verdict in styled:
         unit, scale = (
-            verdict.mean_threshold,
-            verdict.value("kinetic_force") * verdict.mean_threshold,
+            verdict.result.mean_threshold,
+            verdict.value("kinetic_force") * verdict.result.mean_threshold,
         )
         solved, eq, apart = verdict.result.master, verdict.result.eq, deviation(verdict.result)
         reaches += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]

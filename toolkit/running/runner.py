@@ -8,6 +8,7 @@ from os import PathLike
 from typing import Any
 
 from origins.errors import InputError, refuse
+from origins.samples.bootstrap import sampled_parts
 from toolkit.results.beside import resets_apart
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
@@ -17,7 +18,7 @@ from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.running.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.scene import laws
-from toolkit.scene.interfaces import foreseen, numerical_only, of_interface, remarks
+from toolkit.scene.interfaces import foreseen, of_interface, remarks
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.tables import EqTable
@@ -120,7 +121,12 @@ def solve(
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
             eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
-    notes = [*remarks(law), *numerical_only(law), *foreseen(scene)]
+    notes = [*remarks(law), *foreseen(scene)]
+    if sampled_parts(law):
+        notes.append(
+            "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
+            "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
+        )
     if (
         isinstance(master, SoftRecord)
         and master.regime.verdict == "undecided"
