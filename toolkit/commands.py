@@ -14,10 +14,10 @@ from toolkit.judge import precision as ladders
 from toolkit.judge.describe import Description, describe
 from toolkit.pictures import compare as pictures
 from toolkit.pictures.thresholds import save_thresholds_picture
-from toolkit.results.beside import deviation, slip_lines, why_not_compared
+from toolkit.results.beside import deviation, slip_line, why_not_compared
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
-from toolkit.results.records import AgeingRecord, SoftRecord, is_coupled, sample_curve
+from toolkit.results.records import is_coupled, sample_curve
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
@@ -72,13 +72,13 @@ def report(result: Any) -> list[str]:
     if solved is not None:
         error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
-    if isinstance(solved, SoftRecord):
+    if solved is not None and solved.slips is not None:
         slips = f"{solved.slips.drive.size} slips"
         if solved.slips.drive.size > 1:
             period = with_error(solved.period, 2.0 * solved.slips.drive_error, 9)
             slips += f", last pause {period}"
         lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
-    if isinstance(solved, AgeingRecord):
+    if solved is not None and solved.outrun is not None:
         outrun = f"contacts outrun it from X = {solved.outrun:.4g} on, where it has many answers"
         lines.append(
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
@@ -100,7 +100,7 @@ def report(result: Any) -> list[str]:
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
     if is_coupled(eq):
-        lines += slip_lines(result)
+        lines.append(slip_line(result))
     elif solved is not None and eq is not None:
         lines.append(f"eq less master: {_agreement(result)}")
     return [*lines, *(f"note    {note}" for note in result.notes)]

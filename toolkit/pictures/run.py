@@ -21,7 +21,7 @@ from toolkit.pictures.thresholds import (
     write_along,
 )
 from toolkit.results.beside import deviation, why_not_compared
-from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
+from toolkit.results.records import Result, is_coupled
 
 _HELD = 1.0 - 1e-9  # share that holds below which it is drawn
 _LEGEND = 0.13  # of the height, room for each row of the legend above the curve
@@ -61,7 +61,7 @@ def plot_force(axes: Any, result: Result) -> Any:
         path, force, label = along(result, solved), solved.force, "master equation"
         if not solved.success:
             label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
-        if isinstance(solved, SoftRecord) and (np.diff(solved.path) > 0.0).all():
+        if solved.slips is not None and (np.diff(solved.path) > 0.0).all():
             # the ends of each slip where it happens, between points of the path
             slips = solved.slips
             at = np.searchsorted(solved.path, slips.drive).repeat(2)
@@ -70,7 +70,7 @@ def plot_force(axes: Any, result: Result) -> Any:
             path, force = np.insert(path, at, there), np.insert(force, at, ends)
         style = _style("master", ls="-" if solved.success else "--", lw=1.4, zorder=3, label=label)
         axes.plot(path, force, **style)
-        if isinstance(solved, AgeingRecord) and solved.outrun < path[-1]:
+        if solved.outrun is not None and solved.outrun < path[-1]:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):
@@ -104,7 +104,7 @@ def plot_position(axes: Any, result: Result) -> Any:
     """Positions of the drive, or of the rigid slider, and of a soft slider against time."""
     curve = curves(result)[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
-    if isinstance(curve, SoftRecord) or is_coupled(curve):
+    if getattr(curve, "position", None) is not None:
         axes.plot(along(result, curve), curve.position, **_style("master", lw=1.2, label="slider"))
         axes.legend(fontsize="small")
     write_along(axes, result)

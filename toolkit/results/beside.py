@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from toolkit.results.records import Result, SoftRecord, is_coupled
+from toolkit.results.records import Result, is_coupled
 
 _FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
-_LATE = 10.0  # delay of a slip, in N^(-2/3) <x_s>, above which it is not due to finite N
-_SHOWN = 10  # slips that are listed one by one
 
 
 class Deviation(NamedTuple):
@@ -74,7 +72,7 @@ class SlipBeside(NamedTuple):
 def slips_beside(result: Result) -> list[SlipBeside]:
     """The slips in order, for a result of both solvers on a soft slider; else none."""
     solved, eq = result.master, result.eq
-    if not isinstance(solved, SoftRecord) or not is_coupled(eq):
+    if solved is None or solved.slips is None or not is_coupled(eq):
         return []
     slips, found = eq.slips, []
     for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
@@ -87,39 +85,29 @@ def slips_beside(result: Result) -> list[SlipBeside]:
     return found
 
 
-def slip_lines(result: Result) -> list[str]:
-    """The comparison slip by slip, as lines of text; none for rigid sliders."""
+def slip_line(result: Result) -> str:
+    """The comparison slip by slip, as a line of text."""
     solved, eq = result.master, result.eq
-    if not is_coupled(eq):
-        return []
-    replicas, beside = len(eq.forces), slips_beside(result)
-    sizes = f"in {replicas} replicas: avalanches of at least {eq.slip_fraction:g} of the contacts"
-    if not isinstance(solved, SoftRecord):
-        return [f"slips   {eq.slips.number.size} {sizes}"]
-    late = [(slip.mean_drive - slip.drive) / result.mean_threshold for slip in beside]
-    told = (
-        f", one after the other late by {', '.join(f'{x:.1e}' for x in late[:_SHOWN])} of <x_s>"
-        if late
-        else ""
-    )
-    number = (
-        f"{solved.slips.drive.size} of the master equation, {eq.slips.number.size} of eq {sizes}"
-    )
-    return [
-        f"slips   {number}{told}; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"
-    ]
+    told = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
+    if solved is not None and solved.slips is not None:
+        told += f", {solved.slips.drive.size} of the master equation"
+    late = [(slip.mean_drive - slip.drive) / result.mean_threshold for slip in slips_beside(result)]
+    if late:
+        told += f"; of eq the first are late by {', '.join(f'{x:.1e}' for x in late[:10])} of <x_s>"
+    return told + "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"
 
 
 def resets_apart(result: Result) -> list[str]:
     """A note where [eq] does not reset at the master equation's first slip: too few contacts break there."""
-    eq, drive, beside = result.eq, result.asked.drive, slips_beside(result)
-    if not is_coupled(eq) or not isinstance(result.master, SoftRecord) or drive is None:
+    solved, eq, drive = result.master, result.eq, result.asked.drive
+    if solved is None or solved.slips is None or not solved.slips.drive.size:
         return []
-    first = [slip for slip in beside if slip.number == 0]
-    late = [(slip.mean_drive - slip.drive) / result.mean_threshold for slip in first]
-    chance = _LATE * (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0)
-    told = result.master.slips.drive.size > 0 and (not late or late[0] > chance)
-    if not told or (drive.slip or "reset") != "reset":
+    if not is_coupled(eq) or drive is None or (drive.slip or "reset") != "reset":
+        return []
+    first = [slip for slip in slips_beside(result) if slip.number == 0]
+    # more than finite numbers of contacts explain
+    most = 10.0 * (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0) * result.mean_threshold
+    if first and first[0].mean_drive - first[0].drive <= most:
         return []
     return [
         'slip = "reset": the master equation resets at the first onset, however few contacts break there, [eq] at '

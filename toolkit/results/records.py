@@ -25,7 +25,14 @@ _PER_PANEL = 24
 @dataclass(frozen=True)
 class SolvedRecord:
     """A master equation's answer: F = `force` over `path` (lengths, shape (n,)), `holding`, the fraction of contacts
-    that hold, `force_error` in mean thresholds, `run_time` in s."""
+    that hold, `force_error` in mean thresholds, `run_time` in s.
+
+    A soft slider's `path` is the drive's; `position` (n,) the slider's, `balance` the drive's position at t = 0,
+    `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve.
+
+    The paper's closure of ageing (Q15) has defects at each X of `path`, which may end early: the mass of P_c minus 1
+    and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do.
+    """
 
     path: Array
     force: Array
@@ -34,42 +41,26 @@ class SolvedRecord:
     run_time: float
     success: bool
     message: str
+    balance: float | None = None
+    position: Array | None = None
+    period: float | None = None
+    slips: Any = None
+    regime: Any = None
+    mass_defect: Any = None
+    positivity_defect: Any = None
+    outrun: float | None = None
 
     __repr__ = brief
 
 
-@dataclass(frozen=True)
-class SoftRecord(SolvedRecord):
-    """A soft slider's: `path` is the drive's, `position` (n,) the slider's, `balance` the drive's position at t = 0,
-    `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve."""
-
-    balance: float
-    position: Array
-    period: float
-    slips: Any
-    regime: Any
-
-    __repr__ = brief
-
-
-@dataclass(frozen=True)
-class AgeingRecord(SolvedRecord):
-    """That of the paper's closure of ageing (Q15), with its defects at each X of `path`, which may end early: the mass
-    of P_c minus 1 and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do."""
-
-    mass_defect: Array
-    positivity_defect: Array
-    outrun: float
-
-    __repr__ = brief
-
-
-def record_of(answer: Any) -> Any:
+def record_of(answer: Any) -> SolvedRecord:
     """The record of the master equation's answer."""
-    kind: Any = SoftRecord if hasattr(answer, "regime") else SolvedRecord
-    kind = AgeingRecord if hasattr(answer, "mass_defect") else kind
-    values = {field.name: getattr(answer, field.name) for field in fields(kind)}
-    return kind(**{name: np.nan if value is None else value for name, value in values.items()})
+    values: dict[str, Any] = {
+        field.name: getattr(answer, field.name, None) for field in fields(SolvedRecord)
+    }
+    if values["slips"] is not None and values["period"] is None:
+        values["period"] = np.nan
+    return SolvedRecord(**values)
 
 
 def is_coupled(eq: object) -> bool:
@@ -104,9 +95,9 @@ class Result:
 
     `text` is the scene's TOML text, `version` this package's, `mean_threshold` <x_s>, `thresholds` P_c as drawn.
 
-    `master`, `eq` and `sweep` are each solver's answer, None where it was not requested. Where a spring pulls they are
-    a SoftRecord and an eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. For a run
-    that continued from a checkpoint `run_time` is that of all launches, and rank 0 counts the breaks of earlier ones.
+    `master`, `eq` and `sweep` are each solver's answer, None where it was not requested; where a spring pulls `eq` is
+    an eq_model.CoupledResult. For a run that continued from a checkpoint `run_time` is that of all launches, and rank 0
+    counts the breaks of earlier ones.
 
     `notes` are warnings: where samples, surface or load are at the limits of the theory, what makes a run useless,
     that it continued from a checkpoint. `interface` has, for a rough surface, its contacts in SI units: a Number
@@ -158,8 +149,7 @@ class Result:
         drive = make_drive(self.asked.drive)
         if drive.time is not None:
             return drive.time
-        pulled = next((one for one in (self.master, self.eq) if hasattr(one, "balance")), None)
-        begin = 0.0 if pulled is None else pulled.balance
+        begin = getattr(self.master or self.eq, "balance", None) or 0.0
         return np.abs(np.diff(drive.path, prepend=begin)).cumsum() / drive.velocity
 
     @property

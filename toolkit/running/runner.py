@@ -12,7 +12,7 @@ from origins.samples.bootstrap import sampled_parts
 from toolkit.results.beside import resets_apart
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.records import Result, SoftRecord, SolvedRecord, record_of, sample_curve
+from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
@@ -127,11 +127,8 @@ def solve(
             "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
             "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
         )
-    if (
-        isinstance(master, SoftRecord)
-        and master.regime.verdict == "undecided"
-        and not master.slips.drive.size
-    ):
+    soft: Any = master if master is not None and master.regime is not None else None
+    if soft is not None and soft.regime.verdict == "undecided" and not soft.slips.drive.size:
         far = float(law.isf(1e-3)) + scene.contacts.mean_threshold / (scene.drive.spring or 1.0)
         notes.append(f"a first slip is to be expected before X_T = {far:.3g}; drive as far")
     if before:
