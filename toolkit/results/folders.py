@@ -7,7 +7,7 @@ import fcntl
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -29,21 +29,28 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
-    """Lock `folder` against this user's other runs on this machine, which could overwrite the result.
+    """Lock `folder` against other runs, which could overwrite the result; it is made if it is not there.
 
-    Raises InputError where another run holds it. The lock is a file in the system's folder for temporary files, since
-    the output folder need not exist yet; it ends with the process, however that ends.
+    Raises InputError where another run holds it. The lock is a file in the folder, and is removed in the end; folders
+    that were made and are still empty are, too.
     """
-    name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
-    file = Path(tempfile.gettempdir()) / f"mesofriction-{os.getuid()}-{name}.lock"
+    path = Path(folder).absolute()
+    made = [place for place in (path, *path.parents) if not place.exists()]
+    file = path / ".running"
     try:
-        lock = file.open("a")
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        rule = f"another run is writing there, or {file} cannot be locked; choose another folder, or wait"
-        raise InputError(f"out = {str(folder)!r}: {rule}") from error
-    with lock:
-        yield
+        with ExitStack() as held:
+            try:
+                path.mkdir(parents=True, exist_ok=True)
+                fcntl.flock(held.enter_context(file.open("a")), fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                rule = "another run is writing there, or it cannot be locked; choose another folder, or wait"
+                raise InputError(f"out = {str(folder)!r}: {rule}") from error
+            held.callback(file.unlink, missing_ok=True)
+            yield
+    finally:
+        with suppress(OSError):
+            for place in made:
+                place.rmdir()
 
 
 def write_folder(
