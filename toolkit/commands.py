@@ -14,10 +14,9 @@ from toolkit.judge import precision as ladders
 from toolkit.judge.describe import Description, describe
 from toolkit.pictures import compare as pictures
 from toolkit.pictures.thresholds import save_thresholds_picture
-from toolkit.results.beside import deviation, slip_line, why_not_compared
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
-from toolkit.results.records import is_coupled, sample_curve
+from toolkit.results.records import deviation, is_coupled, sample_curve, slip_line, why_not_compared
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress

@@ -9,8 +9,7 @@ import numpy as np
 
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
-from toolkit.results.beside import deviation, why_not_compared
-from toolkit.results.records import Result
+from toolkit.results.records import Result, deviation, why_not_compared
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
 from toolkit.scene.interfaces import Number, with_error

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.judge.compare import Verdict
 from toolkit.pictures.thresholds import highest, plain, some_of
-from toolkit.results.beside import deviation
+from toolkit.results.records import deviation
 
 # colours by Okabe and Ito, which the colour-blind can distinguish; dashes keep coinciding curves visible
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]

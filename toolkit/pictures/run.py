@@ -20,8 +20,7 @@ from toolkit.pictures.thresholds import (
     some_of,
     write_along,
 )
-from toolkit.results.beside import deviation, why_not_compared
-from toolkit.results.records import Result, is_coupled
+from toolkit.results.records import Result, deviation, is_coupled, why_not_compared
 
 _HELD = 1.0 - 1e-9  # share that holds below which it is drawn
 _LEGEND = 0.13  # of the height, room for each row of the legend above the curve

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError, refuse
-from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_folder, write_sealed
-from toolkit.results.records import Result, SolvedRecord, ThresholdCurve, is_coupled
+from toolkit.results.records import Result, SolvedRecord, ThresholdCurve, is_coupled, slips_beside
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
@@ -120,7 +119,7 @@ def summary(result: Result) -> dict[str, Any]:
             own[name] = getattr(asked.eq, name)
         if is_coupled(eq):
             own["slips"] = eq.slips.number.size
-            own["slips_beside"] = [slip._asdict() for slip in slips_beside(result)]
+            own["slips_beside"] = slips_beside(result)
         content["eq"] = own
     if sweep is not None:
         content["sweep"] = _numbers(sweep) | {"points": sweep.force.size}

@@ -1,8 +1,8 @@
-"""The records of each solver's answer, and of a whole run."""
+"""The records of each solver's answer, and of a whole run; the two solvers beside each other."""
 
 import tomllib
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ Array = npt.NDArray[np.float64]
 
 OWN_UNIT = "length unit of the thresholds"
 _PER_PANEL = 24
+_FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
 
 
 @dataclass(frozen=True)
@@ -169,3 +170,96 @@ def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
     unit = "m" if thresholds.interface is not None else OWN_UNIT
     return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)
+
+
+class Deviation(NamedTuple):
+    """Ensemble minus master equation, `off`, in standard errors, at the `points` (indices) that can be compared."""
+
+    points: npt.NDArray[np.intp]
+    off: npt.NDArray[np.float64]
+
+    @property
+    def worst(self) -> float | None:
+        """The largest in size; None where there are no points."""
+        return float(np.abs(self.off).max()) if self.off.size else None
+
+
+def deviation(result: Result) -> Deviation:
+    """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing.
+
+    The standard errors include the master equation's error and that of the ensemble's steps.
+    """
+    solved, eq = result.master, result.eq
+    if solved is None or eq is None or is_coupled(eq):
+        # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
+        return Deviation(np.empty(0, np.intp), np.empty(0))
+    of_one_contact = np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
+    enough = eq.force_standard_error > np.sqrt(_FEWEST) * of_one_contact
+    enough[solved.path.size :] = False  # the paper's closure of ageing may end before the path does
+    tell = np.flatnonzero(np.isfinite(eq.force_standard_error) & enough)
+    own = solved.force_error * result.mean_threshold
+    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + own
+    return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
+
+
+def why_not_compared(result: Result) -> str | None:
+    """Why no point of the path can be compared, in words; None where one can, or a solver is missing."""
+    if result.master is None or result.eq is None or deviation(result).points.size:
+        return None
+    if result.eq.breaks == 0:
+        return "no contact breaks on this path"
+    if is_coupled(result.eq):
+        return "slips are compared one by one, not the force between them"
+    return f"too few contacts or breaks, or all break at once: below some {_FEWEST} standard errors mean little"
+
+
+def slips_beside(result: Result) -> list[dict[str, Any]]:
+    """The master equation's slips in order, for a result of both solvers on a soft slider; else none.
+
+    drive, drop : X_T and the fall of the force, lengths; mean_drive, drive_error and so on : mean and standard error of
+    the same slip in the replicas, of which so many `have` it.
+    """
+    solved, eq = result.master, result.eq
+    if solved is None or solved.slips is None or not is_coupled(eq):
+        return []
+    found = []
+    for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
+        if have := int((eq.slips.number == number).sum()):
+            slip = {"number": number, "drive": float(drive), "drop": float(drop), "have": have}
+            for own in ("drive", "drop"):
+                slip[f"mean_{own}"], slip[f"{own}_error"] = eq.slips.mean(own, number)
+            found.append(slip)
+    return found
+
+
+def slip_line(result: Result) -> str:
+    """The comparison slip by slip, as a line of text."""
+    solved, eq = result.master, result.eq
+    told = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
+    if solved is not None and solved.slips is not None:
+        told += f", {solved.slips.drive.size} of the master equation"
+    late = [
+        (slip["mean_drive"] - slip["drive"]) / result.mean_threshold
+        for slip in slips_beside(result)
+    ]
+    if late:
+        told += f"; of eq the first are late by {', '.join(f'{x:.1e}' for x in late[:10])} of <x_s>"
+    return told + "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"
+
+
+def resets_apart(result: Result) -> list[str]:
+    """A note where [eq] does not reset at the master equation's first slip: too few contacts break there."""
+    solved, eq, drive = result.master, result.eq, result.asked.drive
+    if solved is None or solved.slips is None or not solved.slips.drive.size:
+        return []
+    if not is_coupled(eq) or drive is None or (drive.slip or "reset") != "reset":
+        return []
+    first = [slip for slip in slips_beside(result) if slip["number"] == 0]
+    # more than finite numbers of contacts explain
+    most = 10.0 * (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0) * result.mean_threshold
+    if first and first[0]["mean_drive"] - first[0]["drive"] <= most:
+        return []
+    return [
+        'slip = "reset": the master equation resets at the first onset, however few contacts break there, [eq] at '
+        f"avalanches of at least eq.slip_fraction = {eq.slip_fraction:g} of them, which come later, or not at all"
+    ]

@@ -9,10 +9,9 @@ from typing import Any
 
 from origins.errors import InputError, refuse
 from origins.samples.bootstrap import sampled_parts
-from toolkit.results.beside import resets_apart
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
+from toolkit.results.records import Result, SolvedRecord, record_of, resets_apart, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
