@@ -220,7 +220,7 @@ def test_the_speed_that_numbers_are_of_is_said(capsys: Any) -> None:
     contacts = {"thresholds": GAUSSIAN, "delay": {"time": 0.5}}
     drive = {"turns": [0.0, 1.0], "times": [1.0, 5.0], "points": 3}
     _, out, _ = said(capsys, "thresholds", write(contacts=contacts, drive=drive))
-    assert any("F_k, K*, F_s/F_k and X* at v = 0.25, delay 0.5" in line for line in out)
+    assert any("F_k, K*, F_s/F_k and X* at v = 0.25, Delay(time=0.5)" in line for line in out)
 
 
 def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) -> None:

@@ -16,7 +16,7 @@ from toolkit.pictures import compare as pictures
 from toolkit.pictures.thresholds import save_thresholds_picture
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
-from toolkit.results.records import deviation, is_coupled, sample_curve, slip_line, why_not_compared
+from toolkit.results.records import NOT_COMPARED, deviation, is_coupled, sample_curve, slip_line
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
@@ -25,7 +25,6 @@ from toolkit.scene.interfaces import foreseen, in_a_line, with_error
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
 ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
-_APART = 6.0  # standard errors
 
 
 def scenes(arguments: argparse.Namespace) -> int:
@@ -109,11 +108,11 @@ def _agreement(result: Any) -> str:
     """The difference of both solvers in words."""
     apart = deviation(result).worst
     if apart is None:
-        return f"not compared: {why_not_compared(result)}"
+        return f"not compared: {NOT_COMPARED}"
     chance = "chance makes about 3"
     if result.papers_closure:
         chance += ", the rest is the paper's closure, which single contacts do not follow"
-    elif apart >= _APART:
+    elif apart >= 6.0:
         chance += ": they do not agree, please report it"
     return f"at most {apart:.1f} standard errors over the path; {chance}"
 

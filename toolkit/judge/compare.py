@@ -9,7 +9,7 @@ import numpy as np
 
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
-from toolkit.results.records import Result, deviation, why_not_compared
+from toolkit.results.records import NOT_COMPARED, Result, deviation
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
 from toolkit.scene.interfaces import Number, with_error
@@ -122,7 +122,7 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
         "static_to_kinetic_error": float(eq.force_standard_error[at] / kinetic),
         "expected": None if solved is None else float(solved.force[at] / kinetic),
         "worst_deviation": deviation(result).worst,
-        "not_compared": why_not_compared(result),
+        "not_compared": NOT_COMPARED if deviation(result).worst is None else None,
         "run_time": eq.run_time,
         "contacts": eq.contacts,
     }
@@ -158,16 +158,8 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _notes(verdicts: Sequence[Verdict]) -> list[str]:
-    """The meaning of the columns, and the notes of each scene."""
+    """The notes of each scene."""
     notes = []
-    if any(verdict.evidence is not None for verdict in verdicts):
-        notes.append(
-            "EQ at the peak, ME there: both solvers' F/F_k where the master's is largest on the path; max |z|: their "
-            "largest difference over the path in standard errors, about 3 by chance"
-        )
-    if any("friction_coefficient" in verdict.numbers for verdict in verdicts):
-        taken = "k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest"
-        notes.append(f"F_k/load: {taken}")
     for verdict in verdicts:
         own = [*verdict.conditions, *verdict.cautions]
         if verdict.evidence is not None and verdict.evidence["not_compared"] is not None:

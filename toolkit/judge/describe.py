@@ -124,21 +124,11 @@ def _slide(
 
 
 def conditions(contacts: Contacts, velocity: float) -> list[str]:
-    """The speed, temperature and laws of contacts on which F_k and the propensity depend, in words."""
-    surface, thermal, said = contacts.interface, contacts.thermal, list[str]()
-    length, square, clock, per = (" m", " m²", " s", "/s") if surface is not None else ("",) * 4
-    if thermal is not None:
-        said.append(f"T = {thermal.temperature:.4g}{square}")
-        if surface is not None:
-            said[-1] += f" ({thermal.temperature / surface.temperature(kelvin=1.0):.4g} K)"
-        said.append(f"attempt frequency {thermal.attempt_frequency:.4g}{per and ' 1/s'}")
+    """The speed and the laws of contacts on which F_k and the propensity depend, in words."""
+    laws = [str(own) for own in (contacts.thermal, contacts.delay) if own is not None]
     if contacts.ageing is not None:
-        said.append(f"D = {contacts.ageing.rate:.4g}{square}{per}")
-    if contacts.delay is not None:
-        said.append(f"delay {contacts.delay.time:.4g}{clock}")
+        laws.append(f"Ageing(rate={contacts.ageing.rate:.4g})")
     if contacts.grains is not None and contacts.grains.age is not None:
-        said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
-    if not said:
-        return []
-    speed = f"v = {velocity:.4g}{length}{per}"
-    return [f"F_k, K*, F_s/F_k and X* at {', '.join([speed, *said])}; all else is P_c alone"]
+        laws.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
+    told = ", ".join([f"v = {velocity:.4g}", *laws])
+    return [f"F_k, K*, F_s/F_k and X* at {told}; all else is P_c alone"] if laws else []

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.judge.compare import Verdict
-from toolkit.pictures.thresholds import highest, plain, some_of
+from toolkit.pictures.thresholds import highest, some_of
 from toolkit.results.records import deviation
 
 # colours by Okabe and Ito, which the colour-blind can distinguish; dashes keep coinciding curves visible
@@ -33,7 +33,7 @@ def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
     styled: list[tuple[dict[str, Any], Verdict]] = []
     for index, verdict in enumerate(verdicts):
         ink, dash = _INK[index % len(_INK)], _DASHES[index % len(_DASHES)]
-        style = {"color": ink, "ls": dash, "lw": 1.3, "label": plain(verdict.name)}
+        style = {"color": ink, "ls": dash, "lw": 1.3, "label": verdict.name.replace("$", r"\$")}
         styled.append((style, verdict))
     _thresholds(places["P"], styled)
     _springs(places["S"], styled)

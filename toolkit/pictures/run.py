@@ -15,15 +15,13 @@ from toolkit.pictures.thresholds import (
     along,
     curves,
     name_lengths,
-    plain,
     plot_density,
     some_of,
     write_along,
 )
-from toolkit.results.records import Result, deviation, is_coupled, why_not_compared
+from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled
 
 _HELD = 1.0 - 1e-9  # share that holds below which it is drawn
-_LEGEND = 0.13  # of the height, room for each row of the legend above the curve
 _BARS = 61  # error bars; with more the line would be hidden
 _REPLICAS, _LINES = 5, 8  # numbers of curves that can be distinguished
 _SWEPT = {
@@ -86,11 +84,8 @@ def plot_force(axes: Any, result: Result) -> Any:
         axes.errorbar(along(result, eq)[some], eq.force[some], yerr=error, **style)
     write_along(axes, result)
     name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.in_metres)
-    axes.set_title(plain(result.title or result.name))
-    # slips and cycles leave no corner free
-    rows = -(-len(axes.get_legend_handles_labels()[0]) // 2)
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, top + _LEGEND * rows * (top - bottom))
+    axes.set_title(result.title or result.name, parse_math=False)
+    axes.margins(y=0.15)  # slips and cycles leave no corner free
     axes.legend(loc="upper right", ncols=2, fontsize="small")
     return axes
 
@@ -126,9 +121,9 @@ def plot_holding(axes: Any, result: Result) -> Any:
 def plot_deviation(axes: Any, result: Result) -> Any:
     """Ensemble minus master equation in standard errors, where enough contacts have broken for a comparison."""
     apart = deviation(result)
-    if (reason := why_not_compared(result)) is not None:
+    if apart.worst is None:
         middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
-        axes.text(0.5, 0.5, f"not compared: {reason}", **middle)
+        axes.text(0.5, 0.5, f"not compared: {NOT_COMPARED}", **middle)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
         axes.plot(along(result, result.eq)[apart.points], apart.off, ".", **_style("eq", ms=3.5))
@@ -144,7 +139,7 @@ def plot_sweep(axes: Any, result: Result) -> Any:
     _along_sweep(axes, result, sweep.force)
     name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
     if not curves(result):
-        axes.set_title(plain(result.title or result.name))
+        axes.set_title(result.title or result.name, parse_math=False)
     if len(sweep.along) > 1:
         axes.legend(fontsize="small")
     return axes

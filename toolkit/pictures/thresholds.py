@@ -19,17 +19,6 @@ _STEPS, _ISLANDS = 2000, 20_000  # most points that a picture shows
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
-def plain(text: str) -> str:
-    """`text` for matplotlib; dollars are escaped where they do not enclose a valid formula."""
-    from matplotlib.mathtext import MathTextParser
-
-    try:
-        MathTextParser("agg").parse(text)
-    except ValueError:
-        return text.replace("\\$", "$").replace("$", r"\$")
-    return text
-
-
 def name_lengths(axis: Any, name: str, metres: bool) -> None:
     """Label an axis of lengths; ticks in metres have a prefix, such as 25 nm."""
     from matplotlib.ticker import EngFormatter
@@ -153,7 +142,7 @@ def save_thresholds_picture(
     values = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
     _draw(hazard, curve, values, "$P_c(x)/S(x)$")
     _label(hazard, curve, "hazard", "stretch $x$")
-    figure.suptitle(plain(title))
+    figure.suptitle(title, parse_math=False)
     figure.savefig(path, dpi=150, format="png")
 
 

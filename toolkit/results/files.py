@@ -66,12 +66,10 @@ def load(folder: str | os.PathLike[str]) -> Result:
         rule = f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one"
         refuse("folder", str(folder), rule)
     with opened(file) as store:
-        return Result(
-            name=str(store.attrs["name"]),
-            title=str(store.attrs["title"]),
-            version=str(store.attrs["version"]),
+        return _read(
+            store,
+            Result,
             text=str(store.attrs["scene"]),
-            mean_threshold=float(store.attrs["mean_threshold"]),
             thresholds=_read(store["thresholds"], ThresholdCurve),
             master=_read_master(store["master"]) if "master" in store else None,
             eq=_read_eq(store["eq"]) if "eq" in store else None,

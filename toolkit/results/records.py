@@ -202,15 +202,9 @@ def deviation(result: Result) -> Deviation:
     return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
 
 
-def why_not_compared(result: Result) -> str | None:
-    """Why no point of the path can be compared, in words; None where one can, or a solver is missing."""
-    if result.master is None or result.eq is None or deviation(result).points.size:
-        return None
-    if result.eq.breaks == 0:
-        return "no contact breaks on this path"
-    if is_coupled(result.eq):
-        return "slips are compared one by one, not the force between them"
-    return f"too few contacts or breaks, or all break at once: below some {_FEWEST} standard errors mean little"
+NOT_COMPARED = (
+    "too few contacts or breaks, or all break at once, or a soft slider, whose slips are compared"
+)
 
 
 def slips_beside(result: Result) -> list[dict[str, Any]]:
@@ -245,21 +239,3 @@ def slip_line(result: Result) -> str:
     if late:
         told += f"; of eq the first are late by {', '.join(f'{x:.1e}' for x in late[:10])} of <x_s>"
     return told + "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"
-
-
-def resets_apart(result: Result) -> list[str]:
-    """A note where [eq] does not reset at the master equation's first slip: too few contacts break there."""
-    solved, eq, drive = result.master, result.eq, result.asked.drive
-    if solved is None or solved.slips is None or not solved.slips.drive.size:
-        return []
-    if not is_coupled(eq) or drive is None or (drive.slip or "reset") != "reset":
-        return []
-    first = [slip for slip in slips_beside(result) if slip["number"] == 0]
-    # more than finite numbers of contacts explain
-    most = 10.0 * (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0) * result.mean_threshold
-    if first and first[0]["mean_drive"] - first[0]["drive"] <= most:
-        return []
-    return [
-        'slip = "reset": the master equation resets at the first onset, however few contacts break there, [eq] at '
-        f"avalanches of at least eq.slip_fraction = {eq.slip_fraction:g} of them, which come later, or not at all"
-    ]

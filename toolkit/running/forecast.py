@@ -66,7 +66,9 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
         except TimeIsUp:
             out.append(f"master  {scene.master.tolerance:.0e} takes longer than a second")
     if scene.sweep is not None:
-        out.append(f"sweep   {scene.sweep.velocity.size:,} points; their time is not foreseen")
+        out.append(
+            f"sweep   {scene.sweep.at['velocity'].size:,} points; their time is not foreseen"
+        )
     if scene.eq is None:
         return out
     done = sum(state.contacts for state in earlier)

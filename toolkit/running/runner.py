@@ -11,7 +11,7 @@ from origins.errors import InputError, refuse
 from origins.samples.bootstrap import sampled_parts
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.records import Result, SolvedRecord, record_of, resets_apart, sample_curve
+from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
@@ -147,8 +147,8 @@ def solve(
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
         domains=law.domains,
+        notes=tuple(notes),
     )
-    result = replace(result, notes=(*notes, *resets_apart(result)))
     finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
     if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):
         say(f"stopped by the wall time; run it again with --out {kept.folder} to go on")

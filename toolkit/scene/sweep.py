@@ -21,19 +21,12 @@ QUANTITIES = ("velocity", "temperature", "rate", "delay")
 
 @dataclass(frozen=True)
 class Sweep:
-    """The points of a sweep: arrays of one shape, (n,) or (n, m), the quantity with most values first.
-
-    `temperature`, `rate` and `delay` are None where the contacts' own value is used, `kelvin` is the temperature as
-    given, None if it was not given in K; `along` names the quantities with several values, the longest first.
-    """
+    """The points of a sweep: `at`, arrays of one shape, (n,) or (n, m), by velocity, temperature, kelvin, rate, delay,
+    those that the scene gives; `along` names the quantities with several values, the longest first."""
 
     along: tuple[str, ...]
     critical_spring: bool
-    velocity: Array
-    temperature: Array | None = None
-    kelvin: Array | None = None
-    rate: Array | None = None
-    delay: Array | None = None
+    at: dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -91,7 +84,7 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
             rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
             raise InputError(f"sweep.kelvin: {rule}")
         made["temperature"] = made["kelvin"] * contacts.interface.temperature(kelvin=1.0)
-    return Sweep(tuple(along), table.critical_spring, **made)
+    return Sweep(tuple(along), table.critical_spring, made)
 
 
 def _values(name: str, value: float | list[float] | RangeTable) -> Array:
@@ -113,18 +106,19 @@ def solve_sweep(
     import master
 
     began = time.perf_counter()
-    laws_at: dict[str, Any] = {name: getattr(asked, name) for name in QUANTITIES[1:]}
+    velocity: Any = asked.at["velocity"]
+    laws_at: dict[str, Any] = {name: asked.at[name] for name in QUANTITIES[1:] if name in asked.at}
     with laws.inside("sweep", {name: name for name in QUANTITIES}):
-        curve = master.kinetic_curve(contacts, asked.velocity, **laws_at)
+        curve = master.kinetic_curve(contacts, velocity, **laws_at)
         success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
         message, springs = curve.message, dict[str, Array]()
         if asked.critical_spring:
             if expect is not None:
-                one = {name: own.flat[:1] for name, own in laws_at.items() if own is not None}
+                one = {name: own.flat[:1] for name, own in laws_at.items()}
                 alone = time.perf_counter()
-                master.phase_line(contacts, asked.velocity.flat[:1], **one)
-                expect((time.perf_counter() - alone) * asked.velocity.size)
-            line = master.phase_line(contacts, asked.velocity, **laws_at)
+                master.phase_line(contacts, velocity.flat[:1], **one)
+                expect((time.perf_counter() - alone) * velocity.size)
+            line = master.phase_line(contacts, velocity, **laws_at)
             names = ("critical_spring", "critical_spring_error")
             springs = {name: getattr(line, name) for name in names}
             success = success and _good(line.success, *reversed(springs.values()))
@@ -133,7 +127,7 @@ def solve_sweep(
     return SweepRecord(
         along=asked.along,
         run_time=time.perf_counter() - began,
-        kelvin=asked.kelvin,
+        kelvin=asked.at.get("kelvin"),
         success=success,
         message=message,
         **springs,
