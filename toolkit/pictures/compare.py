@@ -8,12 +8,10 @@ import numpy as np
 
 from toolkit.judge.compare import Verdict
 from toolkit.pictures.thresholds import highest, some_of
-from toolkit.results.records import deviation
 
 # colours by Okabe and Ito, which the colour-blind can distinguish; dashes keep coinciding curves visible
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
 _DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
-_BARS = 33  # error bars of a curve
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
 
 
@@ -23,13 +21,11 @@ def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
 
 
 def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
-    """P_c, springs that slip, forces, and the difference of both solvers, a colour and a dash for each scene."""
+    """P_c, springs that slip, and forces, a colour and a dash for each scene."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13, 9), layout="constrained")
-    rows: list[Any] = [["P", "S"], ["F", "F"], ["z", "z"]]
-    places = figure.subplot_mosaic(rows, height_ratios=[3, 3, 1.2])
-    places["z"].sharex(places["F"])
+    places = figure.subplot_mosaic([["P", "S"], ["F", "F"]])
     styled: list[tuple[dict[str, Any], Verdict]] = []
     for index, verdict in enumerate(verdicts):
         ink, dash = _INK[index % len(_INK)], _DASHES[index % len(_DASHES)]
@@ -37,7 +33,7 @@ def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
         styled.append((style, verdict))
     _thresholds(places["P"], styled)
     _springs(places["S"], styled)
-    _forces(places["F"], places["z"], styled)
+    _forces(places["F"], styled)
     # below all axes: inside them it would cover curves
     figure.legend(*places["F"].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
@@ -65,35 +61,27 @@ def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None
         axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
 
 
-def _forces(axes: Any, below: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
-    """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error; and `below` their
-    difference in standard errors, where enough contacts have broken to tell."""
+def _forces(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
+    """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error."""
     reaches = []
     for style, verdict in styled:
-        unit, scale = (
-            verdict.result.mean_threshold,
-            verdict.value("kinetic_force") * verdict.result.mean_threshold,
-        )
-        solved, eq, apart = verdict.result.master, verdict.result.eq, deviation(verdict.result)
+        unit, solved, eq = verdict.result.mean_threshold, verdict.result.master, verdict.result.eq
+        scale = verdict.value("kinetic_force") * unit
         reaches += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
         if solved is not None:
             axes.plot(solved.path / unit, solved.force / scale, zorder=3, **style)
         if eq is not None:
-            some, ink = some_of(eq.path.size, _BARS), style["color"]
-            bars: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": ink, "capsize": 1.5}
-            bars["label"] = style["label"] if solved is None else None
+            some = some_of(eq.path.size, 33)
+            bars: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.8, "capsize": 1.5}
+            bars |= {"color": style["color"], "label": style["label"] if solved is None else None}
             error = eq.force_standard_error[some] / scale
             axes.errorbar(eq.path[some] / unit, eq.force[some] / scale, yerr=error, **bars)
-            told = some_of(apart.off.size, 60) if apart.off.size else apart.points
-            below.plot(eq.path[apart.points][told] / unit, apart.off[told], ".", ms=3.5, color=ink)
     axes.axhline(1.0, color="0.6", lw=0.8, zorder=0)
     axes.set(ylabel="$F/F_k$", ylim=(0.0, None), xlim=(0.0, 1.02 * max(reaches, default=1.0)))
     if reaches and max(reaches) > _APART * min(reaches):
         axes.set(xscale="log", xlim=(0.1 * min(1.0, *reaches), 1.05 * max(reaches)))
+    axes.set_xlabel(r"slider position $X/\langle x_s\rangle$")
     axes.set_title("force: master equation (lines), EQ ensemble (points, ±1 standard error)")
-    below.axhspan(-2.0, 2.0, color="0.92", zorder=0)
-    below.set(ylabel="EQ − ME\n(std. errors)", ylim=(-5.0, 5.0))
-    below.set_xlabel(r"slider position $X/\langle x_s\rangle$")
 
 
 def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
