@@ -77,11 +77,9 @@ def report(result: Any) -> list[str]:
             slips += f", last pause {period}"
         lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
     if solved is not None and solved.outrun is not None:
-        outrun = f"contacts outrun it from X = {solved.outrun:.4g} on, where it has many answers"
         lines.append(
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
-            f"{solved.positivity_defect.max():.1e}; "
-            f"{outrun if solved.outrun < float('inf') else 'contacts never outrun it'}"
+            f"{solved.positivity_defect.max():.1e}; contacts outrun it from X = {solved.outrun:.4g} on"
         )
     if sweep is not None:
         error = f"error {sweep.force_error.max():.1e} of <x_s>"

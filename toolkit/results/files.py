@@ -234,9 +234,9 @@ def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
 def _read_interface(group: Any) -> dict[str, Number]:
     numbers = {}
     for name, data in group.items():
-        error, unit = data.attrs.get("error"), str(data.attrs["units"])
-        error, unit = None if error is None else float(error), "" if unit == "1" else unit
-        numbers[name] = Number(float(data[()]), error, unit)
+        error = float(data.attrs["error"]) if "error" in data.attrs else None
+        unit = str(data.attrs["units"])
+        numbers[name] = Number(float(data[()]), error, "" if unit == "1" else unit)
     return numbers
 
 

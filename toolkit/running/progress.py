@@ -3,6 +3,7 @@
 import sys
 import threading
 import time
+from datetime import timedelta
 
 PATIENCE = 10.0  # s before anything is said of work that seems short
 
@@ -57,6 +58,4 @@ class Progress:
 
 
 def _clock(seconds: float) -> str:
-    """Hours, minutes and seconds."""
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
+    return str(timedelta(seconds=round(min(seconds, 8e13))))
