@@ -22,6 +22,7 @@ from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.scene.interfaces import foreseen, in_a_line, with_error
+from toolkit.scene.laws import inside
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
 ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
@@ -156,7 +157,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     tolerance."""
     scenes: dict[str, Any] = {}
     for given in arguments.scene:
-        with judge.naming(given):
+        with inside(given, {}):
             scene = load_scene(given, comm=comm)
         if scene.name in scenes:
             rule = "two scenes of this name could not be told apart; rename one of the files"

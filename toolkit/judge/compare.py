@@ -1,8 +1,8 @@
 """Scenes side by side: propensity to stick-slip by the master equation, with evidence from the ensemble."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,11 @@ from toolkit.results.records import NOT_COMPARED, Result, deviation
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
 from toolkit.scene.interfaces import Number, with_error
+from toolkit.scene.laws import inside
 from toolkit.scene.scene import Scene
 
 _SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
 _HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
-_WIDTHS = (15, 17, 17, 17, 17, 17, 7, 16, 8, 7, 7)
 
 
 @dataclass(frozen=True)
@@ -66,20 +66,9 @@ def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> li
     """
     verdicts = []
     for scene in scenes:
-        with naming(scene.name):
+        with inside(scene.name, {}):
             verdicts.append(_judge(scene, comm, told))
     return sorted(verdicts, key=lambda one: [-one.value(name) for name in PROPENSITY[:2]])
-
-
-@contextmanager
-def naming(scene: str) -> Iterator[None]:
-    """Put the name of the scene before the message of any InputError raised within, unless it is there already."""
-    try:
-        yield
-    except InputError as error:
-        if str(error).startswith("scene = "):
-            raise
-        raise InputError(f"{scene}: {error}") from error
 
 
 def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
@@ -122,49 +111,36 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
         "static_to_kinetic_error": float(eq.force_standard_error[at] / kinetic),
         "expected": None if solved is None else float(solved.force[at] / kinetic),
         "worst_deviation": deviation(result).worst,
-        "not_compared": NOT_COMPARED if deviation(result).worst is None else None,
+        "not_compared": NOT_COMPARED if solved and deviation(result).worst is None else None,
         "run_time": eq.run_time,
         "contacts": eq.contacts,
     }
 
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:
-    """The comparison as lines of text, every number with its error, and run times."""
-    names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
-
-    def line(begin: str, cells: Sequence[str]) -> str:
-        shown = (f"{cell:>{width}}" for cell, width in zip(cells, _WIDTHS, strict=False))
-        return "  ".join([begin, *shown]).rstrip()
-
-    head = line(f"   {'scene':{names}}", _HEADS.split(","))
-    lines = [head, "-" * len(head)]
+    """The comparison as lines of text, every number with its error, and run times; then the notes of each scene."""
+    rows, notes = [["", "scene", *_HEADS.split(",")]], list[str]()
     for rank, verdict in enumerate(verdicts, start=1):
-        cells = []
+        cells, own = [str(rank), verdict.name], [*verdict.conditions, *verdict.cautions]
         for name in _SHOWN:
-            own = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
-            told = with_error(own.value, own.error or 0.0, 4 if name == "onset_power" else 6)
+            number = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
+            told = with_error(number.value, number.error or 0.0, 4 if name == "onset_power" else 6)
             cells.append({"inf": "infinite", "nan": ""}.get(told, told))
         cells.append(f"{verdict.found.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
-            apart = "" if seen["not_compared"] is None else "none"
-            cells += [
-                with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6),
-                "" if seen["expected"] is None else f"{seen['expected']:.5f}",
-                apart if seen["worst_deviation"] is None else f"{seen['worst_deviation']:.1f}",
-                f"{seen['run_time']:.2g} s",
-            ]
-        lines.append(line(f"{rank:2d} {verdict.name:{names}}", cells))
-    return lines + _notes(verdicts)
-
-
-def _notes(verdicts: Sequence[Verdict]) -> list[str]:
-    """The notes of each scene."""
-    notes = []
-    for verdict in verdicts:
-        own = [*verdict.conditions, *verdict.cautions]
-        if verdict.evidence is not None and verdict.evidence["not_compared"] is not None:
-            own.append(f"EQ and ME not compared: {verdict.evidence['not_compared']}")
+            worst, expected = seen["worst_deviation"], seen["expected"]
+            cells.append(with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6))
+            cells.append("" if expected is None else f"{expected:.5f}")
+            cells += ["" if worst is None else f"{worst:.1f}", f"{seen['run_time']:.2g} s"]
+            if seen["not_compared"] is not None:
+                own.append(f"EQ and ME not compared: {seen['not_compared']}")
         if verdict.found.sampled:
             own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
+        rows.append(cells)
         notes += [f"{verdict.name}: {note}" for note in own]
-    return notes
+    widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
+    padded = (
+        [f"{cell:>{width}}" for cell, width in zip(row, widths, strict=False)] for row in rows
+    )
+    head, *lines = ("  ".join(row).rstrip() for row in padded)
+    return [head, "-" * len(head), *lines, *notes]
