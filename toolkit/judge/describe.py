@@ -45,9 +45,7 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
         except InputError as refused:
             notes.append(f"P_c alone, without all of F_k, K*, F_s/F_k and X*: {refused}")
     else:
-        notes.append(
-            "<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with"
-        )
+        notes.append("<x_s^2> is infinite: there is no kinetic force to compare K* and F_s with")
     sampled = False
     if (spring := numbers.get("critical_spring")) is not None:
         notes += [why_infinite(contacts)] if np.isinf(spring.value) else []

@@ -70,9 +70,7 @@ def plot_force(axes: Any, result: Result) -> Any:
         lines[0].set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
-        style = _style(
-            "eq", fmt="o", ms=3, capsize=2, lw=1, zorder=2, label="EQ, ±1 standard error"
-        )
+        style = _style("eq", fmt="o", ms=3, capsize=2, lw=1, label="EQ, ±1 standard error")
         error = eq.force_standard_error[some]
         axes.errorbar(along(result, eq)[some], eq.force[some], yerr=error, **style)
     write_along(axes, result)
@@ -138,9 +136,8 @@ def plot_sweep(axes: Any, result: Result, name: str = "force") -> Any:
     for k, column in enumerate(some):
         style = _style("master", lw=1.4, marker="." if rows.size < 16 else "")
         for other in second:
-            style["label"] = (
-                f"{other} = {getattr(sweep, other).reshape(table.shape)[0, column]:.3g}"
-            )
+            here = getattr(sweep, other).reshape(table.shape)[0, column]
+            style["label"] = f"{other} = {here:.3g}"
             style["color"] = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
         axes.plot(rows, table[:, column], **style)
     units = _UNITS if result.in_metres else {}

@@ -73,8 +73,8 @@ def write_along(axes: Any, result: Result) -> None:
         turns = turns[some_of(turns.size, 8)]
         axes.set_xticks(turns, [f"{time:.9g}" for time in turns])
         axes.set_xlim(times[0], times[-1])
-        how = f"logarithmic in holds, even in ln(1 + t/{drive.hold_scale:.3g}) since each began"
-        axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
+        scale = f"even in ln(1 + t/{drive.hold_scale:.3g}) since each hold began"
+        axes.set_xlabel(f"{axes.get_xlabel()}, {scale}")
 
 
 def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
@@ -82,9 +82,8 @@ def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     finite = np.isfinite(curve.density)
     smooth = curve.density[finite].any()
     if smooth:
-        axes.fill_between(
-            curve.x[finite], curve.density[finite], alpha=0.25, lw=0, color=INK["thresholds"]
-        )
+        filled = {"alpha": 0.25, "lw": 0, "color": INK["thresholds"]}
+        axes.fill_between(curve.x[finite], curve.density[finite], **filled)
         _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x)$")
     _label(axes, curve, "thresholds", "threshold $x$")
     if curve.atoms.size:
@@ -109,9 +108,8 @@ def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
 def _draw(axes: Any, curve: ThresholdCurve, values: Array, name: str) -> None:
     """A quantity per length, within limits that show it."""
     axes.plot(curve.x, values, **_STYLE)
-    axes.set(
-        ylabel=f"{name} (1/m)" if curve.in_metres else name, ylim=(0.0, highest(curve, values))
-    )
+    label = f"{name} (1/m)" if curve.in_metres else name
+    axes.set(ylabel=label, ylim=(0.0, highest(curve, values)))
 
 
 def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:

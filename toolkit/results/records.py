@@ -202,9 +202,7 @@ def deviation(result: Result) -> Deviation:
     return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
 
 
-NOT_COMPARED = (
-    "too few contacts or breaks, or all break at once, or a soft slider, whose slips are compared"
-)
+NOT_COMPARED = "too few contacts or breaks, all at once, or a soft slider, whose slips are compared"
 
 
 def slips_beside(result: Result) -> list[dict[str, Any]]:

@@ -124,9 +124,8 @@ class Checkpoint:
         found: Any = None
         # rank 0's file may already include others that were not yet removed
         for state in sorted(states, key=lambda state: -state.contacts):
-            blocks = sorted(
-                [*(found.done if found else ()), *state.done], key=lambda one: one.start
-            )
+            blocks = [*(found.done if found else ()), *state.done]
+            blocks.sort(key=lambda block: block.start)
             if all(before.stop <= after.start for before, after in pairwise(blocks)):
                 found = state if found is None else found.joined(state)
         return found

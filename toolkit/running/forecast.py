@@ -60,15 +60,13 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
         try:
             with no_longer_than(1.0):
                 solved = solve_master(scene, scene.master.tolerance)
-            out.append(
-                f"master  error {solved.force_error:.1e} of <x_s> in {solved.run_time:.2g} s"
-            )
+            error, took = f"{solved.force_error:.1e} of <x_s>", f"{solved.run_time:.2g} s"
+            out.append(f"master  error {error} in {took}")
         except TimeIsUp:
             out.append(f"master  {scene.master.tolerance:.0e} takes longer than a second")
     if scene.sweep is not None:
-        out.append(
-            f"sweep   {scene.sweep.at['velocity'].size:,} points; their time is not foreseen"
-        )
+        points = scene.sweep.at["velocity"].size
+        out.append(f"sweep   {points:,} points; their time is not foreseen")
     if scene.eq is None:
         return out
     done = sum(state.contacts for state in earlier)

@@ -37,10 +37,6 @@ class Progress:
         self._best = min(self._best, error)
         self._said = f"error {self._best:.1e} of <x_s> so far"
 
-    def expect(self, seconds: float) -> None:
-        """The work will take about so long in all."""
-        self._left, self._said = seconds, f"will take about {_clock(seconds)}"
-
     def close(self) -> None:
         self._done.set()
         self._ticking.join()

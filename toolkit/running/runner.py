@@ -115,8 +115,8 @@ def solve(
         with shown("master equation") as bar, until(deadline, scene, "[master]"):
             master = solve_master(scene, scene.master.tolerance, bar and bar.refine)
     if scene.sweep is not None:
-        with shown("sweep") as bar, until(deadline, scene, "[sweep]"):
-            sweep = solve_sweep(scene.contacts, scene.sweep, bar and bar.expect)
+        with shown("sweep"), until(deadline, scene, "[sweep]"):
+            sweep = solve_sweep(scene.contacts, scene.sweep)
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
             eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)

@@ -160,9 +160,8 @@ def of_islands(law: Thresholds) -> list[str]:
     told = []
     for spring in (1.0, 10.0, 100.0):
         slip = longest_slip(law, peaks, spring) / law.mean()
-        told.append(
-            f"{spring * slip:.2g} <x_s> in a slip of {slip:.2g} <x_s> at K = {spring:g} N<k>"
-        )
+        at = f"a slip of {slip:.2g} <x_s> at K = {spring:g} N<k>"
+        told.append(f"{spring * slip:.2g} <x_s> in {at}")
     return [
         "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle; as relaxed "
         f"contacts break for the first time, F/(N<k>) drops at most by about {', '.join(told)}"

@@ -96,9 +96,7 @@ def build(
                 arguments[key] = build(_TABLES[key], value, key, folder, comm)
             elif key == "components":
                 if not isinstance(value, list) or not value or not isinstance(value[0], Mapping):
-                    rule = (
-                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
-                    )
+                    rule = 'must be a list of tables, such as [{kind = "identical", value = 0.9}]'
                     refuse(key, value, rule)
                 arguments[key] = [
                     build(THRESHOLDS, part, f"{key}[{k}]", folder, comm)

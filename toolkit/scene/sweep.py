@@ -1,7 +1,6 @@
 """A scene's [sweep]: F_k, the fraction that holds, and K* at many speeds, temperatures, rates of ageing or delays."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +16,7 @@ from toolkit.scene.tables import RangeTable, SweepTable
 Array = npt.NDArray[np.float64]
 
 QUANTITIES = ("velocity", "temperature", "rate", "delay")
+_SPRINGS = ("critical_spring", "critical_spring_error")
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,8 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
         if name in given and getattr(contacts, law) is None:
             rule = f"the contacts have no law for it; add [contacts.{law}]"
             raise InputError(f"sweep.{name}: {rule}")
-    along = sorted(
-        (name for name in given if given[name].size > 1), key=lambda name: -given[name].size
-    )
+    along = [name for name in given if given[name].size > 1]
+    along.sort(key=lambda name: -given[name].size)
     if not 1 <= len(along) <= 2:
         rule = "one or two of the keys must have several values, as velocity = { from = 1e-2, to = 1e2, points = 50 }"
         raise InputError(f"sweep: goes along {', '.join(along) or 'nothing'}; {rule}")
@@ -98,11 +97,8 @@ def _values(name: str, value: float | list[float] | RangeTable) -> Array:
     return np.geomspace(value.begin, value.to, value.points)
 
 
-def solve_sweep(
-    contacts: Contacts, asked: Sweep, expect: Callable[[float], None] | None = None
-) -> SweepRecord:
-    """F_k and the fraction that holds at all points in one call, and if requested K* in another, for which `expect` is
-    called with an estimate of its time in seconds."""
+def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
+    """F_k and the fraction that holds at all points in one call, and if requested K* in another."""
     import master
 
     began = time.perf_counter()
@@ -113,17 +109,11 @@ def solve_sweep(
         success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
         message, springs = curve.message, dict[str, Array]()
         if asked.critical_spring:
-            if expect is not None:
-                one = {name: own.flat[:1] for name, own in laws_at.items()}
-                alone = time.perf_counter()
-                master.phase_line(contacts, velocity.flat[:1], **one)
-                expect((time.perf_counter() - alone) * velocity.size)
             line = master.phase_line(contacts, velocity, **laws_at)
-            names = ("critical_spring", "critical_spring_error")
-            springs = {name: getattr(line, name) for name in names}
+            springs = {name: getattr(line, name) for name in _SPRINGS}
             success = success and _good(line.success, *reversed(springs.values()))
             message += f"; {line.message}"
-    same = "velocity force force_error holding holding_error temperature rate delay"
+    same = (*QUANTITIES, "force", "force_error", "holding", "holding_error")
     return SweepRecord(
         along=asked.along,
         run_time=time.perf_counter() - began,
@@ -131,7 +121,7 @@ def solve_sweep(
         success=success,
         message=message,
         **springs,
-        **{name: getattr(curve, name) for name in same.split()},
+        **{name: getattr(curve, name) for name in same},
     )
 
 
