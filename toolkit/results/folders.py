@@ -3,11 +3,12 @@
 HDF5 skips such a header, so that any HDF5 program reads a sealed result file.
 """
 
-import fcntl
 import os
+import socket
+import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -29,28 +30,20 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
-    """Lock `folder` against other runs, which could overwrite the result; it is made if it is not there.
+    """Lock `folder` against this user's other runs on this machine, which could overwrite the result.
 
-    Raises InputError where another run holds it. The lock is a file in the folder, and is removed in the end; folders
-    that were made and are still empty are, too.
+    Raises InputError where another run holds it. The lock is a name of Linux's that no file bears, so that it ends with
+    the process, however that ends; other systems have no such names, and there is no lock on them.
     """
-    path = Path(folder).absolute()
-    made = [place for place in (path, *path.parents) if not place.exists()]
-    file = path / ".running"
-    try:
-        with ExitStack() as held:
-            try:
-                path.mkdir(parents=True, exist_ok=True)
-                fcntl.flock(held.enter_context(file.open("a")), fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError as error:
-                rule = "another run is writing there, or it cannot be locked; choose another folder, or wait"
-                raise InputError(f"out = {str(folder)!r}: {rule}") from error
-            held.callback(file.unlink, missing_ok=True)
-            yield
-    finally:
-        with suppress(OSError):
-            for place in made:
-                place.rmdir()
+    name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as lock:
+        try:
+            if sys.platform == "linux":
+                lock.bind(f"\0mesofriction-{os.getuid()}-{name}")
+        except OSError as error:
+            rule = "another run is writing there; choose another folder, or wait"
+            raise InputError(f"out = {str(folder)!r}: {rule}") from error
+        yield
 
 
 def write_folder(
