@@ -45,10 +45,14 @@ from origins.roughness.material import (
     mindlin_stiffness,
     sound_stiffness,
 )
+from origins.roughness.moments import (
+    SpectralMoments,
+    moments_of_spectrum,
+    moments_of_summits,
+    spectral_moments,
+)
 from origins.roughness.power_law import PowerLaw
-from origins.roughness.self_affine import self_affine_surface
-from origins.roughness.spectral_moments import SpectralMoments, moments_of_summits, spectral_moments
-from origins.roughness.spectrum import moments_of_spectrum
+from origins.roughness.surface import self_affine_surface
 from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
 from origins.samples.from_samples import from_samples
 from origins.start import Start, boltzmann_reforming, gaussian_start

@@ -9,9 +9,9 @@ from origins.errors import InputError, between, one_of, positive, refuse, whole
 from origins.roughness.greenwood_williamson import pressed, summits_of
 from origins.roughness.interface import Interface
 from origins.roughness.material import Material
+from origins.roughness.moments import SpectralMoments, spectral_moments
 from origins.roughness.power_law import Bend, PowerLaw
-from origins.roughness.spectral_moments import SpectralMoments, spectral_moments
-from origins.roughness.topography import as_topography
+from origins.roughness.surface import as_topography
 from origins.thresholds.families import persson
 from origins.thresholds.law import Thresholds
 from origins.thresholds.powered import Powered

@@ -14,8 +14,8 @@ from scipy.special import log_ndtr
 
 from origins.errors import between, finite, one_of, positive, refuse
 from origins.roughness.material import Material
+from origins.roughness.moments import SpectralMoments
 from origins.roughness.power_law import Bend, PowerLaw
-from origins.roughness.spectral_moments import SpectralMoments
 from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Thresholds

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from origins.errors import InputError, non_negative, refuse
 from origins.roughness.material import Material
+from origins.roughness.moments import SpectralMoments
 from origins.roughness.power_law import Array, Bend
-from origins.roughness.spectral_moments import SpectralMoments
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
 

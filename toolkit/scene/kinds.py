@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 import origins
 from origins.errors import InputError, finite, finite_array, one_of, refuse, whole
-from origins.roughness.topography import METRES, Topography, as_topography
+from origins.roughness.surface import METRES, Topography, as_topography
 from toolkit.scene.laws import read_file, read_text
 
 
