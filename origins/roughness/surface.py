@@ -49,14 +49,13 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
         if unit not in METRES:
             rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size"
             refuse("heights.unit", unit, f"{rule} in metres")
-        if getattr(heights, "physical_sizes", True) is None or not hasattr(heights, "pixel_size"):
-            refuse("heights.pixel_size", None, "open the scan with its physical_sizes given")
-        sizes = np.asarray(heights.pixel_size)
-        if sizes.shape != (2,):
-            refuse("heights.pixel_size", sizes, "must be a pair (dx, dy)")
-        scale = METRES[unit]
+        known = getattr(heights, "physical_sizes", True) is not None
+        sizes, scale = getattr(heights, "pixel_size", None) if known else None, METRES[unit]
+        if np.shape(sizes) != (2,):
+            rule = "must be a pair (dx, dy); open the scan with its physical_sizes given"
+            refuse("heights.pixel_size", sizes, rule)
         values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
-        return Topography(values, pixel_sizes(sizes * scale, "heights.pixel_size"))
+        return Topography(values, pixel_sizes(np.multiply(sizes, scale), "heights.pixel_size"))
     values = _height_array(heights)
     if pixel_size is None:
         rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres"
@@ -84,8 +83,9 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
     one_of("detrend", detrend, ("curvature", "tilt", "centre"))
     heights = surface.heights
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in heights.shape), indexing="ij")
-    terms = [np.ones_like(x), x, y, x * x, y * y, x * y]
-    terms = terms[: {"centre": 1, "tilt": 3, "curvature": 6}[detrend]]
+    terms = [np.ones_like(x)] + ([x, y] if detrend != "centre" else [])
+    if detrend == "curvature":
+        terms += [x * x, y * y, x * y]
     there = np.isfinite(heights)
     # fitted about their mean, in units of their range, for heights in any unit and far from zero
     known = heights[there]
