@@ -49,9 +49,10 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
         if unit not in METRES:
             rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size"
             refuse("heights.unit", unit, f"{rule} in metres")
-        known = getattr(heights, "physical_sizes", True) is not None
-        sizes, scale = getattr(heights, "pixel_size", None) if known else None, METRES[unit]
-        if np.shape(sizes) != (2,):
+        scale, sizes = METRES[unit], None
+        if getattr(heights, "physical_sizes", True) is not None:
+            sizes = getattr(heights, "pixel_size", None)
+        if not isinstance(sizes, tuple | list | np.ndarray) or len(sizes) != 2:
             rule = "must be a pair (dx, dy); open the scan with its physical_sizes given"
             refuse("heights.pixel_size", sizes, rule)
         values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
