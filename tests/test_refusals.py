@@ -327,7 +327,7 @@ sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing: inva
 sweep = {"temperature": SPEEDS | {"from": 0.0}}  sweep.temperature: 0 has no logarithm; write spacing = "e
 sweep = {"rate": [0.0, 1.0]}  sweep.rate: the contacts have no law for it; add [contacts.ageing]
 sweep = {"kelvin": [1.0, 2.0]}  sweep.kelvin: needs <k> in N/m
-sweep = {"velocity": [1.0, 2.0], "delay": [1.0, 2.0], "temperature": [1.0, 2.0]}  one or two of the keys must have several
+sweep = {"velocity": [1.0, 2.0], "delay": [1.0, 2.0], "temperature": [1.0, 2.0]}  one or two of the keys must have
 sweep = {"velocity": SPEEDS | {"points": 1000}, "delay": SPEEDS | {"points": 1000}}  sweep: has 1,000,000 points
 contacts.thresholds = ROUGH | {"law": "strength"}  material.shear_strength: is missing; law = "strength" needs it
 contacts.thresholds = ROUGH | {"material": FALLING}  material.contact_stiffness.exponent = -1.0: must lie between
