@@ -226,6 +226,6 @@ def _resolving(island: Island, temperature: float) -> Array:
 
 def _uniform(key: tuple[int, int], numbers: Whole, block: int) -> Array:
     """Two numbers within (0, 1) of 52 bits for each sample, shape (2, samples)."""
-    words = streams.words(key, numbers, block)
+    words = streams.words(key, streams.DOMAINS, 0, numbers, block).astype(np.uint64)
     whole = (words[::2] << np.uint64(32) | words[1::2]) >> np.uint64(12)
     return np.asarray((whole + 0.5) * 2.0**-52)

@@ -15,7 +15,7 @@ _DOUBT = 0.05
 _NARROWEST = 1e-9  # of the largest sample: samples that all lie closer together are one value
 _SMALLEST, _LARGEST = 1e-100, 1e100
 _NOTHING = 1e-6  # of one effective sample
-OFTEN = 10  # times that a value occurs which is exact
+_OFTEN = 10  # times that a value occurs which is exact
 _STANDS_OUT = 5  # least ratio of an exact value's count to that of its neighbours
 _SAME = 1e-12  # relative distance at which samples count as equal
 _SURELY_EXACT, _FEW = 3, 8  # numbers of different values
@@ -122,12 +122,12 @@ def _distinct(ordered: Array, shares: Array) -> tuple[Array, Array, Array]:
 
 def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
     """Which of the values (sorted, each occurring `counts` times) are exact, by the rule that from_samples states."""
-    if 1 < values.size <= _FEW and counts.min() >= OFTEN:
+    if 1 < values.size <= _FEW and counts.min() >= _OFTEN:
         return np.full(values.size, values.size <= _SURELY_EXACT or not _on_a_grid(values))
     around = np.pad(counts, 2)
     beside = np.sort([np.roll(around, shift)[2:-2] for shift in (-2, -1, 1, 2)], axis=0)
     # the second largest: another exact value may be next to it, and a rounded density may be steep
-    return counts >= OFTEN + _STANDS_OUT * beside[-2]
+    return counts >= _OFTEN + _STANDS_OUT * beside[-2]
 
 
 def _on_a_grid(values: Array) -> bool:
