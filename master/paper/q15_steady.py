@@ -26,7 +26,6 @@ from master.outcome import WELL, judged
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.errors import positive
 from origins.laws.diffusion import Diffusion
-from origins.thresholds.quadrature import gauss
 from origins.thresholds.scipy_laws import as_thresholds
 
 Array = npt.NDArray[np.float64]
@@ -231,10 +230,3 @@ class TabulatedLaw(Thresholds):
 
     def _sf(self, x: Array) -> Array:
         return np.clip(self._above(x), 0.0, 1.0)
-
-    def _moment(self, n: float, centre: float = 0.0) -> float:
-        nodes, weights = gauss(self._edges[:-1], self._edges[1:])
-        return float((weights * self._pdf(nodes) * (nodes - centre) ** n).sum())
-
-    def _variance(self) -> float:
-        return self._moment(2, self.mean())
