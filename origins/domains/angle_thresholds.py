@@ -180,6 +180,8 @@ class AngleThresholds(Thresholds):
     thresholds within 1e-2 mean thresholds; smaller ones exist, but are not declared.
     """
 
+    knows_breakpoints = False
+
     def __init__(self, pieces: _Pieces, scale: float) -> None:
         self._pieces, self._scale, edges = pieces, scale, pieces.values
         self._mean = pieces.mean(lambda b: b)
