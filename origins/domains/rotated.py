@@ -106,7 +106,7 @@ def domains(
     -------
     thresholds : Thresholds
         As from_samples makes them of x_s, with their sampling error, and with `.domains`, a DomainSamples:
-        barriers, histogram, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force
+        barriers, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force
         and holding fraction of a run count only the islands that resist.
 
         One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
