@@ -85,7 +85,7 @@ class Substrate:
         reciprocal = _shortest_basis(G)
         indices = np.rint(G @ np.linalg.inv(reciprocal)).astype(np.int64)
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
-        return indices[:, ::-1], 2.0 * pi * np.linalg.inv(reciprocal).T[::-1]
+        return indices[:, ::-1], np.asarray(2.0 * pi * np.linalg.inv(reciprocal).T[::-1])
 
 
 def fourier_substrate(
