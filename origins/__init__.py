@@ -25,8 +25,7 @@ from origins.domains.substrates import (
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.grains.contact import GrainContact, growing_grains
-from origins.grains.film import grains
-from origins.grains.growth import GrainGrowth, film_growth
+from origins.grains.film import GrainGrowth, film_growth, grains
 from origins.laws import SoftRates, StiffRates
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
