@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from origins.domains.barriers import Climb, climb
-from origins.domains.islands import positions_of
-from origins.domains.structure_factors import (
-    Complex,
+from origins.domains.barriers import (
+    Climb,
+    climb,
     structure_factors,
     triangular_structure_factors,
 )
+from origins.domains.islands import positions_of
+from origins.domains.lowest_saddle import Complex
 from origins.domains.substrates import Substrate
 from origins.errors import InputError
 from origins.streams import key_of
