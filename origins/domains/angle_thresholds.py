@@ -1,9 +1,9 @@
 """P_c of one rigid island over all angles, from its barrier b(angle) itself (paper, Sec. VI C).
 
 On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where db/dangle = 0 and where the two are equal: on each
-piece b rises or falls and has an inverse. P_c diverges as an inverse square root where db/dangle = 0, and jumps where
-the two are equal. Between these values the share of angles below x is smooth in s, x = lower + (upper - lower)
-sin²(pi s/2), as the inverse is on its piece: both are Chebyshev series on panels.
+piece b rises or falls, so that the share of angles below x follows from one root for each piece. P_c diverges as an
+inverse square root where db/dangle = 0, and jumps where the two are equal. Between these values the share is smooth
+in s, x = lower + (upper - lower) sin²(pi s/2): a Chebyshev series.
 """
 
 from __future__ import annotations
@@ -35,28 +35,29 @@ _u = 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))  # on (0, 1)
 _FIT = np.linalg.inv(chebyshev.chebvander(2.0 * _u - 1.0, _NODES - 1)).T
 
 
-def _fitted(ends: Array, values: Callable[[Array, Array], Array]) -> Array:
-    """Chebyshev series in s of values(owner, x) on panels; panels that a series does not resolve are halved.
+def _fitted(edges: Array, below: Callable[[Array], Array]) -> Array:
+    """Chebyshev series in s of below(x) between edges; panels that a series does not resolve are halved.
 
-    ends : (3, panels), owner, lower and upper end. Result, shape (4 + 24, panels): these three, the value at the lower
-    end, and the coefficients of what is above it.
+    Result, shape (3 + 24, panels), sorted: lower and upper end, the value at the lower end, and the coefficients of
+    what is above it.
     """
-    done = []
+    ends, done = np.array([edges[:-1], edges[1:]]), []
     for split in range(_SPLITS + 1):
-        owner, left, right = ends
-        x = left[:, None] + (right - left)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
-        x[:, -1] = right
-        found = values(owner.astype(int), x)
+        left, right = ends[..., None]
+        x = left + (right - left) * np.sin(0.5 * np.pi * _u) ** 2
+        x[:, -1:] = right
+        found = below(x.ravel()).reshape(x.shape)
         fits = (found - found[:, :1]) @ _FIT
-        rise = np.maximum(np.abs(found[:, -1] - found[:, 0]), _WEIGHT)
+        rise = np.maximum(found[:, -1] - found[:, 0], _WEIGHT)
         good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH * rise) | (split == _SPLITS)
         done.append(np.vstack([ends, found[:, 0], fits.T])[:, good])
-        owner, left, right = ends[:, ~good]
+        left, right = ends[:, ~good]
         if not left.size:
             break
         middle = 0.5 * (left + right)
-        ends = np.hstack([[owner, left, middle], [owner, middle, right]])
-    return np.concatenate(done, axis=1)
+        ends = np.hstack([[left, middle], [middle, right]])
+    table = np.concatenate(done, axis=1)
+    return table[:, np.argsort(table[0])]
 
 
 def _place(x: Array, low: Array, high: Array) -> Array:
@@ -65,66 +66,8 @@ def _place(x: Array, low: Array, high: Array) -> Array:
     return 2.0 / np.pi * np.arctan2(np.sqrt(below), np.sqrt(above))
 
 
-class _Pieces:
-    """Pieces of half a turn on which b is monotonic; |S(-G)| = |S(G)|, so that b repeats after that.
-
-    Attributes
-    ----------
-    values : array
-        Barriers where P_c is not smooth, sorted, the least and the greatest among them.
-    bends : bool array
-        Whether the two waves are equal there.
-    """
-
-    def __init__(self, sizes: Sizes, fastest: float) -> None:
-        from scipy.optimize.elementwise import find_root
-
-        def each(angle: Array) -> Array:
-            """|c_1 S_1|, |c_2 S_2| and the difference of the two, shape (3, ...)."""
-            if not angle.size:
-                return np.ones((3, 0))
-            one, other = sizes(angle.ravel()).T.reshape(2, *angle.shape)
-            return np.stack([one, other, one - other])
-
-        def barrier(angle: Array) -> Array:
-            return 2.0 * each(angle)[:2].min(0)
-
-        cuts, bent = _cuts(each, fastest)
-        known = barrier(cuts)
-        order, least = np.argsort(known), _SAME * known.max()
-        apart = np.diff(known[order], prepend=-np.inf) > least  # else equal but for rounding
-        self.values = known[order][apart]
-        if self.values[0] < least:
-            self.values[0] = 0.0
-        known[order] = self.values[np.cumsum(apart) - 1]
-        self.bends = np.isin(self.values, known[bent])
-        pieces = np.array([cuts, np.append(cuts[1:], cuts[0] + np.pi), known, np.roll(known, -1)])
-        falls = pieces[2] > pieces[3]
-        pieces[:, falls] = pieces[[1, 0, 3, 2]][:, falls]
-        bottom, top, low, high = pieces[:, pieces[2] < pieces[3]]
-
-        def share(owner: Array, x: Array) -> Array:
-            """Share of all angles that are on this piece and have a barrier of at most x."""
-            ends = np.broadcast_arrays(bottom[owner, None], top[owner, None], x)[:2]
-            found = find_root(lambda angle, x: barrier(angle) - x, ends, args=(x,)).x
-            found = np.where(x <= low[owner, None], ends[0], found)
-            return np.abs(np.where(x >= high[owner, None], ends[1], found) - ends[0]) / np.pi
-
-        self._panels = _fitted(np.array([np.arange(low.size), low, high]), share)
-
-    def below(self, x: Array) -> Array:
-        """Share of angles with a barrier of at most x, for sorted x; shape as x."""
-        total = np.zeros(x.shape)
-        for _, low, high, _, *fit in self._panels.T:
-            first, last = np.searchsorted(x, [low, high])
-            place = _place(x[first:last], low, high)
-            total[first:last] += chebyshev.chebval(2.0 * place - 1.0, fit)
-            total[last:] += chebyshev.chebval(1.0, fit)
-        return total
-
-
-def _cuts(each: Callable[[Array], Array], fastest: float) -> tuple[Array, npt.NDArray[np.bool_]]:
-    """Angles of half a turn, in order, between which b is smooth and monotonic; whether the waves are equal there."""
+def _cuts(each: Callable[[Array], Array], fastest: float) -> Array:
+    """Angles of half a turn, in order, between which b is smooth and monotonic."""
     from scipy.optimize.elementwise import find_minimum, find_root
 
     def turn(angle: Array, which: Array, sign: Array) -> Array:
@@ -153,9 +96,16 @@ def _cuts(each: Callable[[Array], Array], fastest: float) -> tuple[Array, npt.ND
     still = still[(which < 2) & (there[which, own] <= there[:2].min(0) + near)]
     # where the two waves are equal b has a kink, not a zero derivative
     still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
-    cuts = np.append(bends, still)
-    order = np.argsort(cuts)
-    return cuts[order], order < bends.size
+    return np.sort(np.append(bends, still))
+
+
+def _series(rows: Array, panel: npt.NDArray[np.intp], s: Array) -> Array:
+    """Chebyshev series of panels, coefficients (n, panels), at places s, by Clenshaw's rule row by row."""
+    t = 2.0 * s - 1.0
+    last = before = np.zeros(np.shape(t))
+    for row in rows[:0:-1]:
+        last, before = row.take(panel) + 2.0 * t * last - before, last
+    return rows[0].take(panel) + t * last - before
 
 
 class AngleThresholds(Thresholds):
@@ -167,30 +117,54 @@ class AngleThresholds(Thresholds):
 
     knows_breakpoints = False
 
-    def __init__(self, pieces: _Pieces, scale: float) -> None:
-        edges, self._scale = pieces.values, scale
+    def __init__(self, sizes: Sizes, fastest: float, scale: float) -> None:
+        """`sizes` and `fastest` as in angle_thresholds; |S(-G)| = |S(G)|, so that b repeats after half a turn."""
+        from scipy.optimize.elementwise import find_root
 
-        def below(owner: Array, x: Array) -> Array:
-            order, shares = np.argsort(x, axis=None), np.empty(x.size)
-            shares[order] = pieces.below(x.ravel()[order])
-            return shares.reshape(x.shape)
+        def each(angle: Array) -> Array:
+            """|c_1 S_1|, |c_2 S_2| and the difference of the two, shape (3, ...)."""
+            if not angle.size:
+                return np.ones((3, 0))
+            one, other = sizes(angle.ravel()).T.reshape(2, *angle.shape)
+            return np.stack([one, other, one - other])
 
-        table = _fitted(np.array([0.0 * edges[1:], edges[:-1], edges[1:]]), below)
-        table = table[:, np.argsort(table[1])]
-        self._edges, self._widths = np.append(table[1], edges[-1]), table[2] - table[1]
-        self._before, self._fits = table[3], table[4:]
-        # dC/ds at both ends of each panel, 0 except at peaks, and d²C/ds²: as x - low ~ s², these give
-        # the weight of a peak and the density beside it
-        slopes, bows = (chebyshev.chebder(self._fits, n) * 2.0**n for n in (1, 2))
-        ends, roots = np.array([-1.0, 1.0]), 0.5 * np.pi * np.sqrt(self._widths)[:, None]
-        peaks = np.abs(chebyshev.chebval(ends, slopes)) / roots
-        levels = np.abs(chebyshev.chebval(ends, bows)) / (2.0 * roots**2)
-        distance = _BESIDE * self._moment(1.0) / scale
-        at = np.searchsorted(self._edges, edges)
-        above, below_it = np.append(peaks[:, 0], 0.0)[at], np.append(0.0, peaks[:, 1])[at]
-        right, left = np.append(levels[:, 0], 0.0)[at], np.append(0.0, levels[:, 1])[at]
-        heavy = (above + below_it) * np.sqrt(distance) > _WEIGHT
-        declared = heavy | pieces.bends & (np.abs(right - left) * distance > _WEIGHT)
+        def barrier(angle: Array) -> Array:
+            return 2.0 * each(angle)[:2].min(0)
+
+        cuts = _cuts(each, fastest)
+        known = barrier(cuts)
+        order, least = np.argsort(known), _SAME * known.max()
+        apart = np.diff(known[order], prepend=-np.inf) > least  # else equal but for rounding
+        edges = known[order][apart]
+        edges[0] *= edges[0] >= least
+        known[order] = edges[np.cumsum(apart) - 1]
+        pieces = np.array([cuts, np.append(cuts[1:], cuts[0] + np.pi), known, np.roll(known, -1)])
+        falls = pieces[2] > pieces[3]
+        pieces[:, falls] = pieces[[1, 0, 3, 2]][:, falls]
+        bottom, top, low, high = pieces[:, pieces[2] < pieces[3]]
+
+        def below(x: Array) -> Array:
+            """Share of angles with a barrier of at most x."""
+            k, i = np.nonzero((low[:, None] < x) & (x < high[:, None]))
+            ends = bottom[k], top[k]
+            found = find_root(lambda angle, x: barrier(angle) - x, ends, args=(x[i],)).x
+            # beside an end that rounding hides
+            nearer = np.where(x[i] - low[k] < high[k] - x[i], *ends)
+            found = np.where(np.isfinite(found), found, nearer)
+            total = np.bincount(i, np.abs(found - ends[0]), x.size)
+            return (total + np.abs(top - bottom) @ (high[:, None] <= x)) / np.pi
+
+        table, self._scale = _fitted(edges, below), scale
+        self._edges, self._widths = np.append(table[0], edges[-1]), table[1] - table[0]
+        self._before, self._fits = table[2], table[3:]
+        # dC/ds at both ends of each panel, 0 except at peaks: as x - low ~ s², these give the weight of a peak
+        slopes, ends = 2.0 * chebyshev.chebder(self._fits), np.array([-1.0, 1.0])
+        roots = 0.5 * np.pi * np.sqrt(self._widths)[:, None]
+        peaks = np.pad(np.abs(chebyshev.chebval(ends, slopes)) / roots, ((1, 1), (0, 0)))
+        at, distance = np.searchsorted(self._edges, edges), _BESIDE * self._moment(1.0)
+        heavy = (peaks[at + 1, 0] + peaks[at, 1]) * np.sqrt(distance / scale) > _WEIGHT
+        beside = self._cdf(scale * edges + distance * np.array([[-1.0], [0.0], [1.0]]))
+        declared = heavy | (np.abs(np.diff(beside, 2, axis=0)[0]) > _WEIGHT)
         declared[[0, -1]] = True
         self._peaks, self._declared = scale * edges[heavy], scale * edges[declared]
         self.onset_power = -0.5 if heavy[0] else 0.0
@@ -211,8 +185,7 @@ class AngleThresholds(Thresholds):
     def _below(self, x: Array) -> Array:
         """Share of all angles with a threshold of at most x, but for rounding."""
         panel, s = self._panel(x)
-        rise = chebyshev.chebval(2.0 * s - 1.0, self._fits[:, panel], tensor=False)
-        return self._before[panel] + rise
+        return self._before[panel] + _series(self._fits, panel, s)
 
     def _cdf(self, x: Array) -> Array:
         return np.clip(self._below(x), 0.0, 1.0)
@@ -224,8 +197,7 @@ class AngleThresholds(Thresholds):
         panel, s = self._panel(x)
         # at an edge without a peak both dC/ds and dx/ds vanish: evaluate beside the edge
         s = np.clip(s, 1e-6, 1.0 - 1e-6)
-        slopes = chebyshev.chebder(self._fits)[:, panel]
-        slope = 2.0 * chebyshev.chebval(2.0 * s - 1.0, slopes, tensor=False)
+        slope = 2.0 * _series(chebyshev.chebder(self._fits), panel, s)
         per_length = self._scale * self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
         on_peak = np.isin(np.asarray(x), self._peaks)
         return np.where(on_peak, np.inf, np.maximum(slope / per_length, 0.0))
@@ -251,4 +223,4 @@ def angle_thresholds(sizes: Sizes, fastest: float, scale: float) -> Thresholds |
     some = sizes(np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])).min(-1)
     if np.ptp(some) <= 1e-6 * some.max():  # one atom
         return identical(scale * 2.0 * float(some[0]))
-    return AngleThresholds(_Pieces(sizes, fastest), scale)
+    return AngleThresholds(sizes, fastest, scale)
