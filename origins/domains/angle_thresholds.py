@@ -9,6 +9,7 @@ in s, x = lower + (upper - lower) sin²(pi s/2): a Chebyshev series.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -99,7 +100,7 @@ def _cuts(each: Callable[[Array], Array], fastest: float) -> Array:
     return np.sort(np.append(bends, still))
 
 
-def _series(rows: Array, panel: npt.NDArray[np.intp], s: Array) -> Array:
+def _series(rows: npt.NDArray[Any], panel: npt.NDArray[np.intp], s: Array) -> Array:
     """Chebyshev series of panels, coefficients (n, panels), at places s, by Clenshaw's rule row by row."""
     t = 2.0 * s - 1.0
     last = before = np.zeros(np.shape(t))

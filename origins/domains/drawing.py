@@ -36,12 +36,14 @@ _MOST_ANGLES = 4_000_000
 @dataclass(frozen=True)
 class Island:
     """One kind of island on a substrate: its number of atoms, the distance of the outermost from the centre (a
-    length), and its structure factors (m, n) at angles (m,) in radians."""
+    length), and its structure factors (m, n) at angles (m,) in radians; where its atoms relax, barrier and lowest
+    energy at each angle."""
 
     substrate: Substrate
     atoms: int
     reach: float
     factors: Callable[[Array], Complex]
+    relaxed: dict[float, tuple[float, float]] | None = None
 
     @property
     def energy(self) -> float:
@@ -59,6 +61,8 @@ class Island:
 
     def climb(self, angle: Array) -> Climb:
         """Barriers and lowest energies at angles (m,)."""
+        if self.relaxed is not None:
+            return Climb(*np.array([self.relaxed[one] for one in angle.tolist()]).T)
         return climb(self.substrate, self.factors(angle))
 
 
@@ -72,28 +76,18 @@ def triangular(substrate: Substrate, a: float, n_i: int, n_j: int) -> Island:
     return Island(substrate, n_i * n_j, reach, factors)
 
 
-def of_atoms(substrate: Substrate, atoms: ase.Atoms) -> Island:
-    """A rigid island of these atoms."""
+def of_atoms(
+    substrate: Substrate, atoms: ase.Atoms, bonds: float | None, angles: Array | None
+) -> Island:
+    """An island of these atoms: rigid, or with harmonic bonds, which takes seconds for each of the angles."""
     points = positions_of(atoms)
 
     def factors(angle: Array) -> Complex:
         return structure_factors(atoms, angle, substrate.wavevectors)
 
-    return Island(substrate, len(points), float(np.hypot(*points.T).max()), factors)
-
-
-@dataclass(frozen=True)
-class FlexibleIsland(Island):
-    """An island whose atoms relax; `known` has barrier and lowest energy at each angle."""
-
-    known: dict[float, tuple[float, float]]
-
-    def climb(self, angle: Array) -> Climb:
-        return Climb(*np.array([self.known[one] for one in angle.tolist()]).T)
-
-
-def flexible(substrate: Substrate, atoms: ase.Atoms, bonds: float, angles: Array) -> Island:
-    """An island held together by harmonic bonds; takes seconds for each of the angles."""
+    reach = float(np.hypot(*points.T).max())
+    if bonds is None or angles is None:
+        return Island(substrate, len(points), reach, factors)
     from ase.calculators.mixing import SumCalculator
 
     from origins.domains.calculators import harmonic_bonds, substrate_calculator
@@ -106,7 +100,7 @@ def flexible(substrate: Substrate, atoms: ase.Atoms, bonds: float, angles: Array
         parts = [substrate_calculator(substrate), harmonic_bonds(turned, bonds)]
         found = relaxed_barrier(turned, SumCalculator(parts), rigid=False)
         known[angle] = found.barrier, float(found.minimum.get_potential_energy())
-    return FlexibleIsland(**vars(of_atoms(substrate, atoms)), known=known)
+    return Island(substrate, len(points), reach, factors, known)
 
 
 @dataclass(frozen=True)
@@ -121,27 +115,6 @@ class Islands:
     shares: Array
 
 
-def listed(numbers: Whole, shares: Array, make: Callable[..., Island]) -> Islands:
-    """Islands given by the rows of `numbers`, drawn with probabilities `shares`, which add up to 1."""
-    rows = [tuple(row) for row in numbers.tolist()]
-    mean = float(shares @ [make(*row).atoms for row in rows])
-    bounds = np.cumsum(shares)[:-1]
-    return Islands(lambda q: numbers[np.searchsorted(bounds, q, "right")], make, mean, rows, shares)
-
-
-def decaying(decay: float, make: Callable[..., Island]) -> Islands:
-    """Islands of N atoms, P(N) ~ exp(-N/decay), N = 1, 2, ..., about as high as wide: n_j is (2N/sqrt(3))^(1/2)
-    and n_i is N/n_j, both rounded to whole numbers of at least 1."""
-
-    def pick(quantile: Array) -> Whole:
-        count = 1.0 + np.floor(-decay * np.log1p(-quantile))
-        rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
-        columns = np.maximum(np.rint(count / rows), 1.0)
-        return np.column_stack([columns, rows]).astype(np.int64)
-
-    return Islands(pick, make, float(-1.0 / np.expm1(-1.0 / decay)), [], np.empty(0))
-
-
 def draw(
     islands: Islands,
     angles: Array | None,
@@ -154,8 +127,7 @@ def draw(
     same to the last bit.
 
     Angles are taken from the list in turn, or from the full circle; with a temperature they are weighted by
-    exp(-U_min/k_BT). The ranks of the communicator `comm` share the work; an InputError of one is raised on
-    all.
+    exp(-U_min/k_BT). The ranks of the communicator `comm` share the work; an InputError of one is raised on all.
     """
     rank, size = (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
     low, high = key_of(seed)

@@ -117,11 +117,10 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
         found = [part.periods for part in parts if getattr(part, "periods", None) is not None]
         cell = np.asarray(atoms.cell)[np.asarray(atoms.pbc)]
         flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
-        if not found and len(flat) == 2:
-            found = [flat]
-        if not found or any((one != found[0]).any() for one in found):
-            told = "no atoms or calculator tell" if not found else "parts of the calculator differ"
-            refuse("periods", None, f"must be given, such as [[2.5, 0.0], [0.0, 2.5]]: {told}")
+        found += [flat] * (len(flat) == 2)
+        if not found:
+            rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
+            refuse("periods", None, rule)
         given = found[0]
     periods = finite_array("periods", np.ravel(np.asarray(given, dtype=object)))
     area = abs(np.linalg.det(periods.reshape(2, 2))) if periods.size == 4 else 0.0
@@ -256,25 +255,21 @@ def _rounding(island: _Island) -> float:
     """Rounding of energies; InputError where forces are none or not the energy's slopes, and for wrong periods."""
     force, radian = island.force, island.radian
     if force == 0.0:
-        rule = "must give forces that change as the island moves"
-        refuse("calculator", "no force anywhere", rule)
+        refuse("calculator", island.calculator, "must give forces that change as the island moves")
     at = island.shifted(_OFFSET)
     far = float(np.abs(island.rest).max())
     most = abs(island.energy(at)) + len(island.rest) * force * (radian + far)
     noise = 8.0 * float(np.finfo(float).eps * most)
-    for number, period in enumerate(island.periods):
-        moved = island.energy(at + island.shifted(np.eye(2)[number]))
-        off = abs(moved - island.energy(at))
+    for share in np.eye(2):
+        off = abs(island.energy(at + island.shifted(share)) - island.energy(at))
         if off > 1e-9 * force * radian + 4.0 * noise:
-            shown = f"({period[0]:.6g}, {period[1]:.6g})"
-            rule = f"must leave energies as they are; moved by {shown} they change by {off:.2g}"
+            rule = f"must leave energies as they are; moved by one they change by {off:.2g}"
             refuse("periods", island.periods, rule)
     step = 1e-4 * radian * np.array([0.6, 0.8, 0.0])
     rise = island.energy(at + step) - island.energy(at - step)
     off = abs(rise + 2.0 * float((island.forces(at) @ step).sum()))
     if off > 2e-7 * force * radian + 4.0 * noise:
-        name = type(island.calculator).__name__
-        refuse("calculator", name, "forces must be those of its energy")
+        refuse("calculator", island.calculator, "forces must be those of its energy")
     return noise
 
 
