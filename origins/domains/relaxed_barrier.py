@@ -105,8 +105,8 @@ def relaxed_barrier(
     # forces that remain displace a stationary point by their size over its curvature, taken as 1e-6
     remain = max(map(island.unsettled, ends)) * (1 if rigid else len(island.rest))
     unsure = island.radian * island.force * remain**2 / 1e-6
-    error = float(on_grid + 2.0 * noise + unsure)
-    calls, seconds = island.evaluations, perf_counter() - started
+    error, calls = float(on_grid + 2.0 * noise + unsure), island.evaluations
+    seconds = perf_counter() - started
     return RelaxedBarrier(max(height, 0.0), error, minimum, saddle, calls, seconds)
 
 
@@ -256,8 +256,7 @@ def _rounding(island: _Island) -> float:
     force, radian = island.force, island.radian
     if force == 0.0:
         refuse("calculator", island.calculator, "must give forces that change as the island moves")
-    at = island.shifted(_OFFSET)
-    far = float(np.abs(island.rest).max())
+    at, far = island.shifted(_OFFSET), float(np.abs(island.rest).max())
     most = abs(island.energy(at)) + len(island.rest) * force * (radian + far)
     noise = 8.0 * float(np.finfo(float).eps * most)
     for share in np.eye(2):
