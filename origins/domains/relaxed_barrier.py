@@ -43,8 +43,7 @@ class RelaxedBarrier:
         Copies of the atoms there, with their energy and forces.
     evaluations : int
         Calls of the calculator.
-    run_time : float
-        Seconds.
+    run_time : float, seconds
     """
 
     barrier: float
@@ -154,13 +153,13 @@ class _Island:
             moving[constraint.index] = False
         if not moving.any():
             refuse("atoms", atoms, "must hold atoms that FixAtoms does not fix: the island")
-        self.given, self.periods, self._moving = atoms, periods, moving
-        self.rigid, self.planar, self.evaluations = rigid, planar, 0
+        self.given, self.periods, self._moving, self.evaluations = atoms, periods, moving, 0
+        self.rigid, self.planar = rigid, planar
         self.rest = atoms.positions[moving]
         turn = np.cross(self.rest - self.rest.mean(axis=0), [0.0, 0.0, -1.0])
         # atoms on one vertical line have no rotation, except by rounding
-        size = max(float(np.linalg.norm(turn)), 1e-12 * float(np.abs(self.rest).max()), 1e-300)
-        self._turn = turn / size
+        least = 1e-12 * float(np.abs(self.rest).max()) or 1.0
+        self._turn = turn / max(float(np.linalg.norm(turn)), least)
         self._here = atoms.copy()
         self._here.set_constraint()
         self._here.calc = self.calculator = calculator
@@ -246,8 +245,7 @@ class _Island:
 
         atoms, energy = self.given.copy(), self.energy(shifts)
         atoms.positions = self._here.positions
-        found = {"energy": energy, "forces": self._here.get_forces()}
-        atoms.calc = SinglePointCalculator(atoms, **found)
+        atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=self._here.get_forces())
         return atoms
 
 
@@ -293,8 +291,10 @@ def _ends(island: _Island, noise: float) -> tuple[list[Array], float]:
             return [np.zeros_like(island.rest)] * 2, noise
         found = lowest_saddles(K[kept], 2.0 * waves[kept][None])
         ends = [island.settled(t[0] / (2.0 * np.pi)) for t in (found.minima, found.saddles)]
-        if stiff or max(map(island.unsettled, ends)) <= _SETTLED:
+        bottom, top = map(island.energy, ends)
+        alike = abs(top - bottom - found.barriers[0]) <= _RESOLVED * size
+        if stiff or (alike and max(map(island.unsettled, ends)) <= _SETTLED):
             # with a smaller error the search found the saddle itself
             return ends, float(found.errors[0]) if found.errors[0] > 1e-9 * size else 0.0
-    told = "jump from shape to shape as their centre moves"
-    raise InputError(f"atoms: {told}; take rigid=True or atoms that hold together more stiffly")
+    rule = "take rigid=True or atoms that hold together more stiffly"
+    raise InputError(f"atoms: jump from shape to shape as their centre moves; {rule}")
