@@ -116,8 +116,6 @@ class AngleThresholds(Thresholds):
     thresholds within 1e-2 mean thresholds; smaller ones exist, but are not declared.
     """
 
-    knows_breakpoints = False
-
     def __init__(self, sizes: Sizes, fastest: float, scale: float) -> None:
         """`sizes` and `fastest` as in angle_thresholds; |S(-G)| = |S(G)|, so that b repeats after half a turn."""
         from scipy.optimize.elementwise import find_root
