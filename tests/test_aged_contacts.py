@@ -95,20 +95,6 @@ def test_steady_motion_step_by_step_is_the_exact_one() -> None:
     held_to_claim(contacts, path, 1e-5, master.solve(contacts, path, 1e-8), time=path.copy())
 
 
-def test_force_does_not_know_how_far_the_path_goes_on() -> None:
-    """Thresholds that spread faster than the slider goes, right after it turned: read in the first of few steps."""
-    contacts = Contacts(
-        origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078)
-    )
-    back = -1.4 + 0.01 * np.linspace(0.1, 1.0, 5)
-    there = np.concatenate([[0.0, -1.14, -1.4], back])
-    short, long = (
-        master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6])
-    )
-    assert short.success and long.success
-    assert np.abs(short.force[2:8] - long.force[2:8]).max() < short.force_error + long.force_error
-
-
 def test_exact_ageing_is_the_steady_state_at_each_rate() -> None:
     contacts = Contacts(gaussian(0.5, 0.1), ageing=Ageing(gaussian(1.0, 0.01), 1e-3))
     curve = master.kinetic_curve(contacts, [1.0, 10.0], rate=[1e-3, 1e-2])
@@ -135,15 +121,3 @@ def test_nothing_breaks_before_the_wall() -> None:
     exact = master.solve(WALLS, path, tolerance=1e-3)
     # at the wall itself they break as the root of the way beyond
     np.testing.assert_allclose(exact.force[:-1], path[:-1], atol=1e-9)
-
-
-@pytest.mark.slow
-def test_a_wide_start_on_a_spring_with_a_final_law_that_is_not_normal() -> None:
-    """Rules of more stretches than there are were once compared at other moments; here nothing breaks."""
-    ageing = Ageing(origins.rectangular(0.4, 1.0), 1e-2)
-    contacts = Contacts(
-        origins.rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=ageing
-    )
-    found = master.solve(contacts, [0.2], 1e-2, spring=1.5, slip="reset")
-    # F = 0.1 + X = 1.5 (0.2 - X)
-    assert found.success and found.force[0] == pytest.approx(0.18, abs=1e-6)
