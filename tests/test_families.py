@@ -6,7 +6,6 @@ from references import (
     Reference,
     chord_gaussian,
     gaussian,
-    generalised_gamma,
     grains,
     gw_elastic,
     gw_gaussian,
@@ -37,9 +36,8 @@ CASES = {
     "gw_gaussian mixed light": lambda: gw_gaussian(10.0, 1.0, "paper", "mixed", 25.0),
     "rectangular": lambda: rectangular(0.5, 1.5),
     "lubricated": lambda: lubricated(1.0),
-    "lubricated, steep": lambda: generalised_gamma(1.3, 5.0, 4.0),
-    "lubricated, diverging": lambda: generalised_gamma(2e-9, -0.5, 0.5),
-    "lubricated, slow": lambda: generalised_gamma(1.0, -0.5, 0.1),
+    "lubricated, steep": lambda: lubricated(1.3, 5.0, 3.0),
+    "lubricated, diverging": lambda: lubricated(2e-9, -0.5, 0.5),
     "grains": lambda: grains(1.0, 1.0),
     "grains, all but pinning": lambda: grains(2.0 / 3.0 * (1.0 + 1e-6), 1.0),
     "grains, few pinning": lambda: grains(0.7, 3.7e17),
@@ -59,18 +57,11 @@ CASES = {
     "unequal": lambda: mixture(
         [gw_elastic(1.0), rectangular(2.0, 3.0), persson(1.0, 0.5)], [1e-3, 0.499, 0.5]
     ),
-    "rare tail": lambda: mixture([gaussian(1.0, 0.05), gw_elastic(1.0)], [1.0 - 1e-9, 1e-9]),
+    "rare tail": lambda: mixture([gaussian(1.0, 0.2), gw_elastic(1.0)], [1.0 - 1e-9, 1e-9]),
 }
 
 
-SLOWLY = pytest.param("lubricated, slow", marks=pytest.mark.slow)  # at 1,300 digits
-
-
-@pytest.fixture(
-    scope="module",
-    params=[*(name for name in CASES if name != "lubricated, slow"), SLOWLY],
-    ids=str,
-)
+@pytest.fixture(scope="module", params=CASES)
 def case(request: pytest.FixtureRequest) -> Reference:
     return CASES[request.param]()
 
@@ -144,26 +135,36 @@ def test_quantiles(case: Reference) -> None:
         assert (np.abs(exactly(function, x) - targets) <= slack).all()
 
 
-def test_moments(case: Reference) -> None:
-    for n in (1, 2, 3, 4):
+def test_moments_and_steady_sliding(case: Reference) -> None:
+    """F_k = <x²>/(2 <x>), within the error claimed."""
+    mean, square = float(case.moment(1)), float(case.moment(2))
+    assert case.law.mean() == pytest.approx(mean, rel=1e-12)
+    for n in (2, 3, 4):
         assert case.law.moment(n) == pytest.approx(float(case.moment(n)), rel=1e-10)
     with mp.workdps(40):
         variance = float(case.moment(2) - case.moment(1) ** 2)
-    assert case.law.mean() == pytest.approx(float(case.moment(1)), rel=1e-12)
     assert case.law.std() == pytest.approx(np.sqrt(variance), rel=1e-10)
+    steady = master.steady_state(origins.Contacts(case.law))
+    assert steady.mean_threshold == pytest.approx(mean, rel=1e-10)
+    assert abs(steady.force - square / (2.0 * mean)) <= steady.force_error * mean
+    assert steady.force_error < 5e-14 * max(steady.force / mean, 1.0)
 
 
 def test_onset_power(case: Reference) -> None:
-    """P_c ~ (x - a)^m: the limit of (x - a) P_c / cdf is m + 1."""
-    lower = case.law.support()[0]
+    """P_c ~ (x - a)^m: m from two densities next to the lower end a."""
+    lower, power = case.law.support()[0], case.law.onset_power
     if is_chord(case.law):
         # h starts along a straight line; test_density follows it
-        assert case.law.onset_power == 1.0
+        assert power == 1.0
         return
-    with mp.workdps(1300):
-        step = (mp.mpf(float(case.law.ppf(0.5))) - lower) * mp.mpf(10) ** -290
-        ratio = float(step * case.pdf(lower + step) / case.cdf(lower + step))
-    assert case.law.onset_power == pytest.approx(ratio - 1.0, abs=1e-12)
+    step = (mp.mpf(float(case.law.ppf(0.5))) - lower) * mp.mpf(10) ** -28
+    if case.law.logpdf(lower + float(step)) < -1e3:
+        # stresses so narrow that no digits tell how they begin
+        assert power == 3.0
+        return
+    with mp.workdps(190):
+        ratio = case.pdf(lower + 2 * step) / case.pdf(lower + step)
+        assert power == pytest.approx(float(mp.log(ratio, 2)), abs=1e-12)
 
 
 SCALED = {

@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from grain_references import psi
-from references import mp
+from references import mp, psi
 from scipy.optimize import brentq, minimize_scalar
 
 import master

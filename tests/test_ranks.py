@@ -27,28 +27,19 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("environment", "launch"),
     [
-        ({}, Launch(1, 0)),
-        (
-            {"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1"},
-            Launch(2, 1),
-        ),
-        ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5, "srun")),
+        ("", Launch(1, 0)),
+        ("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=1 PMIX_RANK=1", Launch(2, 1)),
+        ("SLURM_STEP_NUM_TASKS=8 SLURM_PROCID=5", Launch(8, 5, "srun")),
         # mpirun within a step: its own daemons are one, one a node
-        (
-            {"SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "1", "PMI_SIZE": "8", "PMI_RANK": "5"},
-            Launch(8, 5),
-        ),
+        ("SLURM_STEP_NUM_TASKS=2 SLURM_PROCID=1 PMI_SIZE=8 PMI_RANK=5", Launch(8, 5)),
         # a batch script, alone on a machine given for 8 tasks
-        ({"SLURM_NTASKS": "8", "SLURM_PROCID": "0"}, Launch(1, 0)),
+        ("SLURM_NTASKS=8 SLURM_PROCID=0", Launch(1, 0)),
         # ranks of this node only: the whole launch counts
-        (
-            {"PMI_SIZE": "8", "PMI_RANK": "6", "MPI_LOCALNRANKS": "4", "MPI_LOCALRANKID": "2"},
-            Launch(8, 6),
-        ),
+        ("PMI_SIZE=8 PMI_RANK=6 MPI_LOCALNRANKS=4 MPI_LOCALRANKID=2", Launch(8, 6)),
     ],
 )
-def test_environment_is_read(environment: dict[str, str], launch: Launch) -> None:
-    assert read_environment(environment) == launch
+def test_environment_is_read(environment: str, launch: Launch) -> None:
+    assert read_environment(dict(one.split("=") for one in environment.split())) == launch
 
 
 # every kind of ensemble; islands whose sampling is shared; what one rank refuses all refuse

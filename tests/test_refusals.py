@@ -295,6 +295,7 @@ contacts.thresholds.kind = "gausian"  contacts.thresholds.kind = 'gausian': must
 contacts.delays = {"time": 1.0}  contacts.delays: unknown key; known here: thresholds, start,
 contacts.delay = {}  contacts.delay.time: is missing; it takes time
 contacts.thermal = {"law": "weak", "temperature": 0.1}  contacts.thermal.law = 'weak': must be "soft"
+eq.contacts = 2.5  eq.contacts: expected int, got float
 contacts.thermal.temperature = {"kelvin": 300.0}  contacts.thermal.temperature.kelvin = 300.0: needs
 contacts.ageing = {"rate": 1.0, "final": OLD | {"std": 0.0}}  contacts.ageing.final.std = 0.0: must be above
 contacts.reforming = {"kind": "identical", "value": 9.0}  contacts.reforming: a weight of 1 lies beyond

@@ -26,7 +26,7 @@ from origins import (
 from origins.start import Start
 
 LOOP = np.concatenate([np.linspace(0.0, 1.3, 27), np.linspace(1.28, -0.6, 40)])
-BOX, WIDE = rectangular(0.5, 1.5), gaussian(1.0, 0.2)
+BOX = rectangular(0.5, 1.5)
 
 
 def solved(contacts, life, path=LOOP, tolerance=1e-8, time=None):
