@@ -100,29 +100,6 @@ def test_gamma_thresholds_in_closed_form() -> None:
     assert abs(told.decoherence_length - 1.0) <= told.decoherence_length_error <= 0.12
 
 
-def test_exponential_thresholds_that_wait() -> None:
-    """(1 + s) e^(sd) = 1, each root with c = 2/(1 + s)^2/[d + 1/(1 + s)]."""
-    wait = 100.0
-    found = master.decoherence_spectrum(Contacts(stats.expon(), delay=Delay(wait)), n_roots=4)
-    exact = np.array(
-        [
-            complex(
-                mp.findroot(
-                    lambda s, t=2j * mp.pi * n: mp.log1p(s) + s * wait - t,
-                    2j * mp.pi * n / (1 + wait),
-                )
-            )
-            for n in range(1, 5)
-        ]
-    )
-    exact = exact[exact.real > -0.9][: found.roots.size]
-    assert exact.size == found.roots.size > 0
-    assert (np.abs(found.roots - exact) <= found.roots_error).all()
-    amplitude = 2.0 / (1.0 + exact) ** 2 / (wait + 1.0 / (1.0 + exact))
-    assert (np.abs(found.amplitude - amplitude) <= found.amplitude_error).all()
-    assert found.roots_error.max() < 1e-9
-
-
 def test_long_waits_decay_as_the_variance_tells() -> None:
     wait = 1e4
     exact = mp.mpf(1.0 + wait)

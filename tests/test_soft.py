@@ -200,8 +200,9 @@ def test_slips_that_die_out_and_slips_that_do_not():
     assert short.regime.verdict == "undecided" and short.period is None
 
 
-def test_wall_time_cuts_the_path():
-    contacts, path = origins.Contacts(NARROW), np.linspace(0.0, 20.0, 101)
+@pytest.mark.parametrize("thermal", [None, origins.Thermal("soft", 0.1)])
+def test_wall_time_cuts_the_path(thermal):
+    contacts, path = origins.Contacts(NARROW, thermal=thermal), np.linspace(0.0, 20.0, 101)
     solution = master.solve(contacts, path, spring=1.0, slip="instant", wall_time=1e-9)
     assert not solution.success and "by wall_time; the path is cut there" in solution.message
     assert solution.path.size == solution.force.size == solution.position.size < path.size

@@ -34,15 +34,6 @@ def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -
     assert np.abs(slips.force_after - known.force_after).max() <= solved.force_error
 
 
-def test_twice_the_steps_leave_a_quarter_of_the_error_or_less() -> None:
-    found = [
-        master.solve(Contacts(WIDE, thermal=SOFT), [0.8, 1.6], t, spring=2.0) for t in (1e-5, 1e-6)
-    ]
-    coarse, fine = found
-    assert fine.nodes <= 2 * coarse.nodes and fine.force_error < coarse.force_error / 4.0
-    assert np.abs(coarse.force - fine.force).max() <= coarse.force_error + fine.force_error
-
-
 # Fig. A06
 OLD = Ageing(gaussian(1.0, 0.02), 5e-4)
 A06 = Contacts(gaussian(0.5, 0.05), gaussian_start(0.02, 0.01), ageing=OLD)
@@ -130,28 +121,6 @@ def test_a_drive_that_holds_lets_the_slider_creep() -> None:
     assert solved.force[2] < 0.4 * solved.force[0] and solved.force[3] > solved.force[2] + 0.3
 
 
-@pytest.mark.slow
-def test_a_slider_that_creeps_as_fast_as_the_drive_is_smooth_below_the_rigid_critical_spring() -> (
-    None
-):
-    """Until its force stays as it is, only why nothing can be told."""
-    contacts = Contacts(WIDE, thermal=SOFT)
-    early, late = (
-        master.solve(contacts, np.linspace(0.0, end, 25), 1e-2, velocity=0.1, spring=0.4)
-        for end in (2.7, 8.0)
-    )
-    assert (
-        not early.slips.drive.size
-        and not late.slips.drive.size
-        and late.regime.stiffness_ratio < 1.0
-    )
-    assert early.regime.verdict == "undecided" and "K < K*" in early.regime.reason
-    assert late.regime.verdict == "smooth", late.regime.reason
-    assert late.force[-1] == pytest.approx(
-        master.steady_state(contacts, velocity=0.1).force, rel=0.02
-    )
-
-
 BOUNDED: dict[str, tuple[Contacts, dict[str, Any]]] = {
     "soft, instant": (Contacts(WIDE, thermal=Thermal("soft", 0.05)), {"slip": "instant"}),
     "stiff": (Contacts(WIDE, thermal=Thermal("stiff", 0.05)), {}),
@@ -181,14 +150,3 @@ def test_the_error_bounds_what_finer_steps_change(name: str) -> None:
     told = beside > 2.0 * slips.drive_error
     assert told.sum() > 90
     assert np.abs(rough.force - fine.force)[told].max() <= bound
-
-
-def test_a_solution_ends_with_what_it_has() -> None:
-    """Counting steps, as times are no two machines' own: no time at all is over at the first."""
-    contacts, path = Contacts(WIDE, thermal=Thermal("soft", 0.1)), np.linspace(0.0, 5.0, 51)
-    cut = master.solve(contacts, path, 1e-3, spring=0.4, wall_time=1e-9)
-    assert not cut.success and cut.path.size < path.size and "wall_time" in cut.message
-    assert cut.force.size == cut.position.size == cut.holding.size == cut.path.size
-    assert cut.regime.verdict == "undecided"
-    aged = Contacts(WIDE, ageing=Ageing(gaussian(1.2, 0.1), 1e-2))
-    assert not master.solve(aged, path, 1e-3, spring=0.4, wall_time=1e-9).success

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 
@@ -39,40 +37,6 @@ def test_force_of_laws_with_exact_values(name: str) -> None:
     steady = master.steady_state(origins.Contacts(law))
     assert steady.mean_threshold == pytest.approx(mean, rel=1e-10)
     assert abs(steady.force - square / (2.0 * mean)) / mean <= steady.force_error < 1e-14
-
-
-def by_quadrature(contacts: Contacts, speed: float) -> float:
-    """F_k by plain sums over thresholds and stretches of what still holds."""
-    thermal, law = contacts.thermal, contacts.thresholds
-    nodes, weights = np.polynomial.legendre.leggauss(24)
-    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
-    edges = np.linspace(*(float(law.ppf(1e-17)), float(law.isf(1e-17))), 21)
-    width = np.diff(edges)[:, None]
-    xi = (edges[:-1, None] + width * nodes).ravel()
-    share = (width * weights).ravel() * law.pdf(xi) * contacts.relative_stiffness(xi)
-    count = (width * weights).ravel() * law.pdf(xi)
-    length, area = 0.0, 0.0
-    cuts = 1.0 - np.linspace(1.0, 0.0, 41) ** 3  # close to the threshold
-    for begin, end in itertools.pairwise(cuts):
-        x = xi[:, None] * (begin + (end - begin) * nodes)
-        spent = thermal.cumulative(x, xi[:, None], 0.0, contacts.relative_stiffness(xi)[:, None])
-        held = np.exp(-spent / speed) * weights * xi[:, None] * (end - begin)
-        length += float(count @ held.sum(axis=1))
-        area += float(share @ (x * held).sum(axis=1))
-    return area / length
-
-
-@pytest.mark.parametrize("form", ["soft", "stiff"])
-@pytest.mark.parametrize(("stiffness", "speed"), [("independent", 0.03), ("linked", 3.0)])
-def test_heat_against_quadrature(form: str, stiffness: str, speed: float) -> None:
-    thermal = Thermal(form, 0.05)  # type: ignore[arg-type]
-    contacts = Contacts(gaussian(1.0, 0.1), thermal=thermal).replace(stiffness=stiffness)
-    expected = by_quadrature(contacts, speed)
-    state = master.steady_state(contacts, velocity=speed)
-    assert abs(state.force - expected) <= state.force_error + 1e-11
-    curve = master.kinetic_curve(contacts, [speed, 10.0 * speed])
-    assert abs(curve.force[0] - expected) <= curve.force_error[0] + 1e-11
-    assert max(state.force_error, curve.force_error.max()) < 1e-10
 
 
 NARROW = gaussian(1.0, 0.05)
