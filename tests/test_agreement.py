@@ -65,6 +65,7 @@ CASES = {
     ),
     "ageing, turning": Case(Contacts(YOUNG, ageing=AGEING), TURN, {"velocity": 2.0}, 1e-4, 400),
     "growing grains, stiff": Case(Contacts(GRAINS, 0.1, STIFF), tolerance=1e-5, number=1000),
+    "growing grains, turning": Case(Contacts(GRAINS), TURN, tolerance=1e-4, number=400),
     "loop, a law of the tests' own": Case(
         Contacts(WIDE, START, thermal=Tilted(0.1, 0.4)), LOOP, tolerance=1e-5
     ),
@@ -82,7 +83,6 @@ SLOW = {
         Contacts(YOUNG, ageing=AGEING), HELD[:4] * 0.6, {"time": WHEN[:4] * 0.1}, 1e-4, 400
     ),
     "growing grains, delay": Case(Contacts(GRAINS, 0.1, delay=Delay(0.2)), tolerance=1e-5),
-    "growing grains, turning": Case(Contacts(GRAINS), TURN, tolerance=1e-4, number=400),
     "loop, soft": Case(Contacts(WIDE, thermal=SOFT), LOOP, tolerance=1e-5),
 }
 
