@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from ase import Atoms
+from ase.calculators.calculator import Calculator
 from ase.constraints import FixAtoms
 from rate_laws import Tilted
 from scipy import stats
@@ -95,6 +96,21 @@ GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1.0, 2
 PAPER, AGEING = Thermal("soft", 0.1, closure="paper"), Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
 
 
+class Wrong(Calculator):
+    """The forces of cos x + cos y, and `share` of its energy."""
+
+    implemented_properties = ["energy", "forces"]  # noqa: RUF012
+
+    def __init__(self, share: float) -> None:
+        super().__init__()
+        self.share = share
+
+    def calculate(self, *given: Any, **named: Any) -> None:
+        super().calculate(*given, **named)
+        xy = self.atoms.positions * [1.0, 1.0, 0.0]
+        self.results = {"energy": self.share * float(np.cos(xy).sum()), "forces": np.sin(xy)}
+
+
 class Careless(origins.Thresholds):
     """Exponential thresholds whose inverse is wrong by a part in 10^4."""
 
@@ -165,6 +181,10 @@ origins.relaxed_barrier(FIXED, ON)  FixAtoms does not fix
 origins.relaxed_barrier(ISLAND, origins.square_substrate())  ASE calculator
 origins.relaxed_barrier(ISLAND, LEVEL)  all parallel
 origins.relaxed_barrier(origins.triangular_island(2.5, 40, 40), ON, rigid=False)  at most 1500
+origins.relaxed_barrier(ISLAND, Wrong(np.nan), periods=6.3 * np.eye(2))  calculator = nan: must give finite
+origins.relaxed_barrier(ISLAND, Wrong(1.5), periods=2.0 * np.pi * np.eye(2))  forces must be those of its
+origins.relaxed_barrier(ISLAND, Wrong(1.0))  periods = None: must be given
+origins.relaxed_barrier(ISLAND, Wrong(1.0), periods=3.0 * np.eye(2))  must leave energies
 origins.harmonic_bonds(ISLAND, 1.0, reach=1.0)  reach = 1.0: bonds no atoms
 origins.grains(2.0 / 3.0, B=1.0)  rho = 0.6666666666666666: no grain pins yet
 origins.grains(alpha=1.0, time=0.2, B=1.0)  time = 0.2: no grain pins yet: the first does
