@@ -79,7 +79,8 @@ told(ONE, [0.7, -0.6], 5.0)  .*does not come there
 told(ONE, [0.7, -0.6], 0.3, 7)  leg = 7
 told(Contacts(WIDE, delay=Delay(0.3)), [0.3, 0.2], 2)  .*index of a point
 told(Contacts(WIDE, reforming=gaussian_start(0.0, 0.05)), [0.3, 0.2], 1)  .*at many stretches
-told(OLD, [0.3, 0.2], 1)  .*where contacts age
+told(OLD, [0.3, 0.2], 1)  .*Q\(x;X\) is not known.*where contacts age
+told(GROWING, [0.3, 0.2], 1)  .*Q\(x;X\) is not known
 steady_state(Contacts(lomax(1.9)))  thresholds: <x_s\^2> is
 propensity(Contacts(lomax(1.9)))  thresholds: <x_s\^2> is
 steady_state(Contacts(lomax(2.9), stiffness="linked"))  thresholds: <x_s\^3> is infinite
