@@ -10,16 +10,6 @@ from solving import held_to_claim
 
 import master
 import origins
-from origins import (
-    Contacts,
-    Delay,
-    Thermal,
-    gaussian,
-    gaussian_start,
-    identical,
-    mixture,
-    rectangular,
-)
 
 SCENE = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
 PATH = np.linspace(0.0, 5.0, 501)
@@ -171,16 +161,32 @@ def test_wall_time_ends_a_solution_with_what_there_is() -> None:
         master.solve(contacts, path, wall_time=0.0)
 
 
-WIDE = gaussian(1.0, 0.2)
+WIDE = origins.gaussian(1.0, 0.2)
 CASES = {
-    "cold": (Contacts(gaussian(1.0, 0.05), gaussian_start(0.1, 0.025)), 1.0),
-    "delay": (Contacts(rectangular(0.5, 1.5), 0.3, delay=Delay(0.3)), 2.0),
-    "linked, behind": (Contacts(WIDE, -0.3, reforming=-0.2, stiffness="linked"), 1.0),
-    "an exact value": (Contacts(mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3])), 1.0),
-    "warm": (Contacts(gaussian(1.0, 0.05), thermal=Thermal("stiff", 0.01, 10.0)), 1.0),
-    "creep": (Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 0.1)), 1e-7),
+    "cold": (
+        origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.1, 0.025)),
+        1.0,
+    ),
+    "delay": (origins.Contacts(origins.rectangular(0.5, 1.5), 0.3, delay=origins.Delay(0.3)), 2.0),
+    "linked, behind": (origins.Contacts(WIDE, -0.3, reforming=-0.2, stiffness="linked"), 1.0),
+    "an exact value": (
+        origins.Contacts(
+            origins.mixture([origins.gaussian(1.0, 0.1), origins.identical(0.8)], [0.7, 0.3])
+        ),
+        1.0,
+    ),
+    "warm": (
+        origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("stiff", 0.01, 10.0)),
+        1.0,
+    ),
+    "creep": (
+        origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", 0.1)),
+        1e-7,
+    ),
     "creep, paper": (
-        Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 0.1, closure="paper")),
+        origins.Contacts(
+            origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", 0.1, closure="paper")
+        ),
         1e-4,
     ),
 }
