@@ -5,7 +5,6 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
-from solving import held_to_claim
 
 import master
 import origins
@@ -93,26 +92,3 @@ def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
     assert turned.success, turned.message
     np.testing.assert_allclose(turned.force, [0.0, 0.0, -0.4], atol=1e-10)
     np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)
-
-
-@pytest.mark.parametrize(("start", "wait"), [(0, 2), (1, 0)])
-def test_exact_values_alone_where_stiffness_goes_with_them(start, wait):
-    """Multiples of a tenth: births by counting, each with the thresholds' own stiffnesses, which add up to one."""
-    values, shares = np.array([3, 7]), np.array([0.4, 0.6])
-    law = origins.mixture([origins.identical(0.1 * value) for value in values], shares)
-    delay = origins.Delay(0.1 * wait) if wait else None
-    contacts = origins.Contacts(law, start=0.1 * start, delay=delay, stiffness="linked")
-    births = np.zeros(121)
-    for n in range(births.size):
-        for value, share in zip(values, shares, strict=True):
-            births[n] += share * (
-                (n == value - start + wait) + births[max(n - value - wait, 0)] * (n >= value + wait)
-            )
-    path = np.arange(120) + 0.5  # between the breaks
-    stiffness = values / (shares @ values)
-    expected = np.zeros(path.size)
-    for born, weight in [(-start, 1.0), *enumerate(births)]:
-        for value, share, stiff in zip(values, shares, stiffness, strict=True):
-            stretch = path - born
-            expected += weight * share * stiff * stretch * ((stretch > 0.0) & (stretch < value))
-    held_to_claim(contacts, 0.1 * path, 1e-10, 0.1 * expected)

@@ -36,16 +36,6 @@ SOLVERS = {
 TAKEN = {"master.paper.explicit": ("delay",), "eq_model.closest": ()}
 
 
-def test_what_is_left_out_is_not_there_and_what_is_given_is() -> None:
-    bare = Contacts(stats.gamma(3.0))
-    assert bare.mean_threshold == 3.0 and bare.start.is_single and bare.laws == ()
-    assert bare.stiffness == "independent" and bare.relative_stiffness(0.3) == 1.0
-    assert Contacts(GAUSSIAN, reforming=gaussian_start(0.0, 0.0)).reforming is None
-    for name, law in LAWS.items():
-        carried = getattr(Contacts(GAUSSIAN, **{name: law}), name)
-        assert (carried.law.mean() if name == "reforming" else carried) == law
-
-
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("name", LAWS)
 def test_no_law_is_silently_ignored(solver: str, name: str) -> None:

@@ -8,7 +8,6 @@ from scipy import stats
 
 import master
 import origins
-from origins import InputError
 
 EPSILON = np.finfo(float).eps
 UPPER = 10.0 ** -np.array([0.02, 0.3, 1, 2, 5, 10, 30, 80, 150, 220, 280])
@@ -315,28 +314,6 @@ def test_a_family_may_state_its_density_alone() -> None:
     for n in (1, 2, 3, 4):
         assert law.moment(n) == pytest.approx(closed.moment(n), rel=1e-12)
     assert law.std() == pytest.approx(closed.std(), rel=1e-12)
-
-
-def test_a_family_that_is_no_law_is_told_by_name() -> None:
-    class Half(origins.Thresholds):
-        def support(self) -> tuple[float, float]:
-            return 0.0, 1.0
-
-        def _pdf(self, x: np.ndarray) -> np.ndarray:
-            return np.full_like(x, 0.5)
-
-    class Wrong(Half):
-        def _sf(self, x: np.ndarray) -> np.ndarray:
-            return 1.2 - x
-
-    with pytest.raises(
-        InputError, match=r"Wrong: its survival at x = 0\.1 is 1\.1, outside 0 to 1"
-    ):
-        Wrong().sf([0.5, 0.1])
-    with pytest.raises(
-        InputError, match=r"Half: its density adds up to 0\.5, not to 1; state it as"
-    ):
-        Half().sf(0.5)
 
 
 # -- averages over a parameter, such as the orientation of grains ----------------------------------

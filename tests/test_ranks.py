@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import scene, to_toml, write
+from scenes import scene, write
 
 import toolkit
 from toolkit.running.signals import Launch, read_environment
+from toolkit.scene.tables import to_toml
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 

@@ -111,6 +111,21 @@ class Wrong(Calculator):
         self.results = {"energy": self.share * float(np.cos(xy).sum()), "forces": np.sin(xy)}
 
 
+class Half(origins.Thresholds):
+    """A density that adds up to a half, and in Unbound a survival above 1."""
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, 1.0
+
+    def _pdf(self, x: np.ndarray) -> np.ndarray:
+        return np.full_like(x, 0.5)
+
+
+class Unbound(Half):
+    def _sf(self, x: np.ndarray) -> np.ndarray:
+        return 1.2 - x
+
+
 class Careless(origins.Thresholds):
     """Exponential thresholds whose inverse is wrong by a part in 10^4."""
 
@@ -189,6 +204,8 @@ origins.harmonic_bonds(ISLAND, 1.0, reach=1.0)  reach = 1.0: bonds no atoms
 origins.grains(2.0 / 3.0, B=1.0)  rho = 0.6666666666666666: no grain pins yet
 origins.grains(alpha=1.0, time=0.2, B=1.0)  time = 0.2: no grain pins yet: the first does
 origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0])  time = 0.0: must be finite and above zero
+Unbound().sf([0.5, 0.1])  Unbound: its survival at x = 0.1 is 1.1, outside 0 to 1
+Half().sf(0.5)  Half: its density adds up to 0.5, not to 1; state it as
 origins.identical(0.0)  value = 0.0:
 origins.gaussian(1.0, -0.1)  std = -0.1:
 origins.gaussian(1.0, 0.1, form="paper", upper=0.9)  mean = 1.0:

@@ -5,13 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import scene, to_toml
+from scenes import scene
 from scipy import stats
 
 import master
 import origins
 import toolkit
 from origins import Contacts, InputError
+from toolkit.scene.tables import to_toml
 
 LAWS = {
     "weibull 2.5": stats.weibull_min(2.5),

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import GAUSSIAN, ROUGH, scene, to_toml
+from scenes import GAUSSIAN, ROUGH, scene
 
 import origins
 import toolkit
 from origins.errors import InputError
 from toolkit.scene import laws
 from toolkit.scene.scene import SHIPPED
+from toolkit.scene.tables import to_toml
 
 # a call of every kind that works
 LAWS: dict[str, dict[str, Any]] = {
