@@ -42,6 +42,7 @@ class PlainReplica:
         slip_fraction: float,
         replica: int,
     ) -> None:
+        """n contacts at X = 0, drawn as those of the replica of this number."""
         assert drive.spring is not None
         self.unit, stream = unit_of(contacts), make_stream(seed, replica)
         self.draws = [make_supply(births, stream) for births in births_of(contacts, self.unit)]

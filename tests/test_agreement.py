@@ -67,7 +67,7 @@ CASES = {
     "growing grains, stiff": Case(Contacts(GRAINS, 0.1, STIFF), tolerance=1e-5, number=1000),
     "growing grains, turning": Case(Contacts(GRAINS), TURN, tolerance=1e-4, number=400),
     "loop, a law of the tests' own": Case(
-        Contacts(WIDE, START, thermal=Tilted(0.1, 0.4)), LOOP, tolerance=1e-5
+        Contacts(WIDE, START, thermal=Tilted(0.1, 0.4)), LOOP, tolerance=1e-4, number=800
     ),
     "hold, soft": Case(Contacts(WIDE, thermal=SOFT), HELD, {"time": WHEN}, 1e-5, 1000),
 }

@@ -23,6 +23,8 @@ STEPS = np.cumsum([0.0, 0.9, 1.1, 1, 1.2, 0.3, 0.9, 1, 0.5, 1.1, 0.7, 0.4, 0.9, 
 BOTH = mixture([identical(0.5), rectangular(0.5, 1.5)], [0.5, 0.5])
 SPREADING = origins.Ageing(gaussian(1.5, 0.2), 0.078)
 TURNED = [0.0, -1.14, -1.4, -1.399, -1.39]
+OLD = origins.Ageing(origins.lubricated(1.0), 1e-3)
+AGED = Contacts(rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=OLD)
 # what was wrong; the call; its reference - forces, or contacts that do the same - and what that may be off by, lengths
 FORCES = """
 contacts that break as they start: thresholds in heat were read as those of the start
@@ -66,10 +68,9 @@ solve(Contacts(WIDE, ageing=SPREADING), TURNED, 1e-4, velocity=0.116)
 solve(Contacts(WIDE, ageing=SPREADING), [*TURNED, 0.6], 1e-4, velocity=0.116).force[:-1], 1e-4
 
 slow: a wide start on a spring with a final law that is not normal: rules of more stretches were compared elsewhere
-solve(Contacts(BOX, gaussian_start(0.1, 0.02), ageing=Ageing(OLD, 1e-2)), [0.2], 1e-2, spring=1.5, slip="reset")
+solve(AGED, [0.2], 1e-2, spring=1.5, slip="reset")
 0.18, 1e-6
 """
-BOX, OLD = rectangular(0.5, 0.7), rectangular(0.4, 1.0)
 BLOCKS = [block.splitlines() for block in FORCES.strip().split("\n\n")]
 
 

@@ -236,7 +236,7 @@ def test_fast_sliding_loses_force_as_a_power_of_temperature(
 def test_the_kinetic_force_is_that_of_the_definition(heat: str, stiffness: str, speed: float):
     """F_k is the integral of x E over that of E, E as above; a curve over speeds says the same."""
     (thermal, rate), law, linked = HEAT[heat], LAWS["gaussian"], stiffness == "linked"
-    x, weights = gauss(np.linspace(0.0, 2.6, 14), 12)
+    x, weights = gauss(np.linspace(0.0, 2.6, 11), 10)
     ways = [np.array([0.0, at]) for at in x]
     parts = [left_by_definition(law, rate, way, way / speed, linked) for way in ways]
     length, area = weights @ np.array(parts)
