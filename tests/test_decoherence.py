@@ -10,8 +10,9 @@ from rate_laws import Tilted
 
 import master
 import origins
+from origins import Contacts, Thermal, gaussian
 
-WIDE, WAIT = origins.gaussian(1.0, 0.2), origins.Delay(0.3)
+WIDE, WAIT = gaussian(1.0, 0.2), origins.Delay(0.3)
 
 
 def gaussian_roots(std: float, count: int) -> np.ndarray:
@@ -24,7 +25,7 @@ def gaussian_roots(std: float, count: int) -> np.ndarray:
 def test_gaussian_roots_and_amplitudes_in_closed_form(std: float) -> None:
     mean, width = 0.1, 0.025
     found = master.decoherence_spectrum(
-        origins.Contacts(origins.gaussian(1.0, std), origins.gaussian_start(mean, width)), n_roots=6
+        Contacts(gaussian(1.0, std), origins.gaussian_start(mean, width)), n_roots=6
     )
     exact = gaussian_roots(std, 6)
     assert (np.abs(found.roots - exact) <= found.roots_error + 4e-16).all()
@@ -37,39 +38,24 @@ def test_gaussian_roots_and_amplitudes_in_closed_form(std: float) -> None:
     np.testing.assert_allclose(found.amplitude, amplitude, rtol=1e-9)
 
 
+NARROW, HOT = gaussian(1.0, 0.1), Thermal("soft", 0.1, closure="paper")
+AGED = origins.Ageing(gaussian(1.0, 0.02), 5e-4)
 LATE = {
-    "behind, linked, delay": lambda: origins.Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
-    "re-forming": lambda: origins.Contacts(
-        WIDE, 0.1, reforming=origins.gaussian_start(0.05, 0.05), delay=WAIT
+    "behind, linked, delay": Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
+    "jumps": Contacts(origins.rectangular(0.5, 1.5), origins.gaussian_start(0.0, 0.1)),
+    "tail alone": Contacts(stats.gamma(3.0)),
+    "exact value and width": Contacts(
+        origins.mixture([NARROW, origins.identical(0.8)], [0.7, 0.3])
     ),
-    "jumps": lambda: origins.Contacts(
-        origins.rectangular(0.5, 1.5), origins.gaussian_start(0.0, 0.1)
-    ),
-    "tail alone": lambda: origins.Contacts(stats.gamma(3.0)),
-    "exact value and width": lambda: origins.Contacts(
-        origins.mixture([origins.gaussian(1.0, 0.1), origins.identical(0.8)], [0.7, 0.3])
-    ),
-    "warm": lambda: origins.Contacts(
-        origins.gaussian(1.0, 0.1), thermal=origins.Thermal("stiff", 0.1)
-    ),
-    "warm, linked": lambda: origins.Contacts(
-        WIDE, thermal=origins.Thermal("soft", 0.1), stiffness="linked", delay=WAIT
-    ),
-    "warm, paper's": lambda: origins.Contacts(
-        origins.gaussian(1.0, 0.1), thermal=origins.Thermal("soft", 0.1, closure="paper")
-    ),
-    "ageing": lambda: origins.Contacts(
-        origins.gaussian(0.5, 0.1), ageing=origins.Ageing(origins.gaussian(1.0, 0.02), 5e-4)
-    ),
+    "warm": Contacts(NARROW, thermal=Thermal("stiff", 0.1)),
+    "warm, paper's": Contacts(NARROW, thermal=HOT),
+    "ageing": Contacts(gaussian(0.5, 0.1), ageing=AGED),
 }
-SLOW = {"re-forming", "warm, linked"}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in LATE]
-)
+@pytest.mark.parametrize("name", LATE)
 def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
-    contacts = LATE[name]()
+    contacts = LATE[name]
     found = master.decoherence_spectrum(contacts, n_roots=6)
     x = contacts.mean_threshold * np.array([1.3, 2.1, 3.7, 6.2, 11.4, 21.3])
     solved = master.solve(contacts, x, 1e-10)
@@ -84,18 +70,18 @@ def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
     "law", [stats.weibull_min(0.8), stats.lognorm(0.5), origins.identical(1.0)]
 )
 def test_tails_slower_than_any_exponential_have_no_length(law) -> None:
-    told = master.propensity(origins.Contacts(law), 1e-6)
+    told = master.propensity(Contacts(law), 1e-6)
     assert (told.decoherence_length, told.decoherence_length_error) == (np.inf, 0.0)
 
 
 def test_gamma_thresholds_in_closed_form() -> None:
     """(1 + s)^-8 = 1 on a circle about -1, right of nine tenths of the tail's rate: one of them."""
-    found = master.decoherence_spectrum(origins.Contacts(stats.gamma(8.0)), n_roots=4)
+    found = master.decoherence_spectrum(Contacts(stats.gamma(8.0)), n_roots=4)
     exact = np.exp(2j * np.pi / 8.0) - 1.0
     assert found.roots.size == 1
     assert abs(found.roots[0] - exact) <= found.roots_error[0] < 1e-9
     # slower than its roots, and not known better than to 0.9 of it: the tail's own rate
-    told = master.propensity(origins.Contacts(stats.gamma(3.0)), 1e-6)
+    told = master.propensity(Contacts(stats.gamma(3.0)), 1e-6)
     assert abs(told.decoherence_length - 1.0) <= told.decoherence_length_error <= 0.12
 
 
@@ -103,9 +89,7 @@ def test_long_waits_decay_as_the_variance_tells() -> None:
     wait = 1e4
     exact = mp.mpf(1.0 + wait)
     root = 4j * mp.pi / (exact + mp.sqrt(exact**2 - 4j * mp.pi * mp.mpf(0.1) ** 2))
-    told = master.propensity(
-        origins.Contacts(origins.gaussian(1.0, 0.1), delay=origins.Delay(wait)), 1e-4
-    )
+    told = master.propensity(Contacts(gaussian(1.0, 0.1), delay=origins.Delay(wait)), 1e-4)
     off = abs(told.decoherence_length + float(1 / root.real))
     assert off <= told.decoherence_length_error < 1e-2 * told.decoherence_length
 
@@ -113,7 +97,7 @@ def test_long_waits_decay_as_the_variance_tells() -> None:
 def test_propensity_takes_a_rate_law_of_this_test() -> None:
     """Its X* is the slowest root of E^(s) = 0, E and E^ by quadrature from the law's formula."""
     alpha, rate = 0.3, 1.0
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.1), thermal=Tilted(alpha, rate))
+    contacts = Contacts(gaussian(1.0, 0.1), thermal=Tilted(alpha, rate))
     told = master.decoherence_spectrum(contacts, n_roots=1)
     found = master.propensity(contacts, 1e-6)
     assert found.success
@@ -129,8 +113,8 @@ def test_propensity_takes_a_rate_law_of_this_test() -> None:
 
 def test_heat_that_leaves_nothing_to_transform_is_told_in_the_error():
     """Left of where the transform overflows Newton's method once ended in a NaN, and a traceback."""
-    hot = origins.Thermal("soft", 0.0304484, attempt_frequency=9342.79, closure="paper")
-    contacts = origins.Contacts(
+    hot = Thermal("soft", 0.0304484, attempt_frequency=9342.79, closure="paper")
+    contacts = Contacts(
         origins.gw_plastic(0.89166), origins.gaussian_start(0.12153559, 0.09691892), thermal=hot
     )
     found = master.propensity(contacts, velocity=3.0095672, tolerance=1e-5)
