@@ -16,7 +16,6 @@ from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 import master
 import origins
 import toolkit
-from toolkit.judge.precision import Ladders
 from toolkit.running.progress import Progress
 from toolkit.scene.scene import shipped_scenes
 
@@ -83,15 +82,6 @@ def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:
     far = float(note.partition("X_T = ")[2].partition(";")[0])
     result = toolkit.run(scene(WIDE | {"std": 0.1}, drive=pulled | {"to": far}))
     assert result.master.slips.drive.size and result.notes == ()
-
-
-def test_where_the_ensemble_does_not_reset_as_the_master_equation_does_is_told() -> None:
-    drive, eq = {"to": 4.0, "points": 11, "spring": 0.5}, {"contacts": 400, "replicas": 8}
-    assert toolkit.run(scene(WIDE | {"std": 0.1}, drive=drive, eq=eq)).notes == ()
-    parts = [{"kind": "gaussian", "mean": mean, "std": 0.01} for mean in (0.5, 1.5)]
-    few = {"kind": "mixture", "components": parts, "weights": [0.1, 0.9]}
-    late = toolkit.run(scene(few, drive=drive, eq=eq))
-    assert [note[:15] for note in late.notes] == ['slip = "reset":']
 
 
 def test_a_scan_with_gaps_says_by_which_rule_slopes_count(tmp_path: Path) -> None:
@@ -215,13 +205,14 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
     assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
 
 
-SHORT = Ladders((1e-2, 1e-6, 1e-10), (25, 50, 100, 200), (100, 1000, 10_000), (100, 1000), np.inf)
+SHORT = {"master": (1e-2, 1e-6, 1e-10), "explicit": (25.0, 50.0, 100.0, 200.0)}
+SHORT |= {"ensemble": (100.0, 1000.0, 10_000.0), "closest": (100.0, 1000.0)}
 
 
 def test_precision_measures_every_rung_against_the_closed_form(
     capsys: Any, monkeypatch: Any
 ) -> None:
-    monkeypatch.setattr("toolkit.judge.precision.Ladders", lambda: SHORT)
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
     start = {"kind": "gaussian", "mean": 0.1, "std": 0.05}
     contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "start": start}
     file = write(contacts=contacts, drive={"to": 6.0, "points": 61}, eq=EQ)
