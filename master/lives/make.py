@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from master.lives.age.ageing import LONGEST, AgeingLife
-from master.lives.age.path import AgeingPath
+from master.lives.age.ageing import LONGEST, AgeingLife, AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
 from master.lives.heat.mean_rate import MeanRateLife
