@@ -74,9 +74,7 @@ def test_far_on_with_delay_and_births_at_other_stretches(birth: float, wait: flo
     steady = master.steady_state(contacts, velocity=2.0)
     far = master.solve(contacts, np.linspace(40.0, 42.0, 21), 1e-6, velocity=2.0)
     assert steady.force_error < 1e-8 and np.abs(far.force - steady.force).max() < 1e-6
-    assert far.holding[-1] == pytest.approx(
-        steady.cycle_length / (steady.cycle_length + wait), abs=1e-6
-    )
+    assert far.holding[-1] == pytest.approx(steady.cycle_length / (steady.cycle_length + wait), abs=1e-6)
 
 
 def test_far_on_with_another_final_law() -> None:
@@ -97,14 +95,10 @@ def test_steady_motion_step_by_step_is_the_exact_one() -> None:
 
 def test_force_does_not_know_how_far_the_path_goes_on() -> None:
     """Thresholds that spread faster than the slider goes, right after it turned: read in the first of few steps."""
-    contacts = Contacts(
-        origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078)
-    )
+    contacts = Contacts(origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078))
     back = -1.4 + 0.01 * np.linspace(0.1, 1.0, 5)
     there = np.concatenate([[0.0, -1.14, -1.4], back])
-    short, long = (
-        master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6])
-    )
+    short, long = (master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6]))
     assert short.success and long.success
     assert np.abs(short.force[2:8] - long.force[2:8]).max() < short.force_error + long.force_error
 
@@ -118,32 +112,11 @@ def test_exact_ageing_is_the_steady_state_at_each_rate() -> None:
     assert curve.force[0] == pytest.approx(0.4995, abs=5e-5)
 
 
-WALLS = Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(origins.rectangular(0.5, 1.5), 0.1))
-
-
-def test_fast_diffusion_between_walls() -> None:
-    """Uniform by then, thresholds all come down to the stretch within L²/(3 D) of the wall, hardly moving."""
-    diffusion = 1e3
-    ageing = Ageing(origins.rectangular(0.5, 1.5), diffusion)
-    steady = master.steady_state(Contacts(WALLS.thresholds, ageing=ageing))
-    assert steady.cycle_length - 0.5 == pytest.approx(1.0 / (3.0 * diffusion), rel=2.0 / diffusion)
-    assert steady.cycle_length_error < 1e-5
-
-
-def test_nothing_breaks_before_the_wall() -> None:
-    path = np.linspace(0.0, 0.5, 11)
-    exact = master.solve(WALLS, path, tolerance=1e-3)
-    # at the wall itself they break as the root of the way beyond
-    np.testing.assert_allclose(exact.force[:-1], path[:-1], atol=1e-9)
-
-
 @pytest.mark.slow
 def test_a_wide_start_on_a_spring_with_a_final_law_that_is_not_normal() -> None:
     """Rules of more stretches than there are were once compared at other moments; here nothing breaks."""
-    ageing = Ageing(origins.rectangular(0.4, 1.0), 1e-2)
-    contacts = Contacts(
-        origins.rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=ageing
-    )
+    ageing = Ageing(origins.lubricated(1.0), 1e-3)
+    contacts = Contacts(origins.rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=ageing)
     found = master.solve(contacts, [0.2], 1e-2, spring=1.5, slip="reset")
     # F = 0.1 + X = 1.5 (0.2 - X)
     assert found.success and found.force[0] == pytest.approx(0.18, abs=1e-6)

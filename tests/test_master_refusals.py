@@ -146,13 +146,14 @@ CALLS = [
         lambda: Contacts(UNEVEN[1], ageing=Ageing(origins.rectangular(0.7, 1.5), 0.1)),
         ".*fresh thresholds lies outside the final law",
     ),
+    (
+        partial(solve, Contacts(UNEVEN[1], ageing=Ageing(origins.rectangular(0.1, 3.0), 0.1)), [1.0]),
+        "ageing: the final law ends at 0.1 and 3",
+    ),
     (partial(paper_transient, PRINTED, [1.0], 0.01, keep="both"), "keep = 'both': "),
     (partial(paper_transient, PRINTED, [1.0], 1e-6), "step = 1e-06: needs more than 20,000 cells"),
     (partial(propensity, Contacts(GRAINS), velocity=30.0), ".*none holds but a fraction"),
-    *(
-        (partial(curve, Contacts(GRAINS), v), "velocity = .* at which thresholds grow")
-        for v in (1e-60, 1e300)
-    ),
+    *((partial(curve, Contacts(GRAINS), v), "velocity = .* at which thresholds grow") for v in (1e-60, 1e300)),
     (
         lambda: Contacts(GRAINS, thermal=Thermal("soft", 0.1, 1.0, "paper")),
         'thermal: closure = "paper" averages',

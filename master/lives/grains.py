@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.halving import Pieces, integrals
-from master.lives.life import UnbentLife
+from master.lives.life import Life
 from master.motion.motion import History, Legs
 from origins import Contacts, GrainContact
 from origins.grains.lifshitz_slyozov import hazard_beyond
@@ -34,7 +34,7 @@ GRAIN = 0.25
 ERROR, SEEN = 5e-14, 2.0
 
 
-class GrainLife(UnbentLife):
+class GrainLife(Life):
     """Life (see master.lives.life) of contacts with growing grains, without heat.
 
     Parameters

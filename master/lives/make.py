@@ -8,8 +8,7 @@ from master.lives.age.ageing import LONGEST, AgeingLife, AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
 from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.replayed import RESOLVED
-from master.lives.heat.thermal import ThermalLife
+from master.lives.heat.thermal import RESOLVED, ThermalLife
 from master.lives.life import Life
 from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion

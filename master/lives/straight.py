@@ -26,7 +26,7 @@ _TIE = 1e-11
 SHORTEST, SHORTEST_IN_HEAT = 1e-12, 1e-20
 
 
-class StraightLife:
+class StraightLife(Life):
     """A Life, tabulated over the time since birth, of contacts born on the present leg.
 
     While the slider keeps its speed, the survival depends only on the time since birth. A table of it
@@ -58,7 +58,6 @@ class StraightLife:
         self.life, self.quiet = life, life.quiet
         self.atoms, self.grain, self.quick = life.atoms, life.grain, True
         self.timeless, self.fresh_start = life.timeless, life.fresh_start
-        self.pair_work = 1
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 
@@ -77,7 +76,6 @@ class StraightLife:
         moving = bends_of(life, born, speed)
         # at the longest time an exact threshold may break all remaining contacts
         self.bends: Array = np.append(moving[moving < longest * (1.0 - _TIE)], longest)
-        self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
         shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
         self.table = Table(found, edges, accuracy, shortest, ends=0.0 if life.quick else _ENDS)

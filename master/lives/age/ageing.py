@@ -21,8 +21,8 @@ from scipy.interpolate import BSpline
 from master.lives.age.cells import narrowest
 from master.lives.age.passage import Passage
 from master.lives.age.strands import TRAVEL_STEP, Followed, Mesh, Strands, StrandSurvival
-from master.lives.life import UnbentLife
-from master.lives.stretch_rule import StretchRule, StretchRules
+from master.lives.life import Life
+from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.motion.motion import History, Motion
 from origins import Contacts
 from origins.start import SingleStart, Start
@@ -34,18 +34,14 @@ Array = npt.NDArray[np.float64]
 FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
 # The largest difference at any moment, over the largest at the moments that are compared.
 MARGIN = 2.0
-# Error by rounding of the share that holds.
-ROUND_OFF = 1e-13
-# The finest resolution. To choose one, TRIALS births are followed and compared at LOOKS or more points
-# of each leg, until only the share FAINT holds.
-FINEST, TRIALS, LOOKS, FAINT = 6, 4, 12, 1e-9
-# Number of stretches at birth between which survivals are interpolated.
-BETWEEN = 22
-# Time, in units of reach over speed, after which hardly any contact holds.
-LONGEST = 3.0
+# Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
+# represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where
+# survivals have a kink.
+BETWEEN, COUNTS = 22, (6, 9, 13, 19, 28)
+LONGEST = 3.0  # reaches over speed: a time after which hardly any contact holds
 
 
-class AgeingLife(UnbentLife):
+class AgeingLife(Life):
     """Life (see master.lives.life) of contacts that age, closure "exact", where X = v t.
 
     Parameters
@@ -63,15 +59,11 @@ class AgeingLife(UnbentLife):
     mesh : Mesh
         Cells and steps that suffice for strands.
     furthest : float
-        Length beyond which there are hardly any thresholds. (On one leg no contact holds beyond `reach`.)
+        Length beyond which there are hardly any thresholds.
     """
 
     def __init__(
-        self,
-        contacts: Contacts,
-        motion: Motion,
-        accuracy: float = 1e-10,
-        until: float = np.inf,
+        self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
@@ -83,10 +75,9 @@ class AgeingLife(UnbentLife):
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
         self.fastest = float(np.abs(motion.speeds).max())
         self._closed = ageing.normal is not None and contacts.thermal is None
-        most = contacts.thresholds.support()[1]
-        self._rules = StretchRules(most, accuracy, self._shares, until)
+        self._rules: list[tuple[Start, StretchRule]] = []
         self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
-        self._missed = self._differed = self._tabled = 0.0
+        self._missed = self._ruled = self._tabled = self._differed = 0.0
         if not motion.one_leg:
             _ = self.mesh
             return
@@ -98,10 +89,9 @@ class AgeingLife(UnbentLife):
         reached = [r + self._table(speed, r).reach_lag * abs(speed) for r in {0.0, last}]
         self.reach = min(self.furthest, max(reached))
 
-    @property
-    def error(self) -> float:
-        """Error of the share that holds, as measured so far."""
-        return self._rules.error + self._missed + self._tabled + ROUND_OFF
+    def _judge(self) -> None:
+        """Error of the share that holds: of rules, of strands, of tables, and 1e-13 by rounding."""
+        self.error = self._ruled + self._missed + self._tabled + 1e-13
 
     @cached_property
     def mesh(self) -> Mesh:
@@ -110,7 +100,7 @@ class AgeingLife(UnbentLife):
         before = self._trial(mesh)
         # the difference between two resolutions, before they are extrapolated
         self._missed = MARGIN * self._differed
-        while self._missed > self._accuracy and mesh.resolution < FINEST:
+        while self._missed > self._accuracy and mesh.resolution < 6:
             if not mesh.cells[1].can_be_finer or clock.monotonic() > self._until:
                 break
             finer = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
@@ -123,6 +113,7 @@ class AgeingLife(UnbentLife):
             self._missed = min(FELL * change, MARGIN * self._differed)
             if self._missed > HARDLY * last:
                 break
+        self._judge()
         return mesh
 
     def marks(self, width: float) -> Array:
@@ -142,7 +133,7 @@ class AgeingLife(UnbentLife):
             share = self._held(speed, np.broadcast_to(born, lag.shape), lag)
             return np.stack([share, share * (born + speed * lag)])
         out = np.zeros((2, *lag.shape))
-        rule = self._rules.of(born)
+        rule = self._rule(born)
         for stretch, weight in zip(rule.stretch, rule.weight, strict=True):
             held = weight * self._table(speed, float(stretch)).survival(lag)
             out += held * np.stack([np.ones(lag.shape), stretch + speed * lag])
@@ -158,14 +149,12 @@ class AgeingLife(UnbentLife):
         out, nodes = np.zeros(lag.shape), np.cos(np.pi * (np.arange(BETWEEN) + 0.5) / BETWEEN)
         for here in (stretch < 0.0, stretch >= 0.0):
             if here.any():
-                ends = np.array([stretch[here].min(), stretch[here].max()])
-                half = max(0.5 * float(np.diff(ends)[0]), 1e-12 * self.reach)
-                known = [
-                    self._table(speed, float(x)).survival(lag[here])
-                    for x in ends.mean() + half * nodes
-                ]
+                low, high = float(stretch[here].min()), float(stretch[here].max())
+                middle, half = 0.5 * (low + high), max(0.5 * (high - low), 1e-12 * self.reach)
+                tables = [self._table(speed, float(x)) for x in middle + half * nodes]
+                known = [table.survival(lag[here]) for table in tables]
                 series = np.linalg.solve(chebyshev.chebvander(nodes, BETWEEN - 1), np.array(known))
-                z = (stretch[here] - ends.mean()) / half
+                z = (stretch[here] - middle) / half
                 out[here] = np.clip(chebyshev.chebval(z, series, tensor=False), 0.0, 1.0)
         return out
 
@@ -186,18 +175,37 @@ class AgeingLife(UnbentLife):
                     longest = min(longest, LONGEST * (self.furthest - along) / abs(speed))
                 table = StrandSurvival(self.begin(SingleStart(along)), abs(speed), longest)
             self._tabled = max(self._tabled, table.error)
+            self._judge()
             self._tables[speed, stretch] = table
         return self._tables[speed, stretch]
 
+    def _rule(self, born: Start) -> StretchRule:
+        """Stretches for births of the law `born`, as many as the survivals need."""
+        for known, rule in self._rules:
+            if known is born:
+                return rule
+        most, missed = self.contacts.thresholds.support()[1], 0.0
+        rule = stretch_rule(born, most, COUNTS[0])
+        if rule.stretch.size > 1:
+            before = self._shares(rule)
+            for count in COUNTS[1:]:
+                rule = stretch_rule(born, most, count)
+                now = self._shares(rule)
+                missed, before = float(np.abs(now - before).max()), now
+                if missed <= self._accuracy or clock.monotonic() > self._until:
+                    break
+        self._ruled = max(self._ruled, missed)
+        self._judge()
+        self._rules.append((born, rule))
+        return rule
+
     def begin(self, born: Start) -> Strands:
         """A strand of contacts that are born now at stretches of the law `born`."""
-        return Strands(self.mesh, *self._rules.of(born))
+        return Strands(self.mesh, *self._rule(born))
 
     def _shares(self, rule: StretchRule) -> Array:
-        """Share that holds of contacts born at the rule's stretches at the motion's beginning.
-
-        Strands use few cells here, as the errors of the cells hardly depend on the rule.
-        """
+        """Share that holds of contacts born at the rule's stretches at the motion's beginning; strands
+        use few cells, whose errors hardly depend on the rule."""
         if self._closed and self.motion.one_leg and self.fastest:
             speed = float(self.motion.speeds[0])
             lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
@@ -210,9 +218,9 @@ class AgeingLife(UnbentLife):
     def _trial(self, mesh: Mesh) -> Array:
         """Share that holds, along the whole motion, of the contacts of the start and of some births."""
         legs = self.motion.speeds.size
-        births = np.linspace(0, legs - 1, min(TRIALS, legs)).astype(int)
+        births = np.linspace(0, legs - 1, min(4, legs)).astype(int)
         self._differed = 0.0
-        start = Strands(mesh, *self._rules.of(self.contacts.start))
+        start = Strands(mesh, *self._rule(self.contacts.start))
         parts = [self._followed(start, 0, self.furthest - min(float(start.stretch.min()), 0.0))]
         for first in births.tolist():
             relaxed = Strands(mesh, np.zeros(1), np.ones(1))
@@ -227,12 +235,12 @@ class AgeingLife(UnbentLife):
             duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
             if motion.one_leg and speed:
                 duration = min(duration, furthest / abs(speed))
-            looks = LOOKS + int(abs(speed) * duration / length)
+            looks = 12 + int(abs(speed) * duration / length)
             ends = np.linspace(0.0, duration, looks + 1)
             if leg == first:  # further points right after a birth
                 ends = np.insert(ends, 1, ends[1] * np.array([0.01, 0.1]))
             for time in np.diff(ends):
-                if held > FAINT:
+                if held > 1e-9:
                     strand.advance(speed, time)
                     held = float(strand.left()[0, 0])
                 shares.append(held)

@@ -30,8 +30,6 @@ from origins.thresholds.quadrature import gauss, panel_edges
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Panels of one march; a smooth law takes some 50.
-MOST_PANELS = 4000
 # Nodes and weights on (0, 1) of the integral over earlier breaks, between two of its cuts.
 _INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
 _SIZE = rule.DEGREE
@@ -245,10 +243,10 @@ class Passage:
             width = step * (
                 2.0 if early < self._accuracy else 1.3 if tail < 0.1 * self._accuracy else 1.0
             )
-            if len(leg.series) > MOST_PANELS:
+            if len(leg.series) > 4000:  # a smooth law takes some 50
                 raise InputError(
-                    f"ageing: the first passage needs more than {MOST_PANELS} panels; use a "
-                    "smoother law of fresh thresholds"
+                    "ageing: the first passage needs more than 4000 panels; use a smoother law of "
+                    "fresh thresholds"
                 )
 
     def _panel(self, leg: _Leg, left: float, width: float) -> Array:

@@ -8,11 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.halving import Integrals, Pieces, integrals
-from master.lives.heat.replay import Replay
-from master.lives.heat.threshold_panels import SMALLEST, Stiffness, law_edges
+from master.lives.heat.replay import Replay, Stiffness
 from origins.laws.rate_law import RateLaw
 from origins.thresholds.law import Thresholds
-from origins.thresholds.quadrature import finite_density, gauss
+from origins.thresholds.quadrature import finite_density, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -29,6 +28,14 @@ _ROUNDING = 1e-14
 # Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
 # taken as 0; below _QUIET all contacts hold. Panels with a share of contacts below _NO_WEIGHT are left out.
 _GONE, _DEAD, _QUIET, _NO_WEIGHT = np.log(67.0), 7.0, np.log(1e-17), 1e-18
+SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
+
+
+def law_edges(law: Thresholds) -> Array:
+    """Edges of panels on which 16 nodes sum P_c and x_s P_c; none where there are only atoms."""
+    if float(law.atoms[1].sum()) > 1.0 - 1e-14:
+        return np.empty(0)
+    return np.maximum(panel_edges(law, tail=1e-30), SMALLEST)
 
 
 class Above:

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from master.lives.cold import TIE
 from master.lives.heat.above import Above
-from master.lives.heat.replayed import RESOLVED, ReplayedLife, rates_of
+from master.lives.heat.replay import rates_of
+from master.lives.heat.thermal import RESOLVED, ReplayedLife
 from master.lives.stretches import Moves
 from master.motion.motion import Legs
 from master.renewal.table import Table
