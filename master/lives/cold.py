@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.averages import Moves, averaged
 from master.lives.life import Life
-from master.lives.stretches import Moves, averaged
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError

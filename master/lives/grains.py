@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.halving import Pieces, integrals
+from master.lives.averages import Pieces, integrals
 from master.lives.life import Life
 from master.motion.motion import History, Legs
 from origins import Contacts, GrainContact

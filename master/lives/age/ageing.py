@@ -21,8 +21,8 @@ from scipy.interpolate import BSpline
 from master.lives.age.cells import narrowest
 from master.lives.age.passage import Passage
 from master.lives.age.strands import TRAVEL_STEP, Followed, Mesh, Strands, StrandSurvival
+from master.lives.averages import StretchRule, stretch_rule
 from master.lives.life import Life
-from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.motion.motion import History, Motion
 from origins import Contacts
 from origins.start import SingleStart, Start

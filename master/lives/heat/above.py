@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.halving import Integrals, Pieces, integrals
+from master.lives.averages import Integrals, Pieces, integrals
 from master.lives.heat.replay import Replay, Stiffness
 from origins.laws.rate_law import RateLaw
 from origins.thresholds.law import Thresholds
@@ -122,7 +122,8 @@ class Above:
         Returns it as shape (1, n), with the largest relative error; independent stiffness.
         """
         if not self.edges.size:
-            return Integrals(np.zeros((1, x.size)), np.zeros(1))
+            nothing = Pieces(np.zeros(0, dtype=int), np.empty(0), np.empty(0))
+            return Integrals(np.zeros((1, x.size)), np.zeros(1), nothing)
 
         def breaking(row: Rows, xi: Array, weight: Array) -> Array:
             return (weight * self.rates.rate(x[row, None], xi, 1.0))[None]
@@ -160,4 +161,4 @@ class Above:
 
         pieces = Pieces(row, low, high)
         found = integrals(integrand, pieces, least.size, accuracy, relative)
-        return Integrals(found.value[1:], found.missed[1:])
+        return found._replace(value=found.value[1:], missed=found.missed[1:])

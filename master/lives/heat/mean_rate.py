@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.averages import Moves
 from master.lives.cold import TIE
 from master.lives.heat.above import Above
 from master.lives.heat.replay import rates_of
 from master.lives.heat.thermal import RESOLVED, ReplayedLife
-from master.lives.stretches import Moves
 from master.motion.motion import Legs
 from master.renewal.table import Table
 from origins import Contacts

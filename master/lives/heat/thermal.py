@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.averages import Moves, averaged
 from master.lives.cold import NONE_LEFT, TIE
 from master.lives.heat.above import Above
 from master.lives.heat.replay import Replay, rates_of
 from master.lives.life import Life
-from master.lives.stretches import Moves, averaged
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.start import Start
