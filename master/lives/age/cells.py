@@ -24,14 +24,11 @@ from origins.errors import InputError
 from origins.thresholds.gaussian import CutGaussian
 
 Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.intp]
 
 # Each resolution divides cells by 2 to this power: errors, of fourth order, fall by 8.
 FINER = 0.75
 # Survival of both laws at which the cells end, and most of them.
 FAR, MOST_CELLS = 1e-16, 4000
-# Weight below which a cell counts as empty; most standard deviations that a threshold diffuses in a step.
-FAINT, FURTHEST = 1e-18, 8.0
 # Strands sleep while |x| is this many standard deviations below the mean of normal thresholds: a
 # share below 1e-11 may have met it.
 ASLEEP = 7.0
@@ -171,9 +168,8 @@ class Cells:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt
             entering = flow - np.concatenate([tilt[:, :, :1], tilt[:, :, :-1]], axis=2)
-        used = self._used(weights, flow, move.duration)
         spread = np.ascontiguousarray(spread)
-        return self._kernel.step(weights, used, leaving, entering, breaking, spread, *self._faces)
+        return self._kernel.step(weights, leaving, entering, breaking, spread, *self._faces)
 
     def _drift(self, threshold: Array) -> Array:
         """D U' at thresholds above 0."""
@@ -203,15 +199,6 @@ class Cells:
         )
         mean = (at_ends[:, :, :-1] + 4.0 * at_middle + at_ends[:, :, 1:]) / 6.0
         return mean, np.diff(self.edges) * np.diff(at_ends, axis=2) / 12.0
-
-    def _used(self, weights: Array, flow: Array, duration: Array) -> Whole:
-        """Number of cells, those of one cubic or more, that contain thresholds now or may do so within
-        the step."""
-        further = np.maximum(-flow.min(axis=(0, 2)), 0.0)
-        further += FURTHEST * np.sqrt(2.0 * self._diffusion * duration)
-        last = weights.shape[1] - np.argmax(weights[:, ::-1] > FAINT, axis=1)
-        found = np.searchsorted(self.edges, self.edges[last] + further)
-        return np.clip(found, 4, weights.shape[1]).astype(np.intp)
 
     def _shifted(self, weights: Array, move: Move) -> Array:
         """Weights that remain above |x| when it jumps."""

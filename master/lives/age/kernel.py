@@ -14,7 +14,6 @@ import numpy.typing as npt
 from numba import njit
 
 Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.intp]
 
 # Radau's method of two stages, of third order: its last stage is the end of the step, so that stiff
 # components, such as the thin edge of a density at the level, are damped to their final values.
@@ -52,7 +51,6 @@ def solve_band(band: Array, right: Array) -> None:
 @compiled
 def step(
     weights: Array,
-    used: Whole,
     leaving: Array,
     entering: Array,
     breaking: Array,
@@ -62,7 +60,7 @@ def step(
 ) -> Array:
     """Weights of thresholds in cells at the end of a step, shape (strands, cells).
 
-    weights : array (strands, cells) at its beginning; strand i has some in its first used[i] cells
+    weights : array (strands, cells) at its beginning
     leaving, entering : arrays (2, strands, cells), at both stages: the flux out of a cell through its
         lower face, and that into the cell below, both per density at the face
     breaking : array (2, strands, cells), or of no cells, rate at which contacts in a cell break
@@ -71,10 +69,9 @@ def step(
         weights of four cells
     """
     out = np.zeros(weights.shape)
-    most = weights.shape[1]
-    band, found = np.zeros((2 * most, 11)), np.zeros(2 * most)
+    m = weights.shape[1]
+    band, found = np.zeros((2 * m, 11)), np.zeros(2 * m)
     for i in range(weights.shape[0]):
-        m = used[i]
         for row in range(2 * m):
             found[row] = weights[i, row // 2]
             for k in range(11):
@@ -98,7 +95,7 @@ def step(
                             come = entering[stage, i, j] * value[j, k] + diffused
                             band[2 * j - 2, at + 2] -= first * come
                             band[2 * j - 1, at + 1] -= last * come
-        solve_band(band[: 2 * m], found[: 2 * m])
+        solve_band(band, found)
         for j in range(m):
             out[i, j] = found[2 * j + 1]
     return out

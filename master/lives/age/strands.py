@@ -25,16 +25,10 @@ DEAD = 1e-15
 TRAVEL_STEP = 0.25
 # Share of fresh contacts that heat breaks in one step at most, at resolution 0.
 HEAT_STEP = 0.15
-# Steps after a change of speed over the time since then, at resolution 0: the edge of the density at
-# |x| changes, first fast and then ever more slowly.
-AFTER_CHANGE = 0.5
-# The first of these steps over the shortest of three times: D/v², in which an edge forms at the
-# largest speed; the time in which thresholds spread by the narrowest width; and that of the move, as
-# survivals are interpolated between its steps. LEAST_STEP is its least value, over the time to spread.
-FIRST_STEP, LEAST_STEP = 0.02, 1e-10
-# Share TORN of fresh thresholds within CLOSE widths above |x|, which break at once, above which the
-# first steps must be shorter; at resolution 0, where errors are a tenth of it.
-TORN, CLOSE = 1e-3, 0.1
+# Steps after a birth or a change of speed over the time since then, at resolution 0: the edge of the
+# density at |x| changes, first fast and then ever more slowly. The first step over the time in which
+# thresholds spread by the narrowest width.
+AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10
 # Steps of one move of a strand; some 30 seconds of work.
 MOST_STEPS = 200_000
 # Survival at which a table of strands ends, and the degree of splines in time.
@@ -55,34 +49,21 @@ class Mesh:
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
         assert contacts.ageing is not None
-        self.law, self.diffusion = contacts.thresholds, contacts.ageing.rate
-        self.resolution, self.fastest = resolution, fastest
+        self.diffusion, self.resolution = contacts.ageing.rate, resolution
         self.cells = tuple(Cells(contacts, k, fastest) for k in (resolution - 1, resolution))
         self.width = self.cells[0].width
         self.heat_rate = fresh_rate(contacts)
 
-    def torn(self, stretch: Array, share: Array) -> bool:
-        """Whether fresh thresholds are right above |stretch|, so that they break at once."""
-        least = np.abs(stretch)
-        held = self.law.sf(least)
-        near = held - self.law.sf(least + CLOSE * self.width)
-        share = share * near / np.where(held > 0.0, held, 1.0)
-        return bool(share.max(initial=0.0) > TORN / RATIO**self.resolution)
-
-    def steps(self, speed: float, since: float, duration: float, torn: bool) -> Array:
+    def steps(self, speed: float, since: float, duration: float) -> Array:
         """Ends of the coarse steps of a move, times from 0 to `duration`.
 
         since : time at the beginning since the speed changed, or the birth
-        torn : whether strands are born with thresholds right above |x|, which break at once
         """
         scale = 2.0 ** (self.resolution - 1)
         longest = HEAT_STEP / self.heat_rate if self.heat_rate > 0.0 else np.inf
         if speed != 0.0:
             longest = min(longest, TRAVEL_STEP * self.width / abs(speed))
-        shortest = LEAST_STEP * self.width**2 / self.diffusion
-        if self.fastest > 0.0 and not torn:
-            forming = min(self.diffusion / self.fastest**2, self.width**2 / self.diffusion)
-            shortest = max(shortest, FIRST_STEP * min(forming, duration))
+        shortest = FIRST_STEP * self.width**2 / self.diffusion
         times = [0.0]
         while times[-1] < duration:
             step = min(AFTER_CHANGE * (since + times[-1]) + shortest, longest) / scale
@@ -121,8 +102,6 @@ class Strands:
     Attributes
     ----------
     stretch : array (strands, parts), now (lengths)
-    torn : bool
-        Whether there are thresholds right above the stretch, which break at once, as after a birth.
     error : float
         Largest estimate so far of the error of the finer resolution, which is extrapolated.
     """
@@ -130,14 +109,13 @@ class Strands:
     def __init__(self, mesh: Mesh, stretch: Array, share: Array) -> None:
         self.mesh, self.share, self.stretch = mesh, share, stretch[None].copy()
         self.since, self.speed, self.error = 0.0, np.nan, 0.0
-        self.torn = mesh.torn(stretch, share)
         # arrays (strands, parts, cells) for both resolutions
         self._weights = [cells.fresh(stretch)[None] for cells in mesh.cells]
 
     def steps_of(self, speed: float, duration: float) -> Array:
         """Ends, from 0, of the coarse steps that `advance` would take at this speed."""
         since = self.since if speed == self.speed else 0.0
-        return self.mesh.steps(speed, since, duration, self.torn)
+        return self.mesh.steps(speed, since, duration)
 
     def advance(self, speed: float, duration: float) -> None:
         """All strands move on at the speed dX/dt for a time."""
@@ -153,7 +131,6 @@ class Strands:
             weights[alive] = own.stepped(weights[alive], begin, speed * time, time, ends)
         self.stretch = self.stretch + speed * duration
         self.since += duration
-        self.torn = False
 
     def follow(self, speed: float, duration: float) -> Followed:
         """Advance; returns shares and forces on the way."""
@@ -220,7 +197,6 @@ class StrandSurvival:
         share = 1.0
         for begin, end in pairwise(marks):
             times, shares = [0.0], [share]
-            strands.torn = True  # thresholds may have gathered right above |x|
             for time in np.diff(strands.steps_of(speed, end - begin)):
                 strands.advance(speed, float(time))
                 times.append(times[-1] + float(time))
