@@ -132,13 +132,15 @@ class Strands:
         self.stretch = self.stretch + speed * duration
         self.since += duration
 
-    def follow(self, speed: float, duration: float) -> Followed:
-        """Advance; returns shares and forces on the way."""
+    def follow(self, speed: float, duration: float, spent: float = 0.0) -> Followed:
+        """Advance, until less than the share `spent` holds; returns shares and forces on the way."""
         times, told = self.steps_of(speed, duration), [self.left()]
         for time in np.diff(times):
             self.advance(speed, float(time))
             told.append(self.left())
-        return Followed(times, np.array(told))
+            if (told[-1][0] < spent).all():
+                break
+        return Followed(times[: len(told)], np.array(told))
 
     def left(self) -> Array:
         """Share of each strand that holds, and its force per contact born, shape (2, strands)."""
@@ -194,20 +196,12 @@ class StrandSurvival:
         marks = [0.0, turn, longest] if 0.0 < turn < longest else [0.0, longest]
         self._begins: list[float] = []
         self._splines: list[BSpline] = []
-        share = 1.0
         for begin, end in pairwise(marks):
-            times, shares = [0.0], [share]
-            for time in np.diff(strands.steps_of(speed, end - begin)):
-                strands.advance(speed, float(time))
-                times.append(times[-1] + float(time))
-                share = float(strands.left()[0, 0])
-                shares.append(share)
-                if share < SPENT:
-                    break
+            strands.since = 0.0  # thresholds may have gathered right above |x|
+            found = strands.follow(speed, end - begin, SPENT)
             self._begins.append(begin)
-            self._splines.append(make_interp_spline(np.sqrt(times), shares, k=DEGREE))
-            self.reach_lag = begin + times[-1]
-            strands.since = 0.0
+            self._splines.append(found.over_root(found.left[:, 0, 0]))
+            self.reach_lag, share = begin + float(found.times[-1]), float(found.left[-1, 0, 0])
             if share < SPENT:
                 break
         self.error = share if share < SPENT else 0.0
