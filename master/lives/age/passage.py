@@ -127,6 +127,17 @@ class _Leg:
             np.array(self.series)[panel], (2.0 * s - left - right) / (right - left)
         )
 
+    def survival(self, way: Array) -> Array:
+        """E after ways since `begin`, up to the last panel's end."""
+        edges = np.array(self.edges)
+        s = np.sqrt(np.clip(way, 0.0, edges[-1] ** 2))
+        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, len(self.series) - 1)
+        low, high = edges[panel], edges[panel + 1]
+        breaks = legendre.legint(np.array(self.series).T, lbnd=1.0) * (-0.5 * np.diff(edges))
+        z = (2.0 * s - low - high) / (high - low)
+        found = np.array(self.after)[panel] + legendre.legval(z, breaks[:, panel], tensor=False)
+        return np.clip(found, 0.0, 1.0)
+
 
 class _Earlier(NamedTuple):
     """Nodes s of integrals over earlier breaks, a row for each part between two cuts, and their
@@ -195,33 +206,16 @@ class Passage:
         corners = np.concatenate([[-start, furthest], fresh.breakpoints, fresh.atoms[0]])
         for corner in np.unique(corners[(corners > leg.level) & (corners <= furthest)]):
             self._march(leg, float(corner - leg.level))
-        self._finish()
+        self._legs = [leg for leg in self._legs if leg.series]
+        self.error += max(self._left, 0.0)
+        self.reach_lag = (self._legs[-1].begin + self._legs[-1].edges[-1] ** 2) / velocity
 
     def survival(self, lag: Array) -> Array:
         """E at times `lag` >= 0 since the birth, same shape."""
-        way = np.asarray(lag, dtype=float) * self.velocity
-        panel = np.clip(np.searchsorted(self._ways, way, side="right") - 1, 0, None)
-        low, high = self._low[panel], self._high[panel]
-        s = np.clip(np.sqrt(np.maximum(way - self._begin[panel], 0.0)), low, high)
-        z = (2.0 * s - low - high) / (high - low)
-        found = self._after[panel] + legendre.legval(z, self._breaks[:, panel], tensor=False)
-        return np.asarray(np.where(way < self._end, np.clip(found, 0.0, 1.0), 0.0))
-
-    def _finish(self) -> None:
-        """Join the panels of all legs into the arrays that `survival` reads."""
-        legs = [leg for leg in self._legs if leg.series]
-        self._begin = np.concatenate([np.full(len(leg.series), leg.begin) for leg in legs])
-        self._low, self._high = (
-            np.concatenate([leg.edges[part] for leg in legs])
-            for part in (slice(None, -1), slice(1, None))
-        )
-        self._ways = self._begin + self._low**2
-        self._after = np.concatenate([leg.after for leg in legs])
-        series = np.concatenate([np.array(leg.series) for leg in legs]).T
-        self._breaks = legendre.legint(series, lbnd=1.0) * (-0.5 * (self._high - self._low))
-        self._end = float(self._begin[-1] + self._high[-1] ** 2)
-        self.error += max(self._left, 0.0)
-        self.reach_lag = self._end / self.velocity
+        way, out = np.asarray(lag, dtype=float) * self.velocity, np.ones(np.shape(lag))
+        for leg in self._legs:
+            out = np.where(way < leg.begin, out, leg.survival(way - leg.begin))
+        return np.where(lag < self.reach_lag, out, 0.0)
 
     def _march(self, leg: _Leg, length: float) -> None:
         """Add panels to the leg until the level has moved by `length` or hardly any contact holds."""
@@ -285,15 +279,9 @@ class Passage:
         far = np.sqrt(top[row] - ends[row, column])
         near = np.sqrt(np.maximum(top[row] - ends[row, column + 1], 0.0))
 
-        def below(root: Array, row: Rows) -> Array:
-            back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
-            rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
-            return self._free.below_from_level(level[row, None], rise, elapsed)
-
-        seen = below(np.stack([far, 0.5 * (near + far), np.maximum(near, 1e-3 * far)], 1), row).any(
-            axis=1
-        )
-        row, near, far = row[seen], near[seen], far[seen]
         root = near[:, None] + (far - near)[:, None] * _INNER
-        weight = (far - near)[:, None] * _INNER_WEIGHTS * 2.0 * root * below(root, row)
+        back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
+        rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
+        below = self._free.below_from_level(level[row, None], rise, elapsed)
+        weight = (far - near)[:, None] * _INNER_WEIGHTS * 2.0 * root * below
         return _Earlier(row, top[row, None] - root * root, weight)
