@@ -15,18 +15,12 @@ from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
 
-# Last coefficients of averages over the stretches at birth, over the tolerance, and their least and
-# largest value. The error of averages is their square, or near an onset of P_c some 1e-3 of them.
-_RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
-# Error of the share that holds of contacts that age, in units of the tolerance, and its least.
-_AGED, _FINEST = 0.2, 1e-10
-# The same in steady motion where strands are followed: smaller errors take too long.
-_STEPPED = 1e-7
-# Largest hazard of growing grains as they pin: a share e^-300 holds, close to underflow.
-_MOST_LOST = 300.0
-# For growing grains with heat: change of the share that holds below which no finer nodes are tried,
-# over the tolerance, and its least and largest value.
-_WARM, _WARM_ENDS = 0.02, (1e-11, 1e-6)
+# Least error of the share that holds of contacts that age: from closed forms, and in steady motion where
+# strands are followed, as smaller errors take too long.
+_FINEST, _STEPPED = 1e-10, 1e-7
+# Least and largest change of the share that holds below which no finer nodes are tried for growing
+# grains with heat.
+_WARM = 1e-11, 1e-6
 
 
 def life_of(
@@ -45,18 +39,17 @@ def life_of(
         assert motion is not None
         if contacts.thermal is None:
             return GrainLife(contacts, float(motion.times[-1]))
-        accuracy = float(np.clip(_WARM * tolerance, *_WARM_ENDS))
+        accuracy = float(np.clip(0.02 * tolerance, *_WARM))
         return WarmGrainLife(contacts, float(motion.times[-1]), accuracy)
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)
-        accuracy = max(_AGED * tolerance, _FINEST)
+        accuracy = max(0.2 * tolerance, _FINEST)
         return (AgeingLife if motion.one_leg else AgeingPath)(contacts, motion, accuracy, until)
     if contacts.thermal is None:
         return ColdLife(contacts)
-    resolved = (
-        min(max(_RESOLVED * tolerance, LEAST_RESOLVED), MOST_RESOLVED) if tolerance else RESOLVED
-    )
+    # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
+    resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
     return life(contacts, resolved)
 
@@ -71,7 +64,7 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
         longest = _outlived(contacts, velocity)
         if contacts.thermal is None:
             return GrainLife(contacts, longest)
-        return WarmGrainLife(contacts, longest, _WARM_ENDS[0])
+        return WarmGrainLife(contacts, longest, _WARM[0])
     if contacts.ageing is not None:
         check_ageing(contacts)
         closed = contacts.ageing.normal is not None and contacts.thermal is None
@@ -86,7 +79,7 @@ def _check_some_hold(grains: GrainContact, velocity: float) -> None:
     """Refuse speeds at which so few of the contacts that pin ever hold that their survival underflows."""
     grains.check_speed(velocity)
     lost = grains.lost_hazard(velocity)
-    if lost > _MOST_LOST:
+    if lost > 300.0:  # a share of e^-300 holds, close to underflow
         few = f"none holds but a fraction exp(-{lost:.4g})"
         why = "they are stretched before their grains have grown"
         rule = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"

@@ -15,15 +15,8 @@ Array = npt.NDArray[np.float64]
 
 # Error of the survival, and of the force over the reach, to which the table is refined.
 ACCURACY = 1e-13
-# Allowed error of polynomials at the ends of panels, over the accuracy: near a root it is larger there
-# than inside.
-_ENDS = 100.0
-# Halvings of the longest time, to resolve lives that are much shorter.
-_RUNGS = 64
 # Relative distance within which a time counts as that at which an exact threshold is reached.
 _TIE = 1e-11
-# The narrowest panel of the table over its length; with heat lives may be far shorter.
-SHORTEST, SHORTEST_IN_HEAT = 1e-12, 1e-20
 
 
 class StraightLife(Life):
@@ -66,7 +59,8 @@ class StraightLife(Life):
 
         self.asked, ladder = longest, np.empty(0)
         if not life.quick:
-            ladder = longest * 0.5 ** np.arange(_RUNGS, -1.0, -1.0)
+            # halvings of the longest time resolve lives that are much shorter
+            ladder = longest * 0.5 ** np.arange(64.0, -1.0, -1.0)
             left = found(ladder[:, None])[0, :, 0]
             ladder, left = ladder[1.0 - left > accuracy], left[1.0 - left > accuracy]
             dead = np.flatnonzero(left < NONE_LEFT)
@@ -77,8 +71,10 @@ class StraightLife(Life):
         # at the longest time an exact threshold may break all remaining contacts
         self.bends: Array = np.append(moving[moving < longest * (1.0 - _TIE)], longest)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
-        shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
-        self.table = Table(found, edges, accuracy, shortest, ends=0.0 if life.quick else _ENDS)
+        # with heat lives may be far shorter than the table, and have roots at their beginning, near
+        # which polynomials are less accurate than inside
+        narrow, ends = (1e-12, 0.0) if life.quick else (1e-20, 100.0)
+        self.table = Table(found, edges, accuracy, narrow * longest, ends=ends)
         self.error = life.error + self.table.error
         ways = bends_of(life, born, speed, life.atoms) if self.atoms.size else np.empty(0)
         self._jumps = ways[ways < longest]
