@@ -15,13 +15,6 @@ from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
 
-# Least error of the share that holds of contacts that age: from closed forms, and in steady motion where
-# strands are followed, as smaller errors take too long.
-_FINEST, _STEPPED = 1e-10, 1e-7
-# Least and largest change of the share that holds below which no finer nodes are tried for growing
-# grains with heat.
-_WARM = 1e-11, 1e-6
-
 
 def life_of(
     contacts: Contacts,
@@ -39,12 +32,12 @@ def life_of(
         assert motion is not None
         if contacts.thermal is None:
             return GrainLife(contacts, float(motion.times[-1]))
-        accuracy = float(np.clip(0.02 * tolerance, *_WARM))
+        accuracy = float(np.clip(0.02 * tolerance, 1e-11, 1e-6))
         return WarmGrainLife(contacts, float(motion.times[-1]), accuracy)
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)
-        accuracy = max(0.2 * tolerance, _FINEST)
+        accuracy = max(0.2 * tolerance, 1e-10)
         return (AgeingLife if motion.one_leg else AgeingPath)(contacts, motion, accuracy, until)
     if contacts.thermal is None:
         return ColdLife(contacts)
@@ -59,20 +52,19 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
     Raises InputError for closures in which single contacts have no law, and where no pinned contact holds.
     """
+    ageing, stepped = contacts.ageing, False
     if contacts.grains is not None:
         _check_some_hold(contacts.grains, velocity)
         longest = _outlived(contacts, velocity)
-        if contacts.thermal is None:
-            return GrainLife(contacts, longest)
-        return WarmGrainLife(contacts, longest, _WARM[0])
-    if contacts.ageing is not None:
-        check_ageing(contacts)
-        closed = contacts.ageing.normal is not None and contacts.thermal is None
-        laws = contacts.thresholds, contacts.ageing.final
-        way = LONGEST * max(float(law.isf(1e-17)) for law in laws)
-        motion = Motion(np.array([0.0, way / velocity]), np.array([0.0, way]))
-        return AgeingLife(contacts, motion, _FINEST if closed else _STEPPED)
-    return life_of(contacts)
+    elif ageing is not None:
+        laws = contacts.thresholds, ageing.final
+        longest = LONGEST * max(float(law.isf(1e-17)) for law in laws) / velocity
+        stepped = ageing.normal is None or contacts.thermal is not None
+    else:
+        return life_of(contacts)
+    motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * velocity]))
+    # where strands are followed, smaller errors take too long
+    return life_of(contacts, 5e-7 if stepped else 0.0, motion)
 
 
 def _check_some_hold(grains: GrainContact, velocity: float) -> None:

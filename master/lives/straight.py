@@ -48,9 +48,7 @@ class StraightLife(Life):
     def __init__(
         self, life: Life, born: Start, speed: float, longest: float, accuracy: float = ACCURACY
     ) -> None:
-        self.life, self.quiet = life, life.quiet
-        self.atoms, self.grain, self.quick = life.atoms, life.grain, True
-        self.timeless, self.fresh_start = life.timeless, life.fresh_start
+        self.life, self.atoms, self.grain, self.quick = life, life.atoms, life.grain, True
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 
@@ -82,10 +80,6 @@ class StraightLife(Life):
     def marks(self, width: float) -> Array:
         """Times since birth between which the table is smooth enough for panels of a width."""
         return np.union1d(self.bends, self.table.fine(width))
-
-    def atom_share(self, atom: float, stretch: float) -> float:
-        """See Life."""
-        return self.life.atom_share(atom, stretch)
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life; born is the law that the table was made for, and the history is along `clock`."""
