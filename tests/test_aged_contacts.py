@@ -74,7 +74,9 @@ def test_far_on_with_delay_and_births_at_other_stretches(birth: float, wait: flo
     steady = master.steady_state(contacts, velocity=2.0)
     far = master.solve(contacts, np.linspace(40.0, 42.0, 21), 1e-6, velocity=2.0)
     assert steady.force_error < 1e-8 and np.abs(far.force - steady.force).max() < 1e-6
-    assert far.holding[-1] == pytest.approx(steady.cycle_length / (steady.cycle_length + wait), abs=1e-6)
+    assert far.holding[-1] == pytest.approx(
+        steady.cycle_length / (steady.cycle_length + wait), abs=1e-6
+    )
 
 
 def test_far_on_with_another_final_law() -> None:
@@ -95,12 +97,25 @@ def test_steady_motion_step_by_step_is_the_exact_one() -> None:
 
 def test_force_does_not_know_how_far_the_path_goes_on() -> None:
     """Thresholds that spread faster than the slider goes, right after it turned: read in the first of few steps."""
-    contacts = Contacts(origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078))
+    contacts = Contacts(
+        origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078)
+    )
     back = -1.4 + 0.01 * np.linspace(0.1, 1.0, 5)
     there = np.concatenate([[0.0, -1.14, -1.4], back])
-    short, long = (master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6]))
+    short, long = (
+        master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6])
+    )
     assert short.success and long.success
     assert np.abs(short.force[2:8] - long.force[2:8]).max() < short.force_error + long.force_error
+
+
+def test_density_of_contacts_that_form_again_at_many_stretches() -> None:
+    births = origins.gaussian_start(0.05, 0.02)
+    steady = master.steady_state(Contacts(FRESH, ageing=Ageing(LATER, 1e-3), reforming=births))
+    x = np.linspace(-0.1, 1.3, 701)
+    held = steady.distribution(x)
+    assert np.trapezoid(held, x) == pytest.approx(1.0, abs=1e-5)
+    assert np.trapezoid(held * x, x) == pytest.approx(steady.force, abs=1e-5)
 
 
 def test_exact_ageing_is_the_steady_state_at_each_rate() -> None:
@@ -116,7 +131,9 @@ def test_exact_ageing_is_the_steady_state_at_each_rate() -> None:
 def test_a_wide_start_on_a_spring_with_a_final_law_that_is_not_normal() -> None:
     """Rules of more stretches than there are were once compared at other moments; here nothing breaks."""
     ageing = Ageing(origins.lubricated(1.0), 1e-3)
-    contacts = Contacts(origins.rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=ageing)
+    contacts = Contacts(
+        origins.rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=ageing
+    )
     found = master.solve(contacts, [0.2], 1e-2, spring=1.5, slip="reset")
     # F = 0.1 + X = 1.5 (0.2 - X)
     assert found.success and found.force[0] == pytest.approx(0.18, abs=1e-6)

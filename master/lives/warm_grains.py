@@ -11,8 +11,6 @@ after the birth, when thresholds are small, and where the stretch comes near the
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import BSpline, RectBivariateSpline
@@ -31,13 +29,11 @@ Rows = npt.NDArray[np.intp]
 # Sums over quantiles have the variable (η - H_worst)^(1/2): edges of their first pieces, and last
 # coefficients below which pieces are not halved.
 ROOTS, RESOLVED = np.array([0.0, 0.5, 2.0, GONE**0.5]), 1e-8
-
 # Numbers of moments on a leg, tried in this order until the share changes by no more than the
 # accuracy: colder contacts break within ever shorter parts of a leg.
 MOMENTS = (51, 101, 201, 401)
-ACCURACY = 1e-7
-# Factor on the measured change, as not all ages are measured; and the error of the table.
-MARGIN, TABLE_ERROR = 4.0, 3e-11
+# Factor on the measured change, as not all ages are measured.
+MARGIN = 4.0
 # Lower ends of the table of thresholds, in the logarithms of the hazard and of the time since pinning
 # over tau_m (below them thresholds are powers of both), and its spacing, at which splines of degree
 # DEGREE are accurate to 1e-11.
@@ -65,12 +61,12 @@ class WarmGrainLife(GrainLife):
     # with this `resolved` normal laws are summed to 1e-8
     pair_work, pieces, resolved = 1000, 4, 1e-5
 
-    def __init__(self, contacts: Contacts, longest: float, accuracy: float = ACCURACY) -> None:
+    def __init__(self, contacts: Contacts, longest: float, accuracy: float) -> None:
         super().__init__(contacts, longest)
         assert contacts.thermal is not None
         self._accuracy = accuracy
         self.thermal, self._fineness = contacts.thermal, 0
-        self.error = TABLE_ERROR
+        self.error = 3e-11  # of the table
         self.thresholds = GrowingThresholds(self.grains, self.start_since + longest)
 
     def left(self, born: Start | Array, history: History) -> Array:
@@ -116,7 +112,11 @@ class WarmGrainLife(GrainLife):
         """A of quantiles with the hazards worst + roots², shape of `roots` (n, m); each leg is cut where
         the stretch passes 0."""
         out, hazards = np.zeros(roots.shape), worst[:, None] + roots * roots
-        rule = _towards_ends(moments)
+        # the double exponential rule, dense towards both ends of a leg
+        t = np.linspace(-3.0, 3.0, moments)
+        place = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))
+        weight = np.cosh(t) * place * (1.0 - place)
+        weight /= weight.sum()
         for leg, duration in enumerate(legs.duration.T):
             begin, end = legs.displacement[:, leg], legs.displacement[:, leg + 1]
             turns = begin * end < 0.0
@@ -132,27 +132,11 @@ class WarmGrainLife(GrainLife):
                 if not rows.size:
                     continue
                 near, far, at, lasts = (part[rows, None] for part in (near, far, at, lasts))
-                limit = self.thresholds.each(hazards[rows], at + lasts * rule.place)
-                stretch = np.abs(near + (far - near) * rule.place)[:, :, None]
+                limit = self.thresholds.each(hazards[rows], at + lasts * place)
+                stretch = np.abs(near + (far - near) * place)[:, :, None]
                 rate = self.thermal.plain_rate(np.minimum(stretch, limit), limit)
-                out[rows] += (rule.weight @ rate) * lasts
+                out[rows] += (weight @ rate) * lasts
         return np.minimum(out, 700.0)  # e^-700 counts as 0
-
-
-class Rule(NamedTuple):
-    """Places on (0, 1) and weights of sum 1, arrays (n,)."""
-
-    place: Array
-    weight: Array
-
-
-def _towards_ends(moments: int) -> Rule:
-    """The double exponential rule, dense towards both ends."""
-    t = np.linspace(-3.0, 3.0, moments)
-    argument = np.pi * np.sinh(t)
-    place = 1.0 / (1.0 + np.exp(-argument))
-    weight = np.pi * np.cosh(t) * place / (1.0 + np.exp(argument)) * (t[1] - t[0])
-    return Rule(place, weight / weight.sum())
 
 
 class GrowingThresholds:
