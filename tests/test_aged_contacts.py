@@ -98,20 +98,10 @@ def test_steady_motion_step_by_step_is_the_exact_one() -> None:
     held_to_claim(contacts, path, 1e-5, master.solve(contacts, path, 1e-8), time=path.copy())
 
 
-WALLS = Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(origins.rectangular(0.5, 1.5), 0.1))
-
-
-def test_fast_diffusion_between_walls() -> None:
-    """Uniform by then, thresholds all come down to the stretch within L²/(3 D) of the wall, hardly moving."""
-    diffusion = 1e3
-    ageing = Ageing(origins.rectangular(0.5, 1.5), diffusion)
-    steady = master.steady_state(Contacts(WALLS.thresholds, ageing=ageing))
-    assert steady.cycle_length - 0.5 == pytest.approx(1.0 / (3.0 * diffusion), rel=2.0 / diffusion)
-    assert steady.cycle_length_error < 1e-5
-
-
-def test_nothing_breaks_before_the_wall() -> None:
-    path = np.linspace(0.0, 0.5, 11)
-    exact = master.solve(WALLS, path, tolerance=1e-3)
-    # at the wall itself they break as the root of the way beyond
-    np.testing.assert_allclose(exact.force[:-1], path[:-1], atol=1e-9)
+def test_density_of_contacts_that_form_again_at_many_stretches() -> None:
+    births = origins.gaussian_start(0.05, 0.02)
+    steady = master.steady_state(Contacts(FRESH, ageing=Ageing(LATER, 1e-3), reforming=births))
+    x = np.linspace(-0.1, 1.3, 701)
+    held = steady.distribution(x)
+    assert np.trapezoid(held, x) == pytest.approx(1.0, abs=1e-5)
+    assert np.trapezoid(held * x, x) == pytest.approx(steady.force, abs=1e-5)

@@ -120,6 +120,7 @@ steady_state(OLD.replace(thermal=Thermal("soft", 0.1, closure="paper")))  contac
 steady_state(OLD, velocity=-1.0)  velocity = -1\.0: must be above
 Ageing(UNEVEN, 0.1)  final: the density jumps at 1: there
 Contacts(BOX, ageing=Ageing(origins.rectangular(0.7, 1.5), 0.1))  .*fresh thresholds lies outside the final law
+solve(Contacts(BOX, ageing=Ageing(origins.rectangular(0.1, 3.0), 0.1)), [1.0])  ageing: the final law ends at 0.1 and 3
 paper_transient(PRINTED, [1.0], 0.01, keep="both")  keep = 'both':
 paper_transient(PRINTED, [1.0], 1e-6)  step = 1e-06: needs more than 20,000 cells
 propensity(GROWING, velocity=30.0)  .*none holds but a fraction
