@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.steady import check_finite, cycle_of
-from master.stick_slip.decoherence import decoherence_length
 from master.stick_slip.extremes import extremes, unit_of
 from master.stick_slip.forward import births_table
+from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
