@@ -15,8 +15,9 @@ import numpy.typing as npt
 
 from master.outcome import WELL, judged
 from master.steady.points import Along, Points, changed
-from master.steady.steady import check_finite, steady_state
+from master.steady.steady import steady_state
 from master.steady.sums import summed
+from master.steady.travel import check_finite
 from origins import Contacts
 from origins.contacts import LAWS, check_contacts
 from origins.errors import refuse

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal.table import Table
+from master.steady.travel import thresholds_beyond
 from origins import Contacts
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
 
@@ -37,8 +38,6 @@ CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 ACCURACY, SHORTEST = 1e-9, 1e-13
 # Thresholds are summed up to this survival.
 TAIL = 1e-80
-# Largest power that is fitted to a tail: steeper ones end, or nearly so.
-MOST_STEEP = 1e3
 
 
 class Sums(NamedTuple):
@@ -77,20 +76,9 @@ def summed(contacts: Contacts, speeds: Array) -> Sums:
         scale = typical / contacts.mean_threshold
         total += table.integrals().reshape(2, -1) * scale
         off += table.missed().reshape(2, -1) * scale
-        off += _beyond(contacts, float(edges[-1]))[:, None]
+        off += thresholds_beyond(contacts, float(edges[-1]))[:, None]
     off += ROUND_OFF * total
     return Sums(total[0], off[0], 0.5 * total[1], 0.5 * off[1])
-
-
-def _beyond(contacts: Contacts, far: float) -> Array:
-    """Bounds on the contributions of thresholds beyond `far` to <x_b> and <k x_b^2>, shape (2,)."""
-    law, stiff = contacts.thresholds, float(contacts.relative_stiffness(far))
-    held, twice = float(law.sf(far)), float(law.sf(2.0 * far))
-    power = 2.0 + (contacts.stiffness == "linked")
-    steep = min(float(np.log2(held / twice)), MOST_STEEP) if twice > 0.0 else MOST_STEEP
-    if held > 0.0 and not steep > power:
-        return np.full(2, np.inf)
-    return held * far * np.array([1.0, stiff * far]) * steep / (steep - power)
 
 
 class _Breaks:

@@ -25,7 +25,7 @@ TOLD = 10.0
 def births_table(contacts: Contacts, life: Life, velocity: float, tolerance: float) -> Travel:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(ACCURACY * tolerance, FINEST_TABLE)
-    return Travel(life, births_of(contacts), velocity, accuracy)
+    return Travel(contacts, life, births_of(contacts), velocity, accuracy)
 
 
 def forward_march(

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from master.outcome import judged
 from master.steady.points import Along, Points, changed
-from master.steady.steady import check_finite
+from master.steady.travel import check_finite
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
 from origins.contacts import LAWS, check_contacts

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from master.lives.make import steady_life
 from master.outcome import judged
-from master.steady.steady import check_finite, cycle_of
+from master.steady.travel import check_finite
 from master.stick_slip.extremes import extremes, unit_of
 from master.stick_slip.forward import births_table
 from master.stick_slip.roots import decoherence_length
@@ -78,7 +78,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     velocity = positive("velocity", velocity)
     life = steady_life(contacts, velocity)
     travel = births_table(contacts, life, velocity, tolerance)
-    kinetic, off = cycle_of(contacts, travel).force(velocity * contacts.waiting_time)
+    kinetic, off = travel.force(velocity * contacts.waiting_time)
     if not kinetic > 0.0:
         raise InputError(
             f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "

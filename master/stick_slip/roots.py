@@ -131,7 +131,7 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known
     infinitely many crowd may not exist, and X* is that of this rate.
     """
     wait = velocity * contacts.waiting_time
-    travel = Travel(life, births_of(contacts), velocity)
+    travel = Travel(contacts, life, births_of(contacts), velocity)
     rate, off = min(tail_rate(contacts), Known(crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
         return Known(np.inf, 0.0)

@@ -16,8 +16,7 @@ from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.births import births_of
-from master.steady.steady import check_finite, cycle_of
-from master.steady.travel import Travel
+from master.steady.travel import Travel, check_finite
 from master.stick_slip.forward import births_table, forward_march
 from master.stick_slip.roots import BROAD, NEAR, crowding_rate, leading_roots, tail_rate
 from master.stick_slip.transform import Complex, Transform
@@ -141,7 +140,7 @@ def decoherence_spectrum(
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     check_finite(contacts)
     life, again, start = steady_life(contacts, velocity), births_of(contacts), contacts.start
-    travel = Travel(life, again, velocity)
+    travel = Travel(contacts, life, again, velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     limit = _searched(contacts, travel, wait)
     # the force of linked contacts comes from a table with this error, in mean stretches
@@ -151,7 +150,7 @@ def decoherence_spectrum(
     s, next_root = found.roots[:n_roots], found.roots[n_roots : n_roots + 1]
     gamma = float(-next_root[0].real) if next_root.size else found.searched
     alike = start.is_single and start.span == again.span
-    begins = transform if alike else Transform(Travel(life, start, velocity), wait)
+    begins = transform if alike else Transform(Travel(contacts, life, start, velocity), wait)
 
     def amplitudes(s: Complex) -> Complex:
         late = np.exp(-s * wait) / transform.conserved(s)[1]
@@ -162,7 +161,7 @@ def decoherence_spectrum(
     share = values.force_off / np.abs(values.force) + 1e-14
     share += first.held_off / np.abs(1.0 / s - first.held)
     amplitude_error = np.abs(amplitude) * share + np.abs(amplitudes(s + roots_error) - amplitude)
-    kinetic, kinetic_off = cycle_of(contacts, travel).force(wait)
+    kinetic, kinetic_off = travel.force(wait)
     spectrum = DecoherenceSpectrum(
         roots=s,
         roots_error=roots_error,
