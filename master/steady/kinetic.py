@@ -7,14 +7,13 @@ So points that differ only in the delay share one steady state, as do all at whi
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from master.outcome import WELL, judged
-from master.steady.points import Along, Points, changed
+from master.steady.points import Along, Points
 from master.steady.steady import steady_state
 from master.steady.sums import summed
 from master.steady.travel import check_finite
@@ -23,11 +22,6 @@ from origins.contacts import LAWS, check_contacts
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
-
-# Relative error of F_k above which a point of the sum over all speeds is solved individually.
-GOOD = 1e-9
-# Relative round-off of the share that holds.
-ROUND_OFF = 4e-16
 
 
 @dataclass(frozen=True, repr=False)
@@ -78,49 +72,28 @@ def kinetic_curve(
     shapes that do not broadcast, for a temperature or a rate of contacts without that law, and for
     speeds so low that squares of stretches at a break underflow.
     """
-    began = time.perf_counter()
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
     points = Points(contacts, velocity, temperature, rate, delay)
-    rows = (row.reshape(points.shape) for row in _along(contacts, points))
-    force, force_error, holding, holding_error = rows
-    success, message = judged("F_k", force_error / force, WELL)
+    cases, which = points.distinct(waits=False)
+    steady = np.empty((4, len(cases)))
+    for laws in np.unique(cases[:, 1:], axis=0):
+        these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
+        steady[:, these] = _at_once(points.contacts(cases[these[0]]), cases[these, 0])
+    force, force_error, length, length_error = steady[:, which].reshape(4, *points.shape)
+    # contacts with grains are out until these pin again, in addition to the delay
+    pinned = points.contacts(np.zeros(4)).waiting_time
+    speeds, waits = points.rows[[0, 3]].reshape(2, *points.shape)
+    holding = length / (length + speeds * (waits + pinned))
+    off = holding * (1.0 - holding) * length_error / length
+    force_error = force_error * holding + force * off
+    force = force * holding
     return KineticCurve(
-        velocity=points.velocity,
-        temperature=points.temperature,
-        rate=points.rate,
-        delay=points.delay,
-        run_time=time.perf_counter() - began,
-        success=success,
-        message=message,
+        **points.outcome(*judged("F_k", force_error / force, WELL)),
         force=force,
         force_error=force_error / contacts.mean_threshold,
         holding=holding,
-        holding_error=holding_error,
+        holding_error=off + 4e-16,  # the round-off of the share that holds
     )
-
-
-def _along(contacts: Contacts, points: Points) -> Array:
-    """Force, its error (lengths), the fraction that holds and its error, shape (4, n)."""
-    speeds, heat, spread, wait = points.rows
-    growing = contacts.grains is not None
-    if contacts.thermal is None and not growing:  # the state depends on D/v at most
-        columns = np.ones(speeds.size), heat, spread / speeds
-    else:
-        own_rate = growing or points.temperature is None
-        columns = np.where((heat > 0.0) | (spread > 0.0) | own_rate, speeds, 1.0), heat, spread
-    cases, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    steady = np.empty((4, len(cases)))
-    for temperature, diffusion in np.unique(cases[:, 1:], axis=0):
-        these = np.flatnonzero((cases[:, 1] == temperature) & (cases[:, 2] == diffusion))
-        single = changed(contacts, float(temperature), float(diffusion), 0.0)
-        steady[:, these] = _at_once(single, cases[these, 0])
-    force, force_error, length, length_error = steady[:, which.reshape(-1)]
-    # contacts with grains are out until these pin again, in addition to the delay
-    wait = wait + changed(contacts, 0.0, 0.0, 0.0).waiting_time
-    holding = length / (length + speeds * wait)
-    off = holding * (1.0 - holding) * length_error / length
-    force_error = force_error * holding + force * off
-    return np.stack([force * holding, force_error, holding, off + ROUND_OFF])
 
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
@@ -143,7 +116,8 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
         off = (sums.area_error + force * sums.length_error) / sums.length
         out = np.stack([force, off, sums.length, sums.length_error])
     unit = contacts.mean_threshold
-    for i in np.flatnonzero(~(out[1] <= GOOD * out[0])):
+    # points not known well enough from the sums over all speeds are solved individually
+    for i in np.flatnonzero(~(out[1] <= 1e-9 * out[0])):
         one = steady_state(contacts, velocity=float(speeds[i]))
         if not one.force_error * unit >= out[1, i]:
             out[:2, i] = np.array([one.force, one.force_error * unit]) / one.holding

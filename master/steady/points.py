@@ -1,6 +1,8 @@
 """Many points along speeds, temperatures, rates of ageing and delays, checked and broadcast."""
 
+import time
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -48,12 +50,11 @@ class Points:
 
     Attributes
     ----------
-    velocity : array
-    temperature, rate, delay : array or None
-        None where the contacts have no such law.
     shape : tuple of int
     rows : array of shape (4, n)
-        The four quantities, flattened; 0 for a law that the contacts do not have.
+        Speed, temperature, rate and delay, flattened; 0 for a law that the contacts do not have.
+    told : dict
+        The fields of `Along` that hold the four quantities.
 
     Raises InputError for values that are not finite or too small, for shapes that do not broadcast,
     and for a temperature or a rate of contacts without that law.
@@ -98,29 +99,39 @@ class Points:
             raise InputError(
                 f"{', '.join(given)}: have shapes that do not fit together: {shapes}"
             ) from error
-        self.velocity: Array = arrays["velocity"]
-        self.temperature, self.rate, self.delay = (
-            arrays.get(name) for name in ("temperature", "rate", "delay")
-        )
-        self.shape = self.velocity.shape
+        self.told: dict[str, Any] = {name: arrays.get(name) for name in asked}
+        self.shape = arrays["velocity"].shape
         self.rows = np.stack([np.ravel(arrays.get(name, np.zeros(self.shape))) for name in asked])
+        self._began, self._contacts = time.perf_counter(), contacts
+        self._hot = contacts.grains is not None or (thermal is not None and temperature is None)
 
+    def distinct(self, waits: bool) -> tuple[Array, npt.NDArray[np.intp]]:
+        """Rows of speed, temperature, rate and delay, each once, of shape (m, 4), and the row of each
+        point. The speed is 1 where it does not matter, the delay 0 unless asked for (`waits`)."""
+        speeds, heat, spread, wait = self.rows
+        wait = wait * waits
+        matters = self._hot | (heat > 0.0) | (spread > 0.0) | (wait > 0.0)
+        columns = np.stack([np.where(matters, speeds, 1.0), heat, spread, wait], axis=1)
+        cases, which = np.unique(columns, axis=0, return_inverse=True)
+        return cases, which.ravel()
 
-def changed(
-    contacts: Contacts, temperature: float, rate: float, delay: float, start: object = None
-) -> Contacts:
-    """The contacts with another temperature, rate of ageing, delay (0: none) and start."""
-    thermal, ageing = contacts.thermal, contacts.ageing
-    if isinstance(
-        thermal, Thermal
-    ):  # a rate law of the user's own has no temperature: it stays as it is
-        thermal = replace(thermal, temperature=temperature) if temperature > 0.0 else None
-    return contacts.replace(
-        start=start,
-        thermal=thermal,
-        ageing=None if ageing is None else Ageing(ageing.final, rate, ageing.closure),
-        delay=Delay(delay) if delay > 0.0 else None,
-    )
+    def outcome(self, success: npt.NDArray[np.bool_], message: str) -> dict[str, Any]:
+        """All fields of `Along`."""
+        run_time = time.perf_counter() - self._began
+        return {**self.told, "run_time": run_time, "success": success, "message": message}
+
+    def contacts(self, case: Array, start: object = None) -> Contacts:
+        """The contacts at the temperature, rate and delay of one row (0: none), with another start."""
+        _, temperature, rate, delay = (float(value) for value in case)
+        thermal, ageing = self._contacts.thermal, self._contacts.ageing
+        if isinstance(thermal, Thermal):  # a rate law of the user's own has no temperature
+            thermal = replace(thermal, temperature=temperature) if temperature > 0.0 else None
+        return self._contacts.replace(
+            start=start,
+            thermal=thermal,
+            ageing=None if ageing is None else Ageing(ageing.final, rate, ageing.closure),
+            delay=Delay(delay) if delay > 0.0 else None,
+        )
 
 
 def _numbers(name: str, value: npt.ArrayLike) -> Array:

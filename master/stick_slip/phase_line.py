@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from master.outcome import judged
-from master.steady.points import Along, Points, changed
+from master.steady.points import Along, Points
 from master.steady.travel import check_finite
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
@@ -59,30 +58,18 @@ def phase_line(
 
     Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
     """
-    began = time.perf_counter()
     check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
     tolerance = check_tolerance("tolerance", tolerance)
     points = Points(contacts, velocity, temperature, rate, delay)
     check_finite(contacts)
-    speeds, *others = points.rows
-    # the speed matters only with heat, ageing, grains or a delay
-    tells = np.any(others, axis=0) | (contacts.thermal is not None) & (points.temperature is None)
-    speeds = np.where(tells | (contacts.grains is not None), speeds, 1.0)
-    cases, which = np.unique(np.stack([speeds, *others], axis=1), axis=0, return_inverse=True)
+    cases, which = points.distinct(waits=True)
     found = np.empty((2, len(cases)))
-    for i, (speed, heat, spread, wait) in enumerate(cases.tolist()):
-        single = changed(contacts, heat, spread, wait, contacts.start)
-        found[:, i] = critical_spring(single, speed, tolerance)
-    spring, error = (row[which.reshape(-1)].reshape(points.shape) for row in found)
-    success, message = judged("K*", error / (1.0 + spring), tolerance)
+    for i, case in enumerate(cases):
+        single = points.contacts(case, contacts.start)
+        found[:, i] = critical_spring(single, float(case[0]), tolerance)
+    spring, error = found[:, which].reshape(2, *points.shape)
     return PhaseLine(
-        velocity=points.velocity,
-        temperature=points.temperature,
-        rate=points.rate,
-        delay=points.delay,
-        run_time=time.perf_counter() - began,
-        success=success,
-        message=message,
+        **points.outcome(*judged("K*", error / (1.0 + spring), tolerance)),
         critical_spring=spring,
         critical_spring_error=error,
     )
