@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.paper.q15_step import Q15Stepper, narrowest
 from master.solve import solve
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts, InputError
@@ -129,6 +128,8 @@ def _exact_drop(contacts: Contacts, velocity: float, finer: bool = False) -> _Dr
     steepest, error = critical_spring(contacts, velocity, _TOLERANCE)
     if not finer:
         return _Drop(steepest, error, np.nan)
+    from master.paper.q15_step import narrowest
+
     step = narrowest(contacts.thresholds, contacts.start) / 20.0
     path = np.arange(0.0, _first_drop_over(contacts), step)
     force = solve(contacts, path, _TOLERANCE, velocity=velocity).force
@@ -137,6 +138,8 @@ def _exact_drop(contacts: Contacts, velocity: float, finer: bool = False) -> _Dr
 
 def _printed_drop(contacts: Contacts, velocity: float, finer: bool = False) -> _Drop:
     """Where all contacts have one P_c: the first drop of (Q15), extrapolated in h²."""
+    from master.paper.q15_step import Q15Stepper, narrowest
+
     drops = []
     for level in (4.0, 8.0, 16.0)[: 2 + finer]:
         step, force = narrowest(contacts.thresholds, contacts.start) / level, list[float]()

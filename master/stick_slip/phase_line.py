@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.outcome import judged
-from master.steady.points import Along, Points
+from master.steady.kinetic import Along, Points
 from master.steady.travel import check_finite
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.travel import check_finite
-from master.stick_slip.extremes import extremes, unit_of
-from master.stick_slip.forward import births_table
+from master.stick_slip.extremes import births_table, extremes, unit_of
 from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts

@@ -17,7 +17,7 @@ from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.births import births_of
 from master.steady.travel import Travel, check_finite
-from master.stick_slip.forward import births_table, forward_march
+from master.stick_slip.extremes import births_table, forward_march
 from master.stick_slip.roots import BROAD, NEAR, crowding_rate, leading_roots, tail_rate
 from master.stick_slip.transform import Complex, Transform
 from origins import Contacts, InputError
