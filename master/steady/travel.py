@@ -8,8 +8,6 @@ integrals over the way, the slider's travel since a contact's birth (paper, Eqs.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
@@ -42,13 +40,6 @@ UNBROKEN, FEW, NONE = 1e-3, 1e-4, 1e-17
 # An interval between two sampled ways in which more than the share MANY breaks is cut into PARTS: one
 # evaluation at many ways takes less time than several at few.
 MANY, PARTS = 0.05, 8
-
-
-class Force(NamedTuple):
-    """A force and its error (lengths)."""
-
-    value: float
-    error: float
 
 
 class Travel:
@@ -153,11 +144,11 @@ class Travel:
         self.area_error = abs(area - self.area) + 4e-16 * area
         self.length, self.area = length, area
 
-    def force(self, wait: float) -> Force:
-        """F_k/(N_c <k>), where contacts are out for the travel `wait` (a length)."""
+    def force(self, wait: float) -> tuple[float, float]:
+        """F_k/(N_c <k>) and its error (lengths), where contacts are out for the travel `wait`."""
         whole = self.length + wait
         force = self.area / whole
-        return Force(force, (self.area_error + abs(force) * self.length_error) / whole)
+        return force, (self.area_error + abs(force) * self.length_error) / whole
 
     def _beyond(self, ways: Array) -> Array:
         """Integrals of E and K beyond the last way, where both continue as powers; shape (2,).

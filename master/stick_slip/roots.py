@@ -43,13 +43,6 @@ STEPS, ONE = 40, 1e-7
 BROAD = 1e4
 
 
-class Known(NamedTuple):
-    """A rate (per length) or a length, and its error."""
-
-    value: float
-    error: float
-
-
 class Roots(NamedTuple):
     """All roots of D with Im s > 0 right of Re s = -searched (per length), slowest first.
 
@@ -61,23 +54,17 @@ class Roots(NamedTuple):
     searched: float
 
 
-class Jumps(NamedTuple):
-    """Ways (lengths) at which E jumps, and by how much; arrays of shape (n,)."""
-
-    ways: Array
-    shares: Array
-
-
-def jumps_of(travel: Travel) -> Jumps:
-    """Ways at which contacts reach exact thresholds together, and the shares that break there."""
+def jumps_of(travel: Travel) -> tuple[Array, Array]:
+    """Ways (lengths) at which contacts reach exact thresholds together, and the shares that break
+    there; arrays of shape (n,)."""
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     if not ways.size:
-        return Jumps(ways, ways)
+        return ways, ways
     # just before and after an exact threshold
     sides = 1.0 - 1e-11, 1.0 + 1e-11
     before, after = (travel.left(ways[:, None] * side)[0, :, 0] for side in sides)
     shares = np.maximum(before - after, 0.0)
-    return Jumps(ways[shares > 0.0], shares[shares > 0.0])
+    return ways[shares > 0.0], shares[shares > 0.0]
 
 
 def crowding_rate(travel: Travel, wait: float) -> float:
@@ -99,14 +86,15 @@ def crowding_rate(travel: Travel, wait: float) -> float:
     return float(brentq(held, 0.0, most, xtol=1e-300, rtol=1e-14))
 
 
-def tail_rate(contacts: Contacts) -> Known:
-    """Rate at which log S of the thresholds falls in the tail; inf if faster, 0 if slower than linear.
+def tail_rate(contacts: Contacts) -> tuple[float, float]:
+    """Rate at which log S of the thresholds falls in the tail, and its error (per length); inf if it
+    falls faster than linearly, 0 if slower.
 
     Heat does not change it: the stronger a contact, the less likely it breaks before its threshold.
     """
     law = contacts.thresholds
     if np.isfinite(law.support()[1]):
-        return Known(np.inf, 0.0)
+        return np.inf, 0.0
     # the survival is sampled outwards, since many distributions cannot compute far quantiles
     x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
     with np.errstate(over="ignore"):
@@ -118,11 +106,11 @@ def tail_rate(contacts: Contacts) -> Known:
     rounded = 1e-9 * slopes[-1]
     level = abs(slopes[-1] - slopes[0]) < 0.25 * slopes[-1]
     if level and abs(change[1]) < max(0.6 * abs(change[0]), rounded):
-        return Known(slopes[-1] + change[1], abs(2.0 * change[1] - change[0]) + rounded)
-    return Known(np.inf if slopes[-1] > slopes[0] else 0.0, 0.0)
+        return slopes[-1] + change[1], abs(2.0 * change[1] - change[0]) + rounded
+    return np.inf if slopes[-1] > slopes[0] else 0.0, 0.0
 
 
-def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known:
+def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> tuple[float, float]:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
     It is inf for exact values alone (F is periodic or nearly so), and for a tail that falls slower
@@ -132,22 +120,22 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> Known
     """
     wait = velocity * contacts.waiting_time
     travel = Travel(contacts, life, births_of(contacts), velocity)
-    rate, off = min(tail_rate(contacts), Known(crowding_rate(travel, wait), 0.0))
+    rate, off = min(tail_rate(contacts), (crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
-        return Known(np.inf, 0.0)
+        return np.inf, 0.0
     if travel.longest > BROAD * travel.length:
         # X* depends on the few contacts that live longest, which the table of E does not resolve
-        return Known(travel.longest, np.inf)
+        return travel.longest, np.inf
     transform = Transform(travel, wait)
     found = leading_roots(transform, 1, NEAR * rate)
     if found.roots.size:
         decay = -float(found.roots[0].real)
         error = float(transform.root_errors(found.roots[:1])[0])
         # with a very long delay the decay may be smaller than its rounding error
-        return Known(1.0 / decay, error / decay**2) if error < decay else Known(1.0 / error, np.inf)
+        return (1.0 / decay, error / decay**2) if error < decay else (1.0 / error, np.inf)
     if found.searched > 0.95 * NEAR * rate:  # an undetected root may lie from there to the rate
-        return Known(1.0 / rate, (off + rate - found.searched) / rate**2)
-    return Known(0.5 / found.searched, 0.5 / found.searched)
+        return 1.0 / rate, (off + rate - found.searched) / rate**2
+    return 0.5 / found.searched, 0.5 / found.searched
 
 
 def leading_roots(transform: Transform, count: int, limit: float) -> Roots:
@@ -210,8 +198,8 @@ def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Com
     """
     travel, wait = transform.travel, transform.wait
     real = np.linspace(-decay, step, int(min(np.ceil(decay / step), COLUMNS)) + 2)
-    jumps = jumps_of(travel)
-    lasting = float(jumps.shares @ np.exp(decay * (jumps.ways + wait)))
+    jumps, shares = jumps_of(travel)
+    lasting = float(shares @ np.exp(decay * (jumps + wait)))
     most = float(np.sqrt(MOST_WORK * step / transform.nodes_per_frequency()))
     most = min(HIGHEST / (travel.length + wait), most)
     end = min(max(HIGH / travel.grain, 30.0 * step), most)
@@ -220,7 +208,7 @@ def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Com
         s = real + 1j * step * np.arange(count)[:, None]
         s[s == 0.0] = 1e-6 * step
         held = transform.grid(real, step, count)
-        ways = np.exp(-np.multiply.outer(s[:, 0], jumps.ways)) @ jumps.shares
+        ways = np.exp(-np.multiply.outer(s[:, 0], jumps)) @ shares
         fading = np.abs(1.0 - s[:, 0] * held[:, 0] - ways) * np.exp(decay * wait)
         above = np.flatnonzero(fading > BELOW * (1.0 - lasting))
         last = int(above[-1]) if above.size else 0

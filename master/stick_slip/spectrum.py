@@ -32,8 +32,6 @@ TOLERANCE = 1e-9
 # Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd at all
 # frequencies.
 LONGEST = 400.0
-# Decay rate of exact values, per mean way, below which roots cannot be resolved from Re s = 0.
-CROWDED = 1e-2
 # F is followed over this many mean ways from birth to birth; safety factor on its largest difference
 # from the terms, as the terms left out may add up in phase elsewhere.
 FOLLOWED, SAFE = 6.0, 2.0
@@ -191,27 +189,24 @@ def _searched(contacts: Contacts, travel: Travel, wait: float) -> float:
             )
         told = f"contacts {times}: roots are told up to {LONGEST:g} times; use a shorter one"
         refuse("delay", contacts.delay.time, told)
-    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts).value
-    if crowd == 0.0:
-        raise InputError(
-            "thresholds: are exact values alone: their roots come as near to Re s = 0 as one likes and none "
-            "is the slowest; give each a width, or follow F(X) with master.solve"
+    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts)[0]
+    told = ""
+    if crowd * (travel.length + wait) < 1e-2:
+        told = (
+            "thresholds: so much of their weight is in exact values alone: their roots come as near to "
+            "Re s = 0 as one likes, and none is known to be the slowest; give each a width, or follow "
+            "F(X) with master.solve"
         )
-    if tail == 0.0:
-        raise InputError(
-            "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
+    elif tail == 0.0:
+        told = "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
+    elif travel.longest > BROAD * travel.length:
+        told = (
+            f"thermal: contacts live for all lengths up to {travel.longest / travel.length:.1g} times "
+            "the mean: among so many no leading oscillating wave can be resolved; master.propensity "
+            "gives X*, or says that it is not known"
         )
-    if travel.longest > BROAD * travel.length:
-        raise InputError(
-            f"thermal: contacts live for all lengths up to {travel.longest / travel.length:.1g} times the "
-            "mean: among so many no leading oscillating wave can be resolved; master.propensity gives X*, "
-            "or says that it is not known"
-        )
-    if crowd * (travel.length + wait) < CROWDED:
-        raise InputError(
-            "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "
-            "Re s = 0; master.propensity gives X*, and master.solve follows F(X)"
-        )
+    if told:
+        raise InputError(told)
     return NEAR * min(tail, crowd)
 
 
