@@ -96,9 +96,8 @@ class _Breaks:
         nodes, weights = gauss(self._edges[:-1], self._edges[1:])
         self._u = nodes.ravel()
         self._weights = weights.ravel()[:, None] * _weight(self._u[:, None] - self._log_speeds)
-        # where the rate vanishes at the threshold, a panel must be at least its width away from it
-        apart = np.diff(self._edges) if self._rates.vanishes_at_threshold else 0.0
-        self._usable_from = self._edges[1:] + apart
+        # the rate may vanish at the threshold: a panel must be at least its width away from it
+        self._usable_from = self._edges[1:] + np.diff(self._edges)
 
     def __call__(self, thresholds: Array) -> Array:
         """Shape (2, thresholds, speeds)."""
@@ -120,13 +119,10 @@ class _Breaks:
 
     def _last(self, begin: Array, end: Array, threshold: Array, stiffness: Array) -> Array:
         """Contribution of breaks between the last whole panel and the threshold, (2, n, speeds)."""
-        if self._rates.vanishes_at_threshold:
-            roots = np.cbrt(end - begin)[:, None] * CUTS
-            nodes, weights = gauss(roots[:, 1:], roots[:, :-1])
-            nodes, weights = (part.reshape(end.size, -1) for part in (nodes, weights))
-            u, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
-        else:
-            u, weights = gauss(begin, end)
+        roots = np.cbrt(end - begin)[:, None] * CUTS
+        nodes, weights = gauss(roots[:, 1:], roots[:, :-1])
+        nodes, weights = (part.reshape(end.size, -1) for part in (nodes, weights))
+        u, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
         x = self._rates.reached(u, 0.0, threshold[:, None], stiffness[:, None])
         moments = np.stack([weights * x, weights * x * x])
         out = np.zeros((2, end.size, self._log_speeds.size))
