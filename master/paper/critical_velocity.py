@@ -105,16 +105,15 @@ def _where_it_is(
     """v_c where the largest -F' equals the spring; InputError unless it lies between the speeds."""
     from scipy.optimize import brentq
 
-    slow, fast = drop(slowest).steepest, drop(fastest).steepest
-    if not slow > spring >= fast:
-        raise InputError(
-            f"slowest, fastest: -F' is at most {slow:.4g} at v = {slowest:g} and "
-            f"{fast:.4g} at v = {fastest:g}; the spring {spring:g} must lie between them"
-        )
-
     def excess(log_velocity: float) -> float:
         return drop(float(np.exp(log_velocity))).steepest - spring
 
+    slow, fast = excess(np.log(slowest)), excess(np.log(fastest))
+    if not slow > 0.0 >= fast:
+        raise InputError(
+            f"slowest, fastest: -F' is at most {slow + spring:.4g} at v = {slowest:g} and "
+            f"{fast + spring:.4g} at v = {fastest:g}; the spring {spring:g} must lie between them"
+        )
     root = brentq(excess, np.log(slowest), np.log(fastest), xtol=_CLOSE)
     slope = (excess(root - _APART) - excess(root + _APART)) / (2.0 * _APART)
     finer = drop(float(np.exp(root)), finer=True)  # moves v_c by little

@@ -30,8 +30,8 @@ OVER = 7.0
 # weight is an exponential. The relative error of sums is then ROUND_OFF (measured).
 EVEN, WIDTH, WIDER, WIDEST = -1.0, 0.6, 1.3, 4.0
 ROUND_OFF = 2e-12
-# Panels next to the threshold where the rate vanishes there as a square root, as shares of the cube
-# root of the distance in u: the stretch is smooth in this root.
+# Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root
+# of the distance in u: the stretch is smooth in this root.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last coefficients, in units of typical values, below which a panel of thresholds is not halved (the
 # error of its integral is about their square); and its least width, in mean thresholds.
