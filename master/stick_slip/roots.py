@@ -170,39 +170,43 @@ def _roots_to(transform: Transform, decay: float) -> Roots:
         step = SIDE / (centre + transform.wait) / 2**halvings
         # roots nearer to the left side may count as outside, as the sides of cells are taken straight
         left = decay + min(0.4 * step, 0.05 * decay)
-        s, values = _grid(transform, left, step)
+        s, values = _grid(transform, left, step, COLUMNS * 2**halvings)
         across = np.angle(values[:, 1:] / values[:, :-1])
         along = np.angle(values[1:] / values[:-1])
         turned = across[:-1] + along[:, 1:] - across[1:] - along[:, :-1]
         begins = (0.5 * (s[:-1, :-1] + s[1:, 1:]))[turned > np.pi]
-        ends = _polished(transform, begins, step)
+        size = float(abs(s[1, 1] - s[0, 0]))
+        ends = _polished(transform, begins, size)
         # each cell must have a root of its own
         value, slope = transform.conserved(ends)
-        own = np.abs(ends - begins) < 2.0 * step + np.ptp(s[0].real[:2])
+        own = np.abs(ends - begins) < 2.0 * size
         own &= np.abs(value) < ONE * np.abs(ends * slope)
         for i in np.flatnonzero(own):
             own[i] = (np.abs(ends[:i][own[:i]] - ends[i]) > ONE * np.abs(ends[i])).all()
         if own.all():
             break
-    right = begins[~own].real.max(initial=-left) + 0.4 * step
+    missed = begins[~own].real.max(initial=-np.inf) + size
+    right = max(0.4 * step - left, missed)
     searched = max(-float(right), 1e-3 * decay)
     found = ends[own & (ends.real > -searched)]
     return Roots(found[np.argsort(-found.real, kind="stable")], searched)
 
 
-def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Complex]:
+def _grid(transform: Transform, decay: float, step: float, most: int) -> tuple[Complex, Complex]:
     """Numbers s up to the frequency above which |p^| stays below 1 at the first Re s, and D there.
+
+    most : largest number of cells between Re s = -decay and 0
 
     The part of p^ that is due to exact thresholds does not decay with the frequency, but stays below
     1 right of the rate at which their roots crowd.
     """
     travel, wait = transform.travel, transform.wait
-    real = np.linspace(-decay, step, int(min(np.ceil(decay / step), COLUMNS)) + 2)
+    real = np.linspace(-decay, step, int(min(np.ceil(decay / step), most)) + 2)
     jumps, shares = jumps_of(travel)
     lasting = float(shares @ np.exp(decay * (jumps + wait)))
-    most = float(np.sqrt(MOST_WORK * step / transform.nodes_per_frequency()))
-    most = min(HIGHEST / (travel.length + wait), most)
-    end = min(max(HIGH / travel.grain, 30.0 * step), most)
+    highest = float(np.sqrt(MOST_WORK * step / transform.nodes_per_frequency()))
+    highest = min(HIGHEST / (travel.length + wait), highest)
+    end = min(max(HIGH / travel.grain, 30.0 * step), highest)
     while True:
         count = int(np.ceil(end / step)) + 2
         s = real + 1j * step * np.arange(count)[:, None]
@@ -212,14 +216,14 @@ def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Com
         fading = np.abs(1.0 - s[:, 0] * held[:, 0] - ways) * np.exp(decay * wait)
         above = np.flatnonzero(fading > BELOW * (1.0 - lasting))
         last = int(above[-1]) if above.size else 0
-        if last * step < 0.7 * end or end >= most:
+        if last * step < 0.7 * end or end >= highest:
             s, held = s[: last + 30], held[: last + 30]
             return s, held * np.exp(-s * wait) - np.expm1(-s * wait) / s
-        end = min(2.0 * end, most)
+        end = min(2.0 * end, highest)
 
 
-def _polished(transform: Transform, begins: Complex, step: float) -> Complex:
-    """The numbers s to which Newton's method comes from each beginning, at most three steps away."""
+def _polished(transform: Transform, begins: Complex, size: float) -> Complex:
+    """The numbers s to which Newton's method comes from each beginning, at most three sizes of a cell away."""
     s, open_ = begins.copy(), np.arange(begins.size)
     for _ in range(STEPS):
         if not open_.size:
@@ -227,9 +231,9 @@ def _polished(transform: Transform, begins: Complex, step: float) -> Complex:
         value, slope = transform.conserved(s[open_])
         with np.errstate(invalid="ignore"):
             move = value / slope
-        move[~np.isfinite(move)] = 3.0 * step  # left of where D is a number
-        move *= np.minimum(step / np.maximum(np.abs(move), 1e-300), 1.0)
+        move[~np.isfinite(move)] = 3.0 * size  # left of where D is a number
+        move *= np.minimum(size / np.maximum(np.abs(move), 1e-300), 1.0)
         s[open_] -= move
-        near = np.abs(s[open_] - begins[open_]) < 3.0 * step
+        near = np.abs(s[open_] - begins[open_]) < 3.0 * size
         open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(s[open_]))]
     return s
