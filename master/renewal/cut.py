@@ -9,7 +9,7 @@ import numpy as np
 from master.renewal import rule
 from master.renewal.births import Births
 from master.renewal.kernels import TARGETS
-from master.renewal.lumps import NOTHING, Lump
+from master.renewal.lumps import Lump
 from master.renewal.march import March
 from master.renewal.run import Run
 
@@ -38,8 +38,6 @@ def cut(march: March, t: float, births: Births) -> March:
         other.width[-1] = width
         other.breaks[-1] = to_part @ other.breaks[-1]
         other.force[-1] = to_part @ other.force[-1]
-    broken = np.abs(np.array(other.breaks)).reshape(begun, rule.DEGREE + 1).max(axis=1, initial=0.0)
-    other.alive = np.flatnonzero(broken > NOTHING).tolist()
     past = [lump for lump in march.lumps[1:] if lump.time < t]
     other.lumps = [replace(lump, holds=True) for lump in [start, *past]]
     return other

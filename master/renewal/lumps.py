@@ -60,9 +60,11 @@ def of_lumps(births: Births, lumps: Sequence[Lump], grid: Array) -> Array:
     for lump in lumps:
         if not lump.holds:
             continue
-        s = np.full((1, 1), lump.time)
-        if lump.time < grid[0, 0] and not births.felt(grid[:1, :1], s, lump.law)[0]:
-            continue
+        s, (first, last) = np.full((1, 1), lump.time), lump.law.span
+        if lump.time < grid[0, 0]:
+            moved = births.motion.history(grid[:1, :1], s)
+            if max(first + moved.high[0, 0], -(last + moved.low[0, 0])) > births.life.reach:
+                continue
         early = middle < lump.time
         out[0, early] += lump.weight
         if not early.all():

@@ -22,10 +22,10 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.renewal.births import MOST_WORK, Births, Panels
+from master.renewal.births import MOST_WORK, Births
 from master.renewal.edges import LEAST_LUMP, UNFELT
 from master.renewal.kernels import TARGETS, Kernels
-from master.renewal.lumps import NOTHING, Lump, breaking, of_lumps
+from master.renewal.lumps import Lump, breaking, of_lumps
 from master.renewal.past import Past
 from master.renewal.run import Pace, Run, solve_run, steady
 from origins.start import Start
@@ -68,8 +68,6 @@ class March:
     begin, width, breaks, force, wrong : lists, one entry a panel
     since : list, the panels' beginnings counted from that of their leg, which keeps all digits
     lumps : list of Lump
-    alive : list of int
-        Panels of whose births some may still hold.
     kernels : Kernels
     allowed : float
         Largest width of the next panels.
@@ -99,16 +97,13 @@ class March:
         self.force: list[Array] = []
         self.wrong: list[float] = []
         self.lumps = [Lump(0.0, 1.0, start)]
-        self.alive: list[int] = []
         self.kernels, self.allowed = Kernels(births), np.inf
-        # where a survival takes long to compute, the sums over earlier legs are kept in a table
-        self._past = None if self.life.quick else Past(births, self.kernels, tolerance, until)
+        self._past = Past(births, until)
 
     @property
     def life_error(self) -> float:
         """Error of the survival itself, to which the residuals of the panels are blind."""
-        past = 0.0 if self._past is None else self._past.error
-        return max([self.life.error, *self.kernels.errors]) + past
+        return max(self.life.error, self.kernels.error) + self._past.error
 
     @property
     def reached(self) -> float:
@@ -132,20 +127,9 @@ class March:
                 speed = abs(float(self.motion.speeds[now]))
                 self.allowed = self.grain / speed if speed else 0.25 * (end - begin)
             leg = now
-            if self._past is not None:
-                own = self.edges[np.append(legs == now, False) | np.append(False, legs == now)]
-                self._past.enter(int(leg), own - since, self.lumps, self._panels())
-                self._past.between(begin - since, end - since)
             yield from self._segment(begin - since, end - since, int(leg))
             if self.unfinished:
                 break
-
-    def _panels(self, which: npt.NDArray[np.intp] | slice = slice(None)) -> Panels:
-        """The solved panels, all or those with these indices."""
-        lists = (np.array(each, dtype=float) for each in (self.begin, self.since, self.width))
-        begin, since, width = (array[which] for array in lists)
-        breaks = np.array(self.breaks).reshape(-1, rule.DEGREE + 1)
-        return Panels(begin, since, width, breaks[which])
 
     def _pace(self, begin: float, end: float, leg: int) -> Pace:
         """The widths of panels on a segment."""
@@ -156,7 +140,7 @@ class March:
             if end - begin > LONG * allowed:
                 # after a narrow feature it takes fewer panels to find the width from above
                 allowed = min(0.25 * (end - begin), most)
-        in_time = self._past is not None
+        in_time = not self.life.quick
         narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
         narrowest *= grain if speed else end - begin
         narrowest = max(narrowest, ROUNDED * (begin if in_time else end))
@@ -199,7 +183,7 @@ class March:
         The rate of breaks is a mean of the rates over the longest life before: where these agree
         to the tolerance, so do all that follow.
         """
-        memory = self.kernels.longest(leg) + self.births.delay
+        memory = self.kernels.straight(leg).longest + self.births.delay
         if left < 8.0 * memory or not self.begin or not self.motion.speeds[leg]:
             return False
         if self.reached - max(self.motion.times[leg], self.lumps[-1].time) < 1.1 * memory:
@@ -215,7 +199,7 @@ class March:
         """One panel of steady breaks up to shortly before the end of the leg, then three more."""
         since = float(self.motion.times[leg])
         self.settled = min(self.settled, since + t - 0.5 * self.width[-1])
-        memory = self.kernels.longest(leg) + self.births.delay
+        memory = self.kernels.straight(leg).longest + self.births.delay
         rate = self.breaks[-1][-1] / self.width[-1]
         share = np.append(0.0, rule.NODES)
         last = np.full(share.size, self.force[-1].mean())
@@ -230,15 +214,13 @@ class March:
 
         since : t counted from the beginning of its leg, where that is not 0
         """
-        first, steps = len(self.begin), width * np.arange(good)
+        steps = width * np.arange(good)
         self.begin.extend(t + steps)
         self.since.extend((t if since is None else since) + steps)
         self.width.extend([width] * good)
         self.breaks.extend(run.breaks[:good])
         self.force.extend(run.force[:good])
         self.wrong.extend(run.wrong[:good])
-        broken = np.abs(run.breaks[:good]).max(axis=1) > NOTHING
-        self.alive.extend(first + np.flatnonzero(broken))
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
@@ -264,25 +246,38 @@ class March:
         grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, counted
             from its beginning
         """
-        past = self._past if leg is not None else None
-        late = 0.0 if leg is None or past is not None else self.motion.times[leg]
-        if past is None:
-            out = of_lumps(self.births, self.lumps, late + grid)
-        else:
-            out = past.at(grid, self.lumps)
-        last = len(self.begin) - same
-        seen = np.array([panel for panel in self.alive if panel < last], dtype=int)
-        if seen.size:
-            panels = self._panels(seen)
-            added = (
-                self.births.added(late + grid, panels)
-                if past is None
-                else past.on_leg(grid, panels)
-            )
-            dead = set(seen[added.gone].tolist())
-            self.alive = [panel for panel in self.alive if panel not in dead]
-            out += added.sums
+        if leg is None:
+            leg = self.motion.leg_of_all(grid)
+            grid = grid - self.motion.times[leg]
+        late, last = float(self.motion.times[leg]), len(self.begin) - same
+        self._enter(leg)
+        out = of_lumps(self.births, self.lumps, late + grid)
+        t = grid.ravel()
+        out += self._past.sums(t, grid).reshape(out.shape)
+        first, delay = self._past.first, self.births.delay
+        if first < last:
+            here = np.array(self.begin[first:last]) >= late
+            since = np.array(self.begin[first:last]) - late
+            since[here] = np.array(self.since[first:last])[here]
+            ends = np.append(since, since[-1] + self.width[last - 1]) + delay
+            breaks = np.array(self.breaks[first:last])
+            out += self.kernels.sums(leg, t, ends, breaks).reshape(out.shape)
+        if delay > 0.0 and last:
+            # contacts that are out count as well
+            begin, width = np.array(self.begin[:last]), np.array(self.width[:last])
+            out_now = np.flatnonzero(begin + width + delay > late + t.min())
+            for panel in out_now:
+                share = (late + t - begin[panel] - np.array([[0.0], [delay]])) / width[panel]
+                values = rule.values(np.clip(share, 0.0, 1.0)) @ self.breaks[panel]
+                out[0] += (values[0] - values[1]).reshape(grid.shape)
         return out
+
+    def _enter(self, leg: int) -> None:
+        """Prepare the sums over all births before a leg."""
+        lists = (self.since, self.width, np.array(self.begin) + self.births.delay)
+        since, width, born = (np.array(part, dtype=float) for part in lists)
+        breaks = np.array(self.breaks).reshape(-1, rule.DEGREE + 1)
+        self._past.enter(leg, since, width, born, breaks)
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a new lump of the contacts that reach an exact threshold at the edge t."""
@@ -290,6 +285,6 @@ class March:
             return
         before, after = t - 0.5 * self.width[-1], t + 0.5 * (end - t)
         lost = breaking(self.births, self.lumps, before, t, after)
-        lost += 0.0 if self._past is None else self._past.breaking(t)
+        lost += self._past.breaking(t)
         if lost > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, lost, self.births.law))

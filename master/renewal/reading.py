@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.renewal.births import Births
 from master.renewal.edges import CLOSE
 from master.renewal.lumps import NOTHING
 from master.renewal.march import March
@@ -112,14 +111,8 @@ def deltas(march: March, t: float) -> Deltas:
             found[stretch] = found.get(stretch, 0.0) + held
     # contacts born in one hold share one stretch
     births = march.births
-    at_once = Births(births.life, births.law, motion, 0.0, births.accuracy)
-    begin, width = np.array(march.begin) + births.delay, np.array(march.width)
-    legs = motion.leg(begin + 0.5 * width)
-    for leg in np.unique(legs[(motion.speeds[legs] == 0.0) & (begin < t)]):
-        here = (legs == leg) & (begin < t)
-        breaks = np.array(march.breaks)[here]
-        left = at_once.sums(np.array([t]), begin[here], width[here], breaks)[0, 0]
+    for leg, left in march.born_in_holds(t):
         stretch = float(births.law.mean() + motion.at(np.array(t)) - motion.positions[leg])
-        found[stretch] = found.get(stretch, 0.0) + float(left)
+        found[stretch] = found.get(stretch, 0.0) + left
     kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
     return Deltas(np.array(list(kept)), np.array(list(kept.values())))

@@ -20,8 +20,7 @@ from master.lives.age.path import AgeingPath, Followed
 from master.lives.age.strands import Strands
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births, Panels
-from master.renewal.earlier import moments
+from master.renewal.births import Births, moments
 
 Array = npt.NDArray[np.float64]
 
@@ -60,7 +59,16 @@ class _Pieces(NamedTuple):
 
 
 class StrandBirths:
-    """The births of one finished leg, for contacts that age; used as EarlierBirths is.
+    """The births of one finished leg, for contacts that age.
+
+    Parameters
+    ----------
+    leg : int
+    since, width, breaks : arrays of the leg's panels, since counted from its beginning
+    accuracy : float
+        Allowed error of the number.
+    goes_on : callable
+        Whether there is time left to halve pieces.
 
     Attributes
     ----------
@@ -72,20 +80,22 @@ class StrandBirths:
         self,
         births: Births,
         leg: int,
-        panels: Panels,
+        since: Array,
+        width: Array,
+        breaks: Array,
         accuracy: float,
         goes_on: Callable[[], bool] = lambda: True,
     ) -> None:
         life = births.life
         assert isinstance(life, AgeingPath)
         self._life, self._births, self._leg, self._seen = life, births, leg, leg
-        self._panels, self._accuracy, self._goes_on = panels, PIECE * accuracy, goes_on
-        self.missed, self.in_hold = 0.0, False
-        self._slopes = panels.breaks @ rule.SLOPES.T
-        first, last = float(panels.since[0]), float(panels.since[-1] + panels.width[-1])
-        speed, width = abs(float(life.motion.speeds[leg])), FIRST * life.mesh.width
-        count = max(1, int(np.ceil((last - first) * speed / width)))
-        edges = np.linspace(first, last, count + 1)
+        self._accuracy, self._goes_on = PIECE * accuracy, goes_on
+        self.missed = 0.0
+        self._ends = np.append(since, since[-1] + width[-1])
+        self._slopes = breaks @ rule.SLOPES.T
+        way = np.ptp(self._ends) * abs(float(life.motion.speeds[leg]))
+        count = max(1, int(np.ceil(way / (FIRST * life.mesh.width))))
+        edges = np.linspace(self._ends[0], self._ends[-1], count + 1)
         self._pieces = self._born(edges[:-1], edges[1:])
         self._splines: BSpline | None = None
 
@@ -160,9 +170,7 @@ class StrandBirths:
 
     def _weights(self, left: Array, right: Array) -> Array:
         """Weights of the pieces' nodes in a sum over all births, shape (pieces, SIZE)."""
-        since, width = self._panels.since, self._panels.width
-        ends = np.append(since, since[-1] + width[-1])
-        return moments(ends, self._slopes, left, right, SIZE) @ _TO_LEGENDRE.T
+        return moments(self._ends, self._slopes, left, right, SIZE) @ _TO_LEGENDRE.T
 
 
 def _missed(told: Array, weight: Array) -> Array:
