@@ -17,7 +17,7 @@ from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, Pieces, Rows
 from master.renewal.edges import UNFELT
-from master.renewal.table import Table
+from master.renewal.table import Table, beside
 
 Array = npt.NDArray[np.float64]
 
@@ -96,10 +96,7 @@ class Straight:
 
         The middle column decides on which side of an exact threshold a row is.
         """
-        bound = np.searchsorted(self._bounds, lag[:, lag.shape[1] // 2], "right")
-        bound = np.clip(bound, 1, self._bounds.size - 1)
-        low, high = self._bounds[bound - 1], np.nextafter(self._bounds[bound], 0.0)
-        found = self.table(np.clip(lag, low[:, None], high[:, None]))
+        found = self.table(beside(lag, self._bounds))
         found[1] *= self.scale
         return found
 
@@ -222,7 +219,12 @@ class Kernels:
         begin = np.minimum(begin, end)[:, None]
         first, last = np.searchsorted(ends, [begin.min(), end.max()])
         cuts = np.concatenate(
-            [np.tile(ends[first:last], (t.size, 1)), begin, end[:, None], t[:, None] - straight.edges],
+            [
+                np.tile(ends[first:last], (t.size, 1)),
+                begin,
+                end[:, None],
+                t[:, None] - straight.edges,
+            ],
             axis=1,
         )
         pieces = Pieces.of(np.clip(cuts, begin, end[:, None]))

@@ -15,6 +15,7 @@ needs one small matrix product a panel. A panel that does not resolve B is halve
 from __future__ import annotations
 
 import time as clock
+from bisect import bisect_right
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -25,8 +26,8 @@ from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births
 from master.renewal.edges import LEAST_LUMP, UNFELT
 from master.renewal.kernels import TARGETS, Kernels
-from master.renewal.lumps import Lump, breaking, of_lumps
-from master.renewal.past import Past
+from master.renewal.lumps import Lump, breaking
+from master.renewal.past import Panels, Past
 from master.renewal.run import Pace, Run, solve_run, steady
 from origins.start import Start
 
@@ -250,34 +251,47 @@ class March:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
         late, last = float(self.motion.times[leg]), len(self.begin) - same
-        self._enter(leg)
-        out = of_lumps(self.births, self.lumps, late + grid)
-        t = grid.ravel()
-        out += self._past.sums(t, grid).reshape(out.shape)
-        first, delay = self._past.first, self.births.delay
-        if first < last:
-            here = np.array(self.begin[first:last]) >= late
-            since = np.array(self.begin[first:last]) - late
-            since[here] = np.array(self.since[first:last])[here]
-            ends = np.append(since, since[-1] + self.width[last - 1]) + delay
-            breaks = np.array(self.breaks[first:last])
-            out += self.kernels.sums(leg, t, ends, breaks).reshape(out.shape)
-        if delay > 0.0 and last:
+        edges = self.edges[self.motion.leg(self.edges) == leg] - late
+        self._past.enter(leg, self._panels(0), self.lumps, np.append(0.0, edges))
+        out, t = self._past.at(grid, self.lumps), grid.ravel()
+        longest, delay = self.kernels.straight(leg).longest, self.births.delay
+        first = max(bisect_right(self.begin, late + t.min() - longest - delay) - 1, 0)
+        own = self._on_leg(t, leg, self._panels(max(first, self._past.first), last))
+        out += own.reshape(out.shape)
+        if delay > 0.0 and first < last:
             # contacts that are out count as well
-            begin, width = np.array(self.begin[:last]), np.array(self.width[:last])
-            out_now = np.flatnonzero(begin + width + delay > late + t.min())
-            for panel in out_now:
-                share = (late + t - begin[panel] - np.array([[0.0], [delay]])) / width[panel]
-                values = rule.values(np.clip(share, 0.0, 1.0)) @ self.breaks[panel]
-                out[0] += (values[0] - values[1]).reshape(grid.shape)
+            begin, _, width, breaks = self._panels(first, last)
+            share = (late + t - [[[0.0]], [[delay]]] - begin[:, None]) / width[:, None]
+            values = rule.values(np.clip(share, 0.0, 1.0))
+            out[0] += np.einsum("ptn,pn->t", values[0] - values[1], breaks).reshape(grid.shape)
         return out
 
-    def _enter(self, leg: int) -> None:
-        """Prepare the sums over all births before a leg."""
-        lists = (self.since, self.width, np.array(self.begin) + self.births.delay)
-        since, width, born = (np.array(part, dtype=float) for part in lists)
-        breaks = np.array(self.breaks).reshape(-1, rule.DEGREE + 1)
-        self._past.enter(leg, since, width, born, breaks)
+    def _panels(self, first: int, last: int | None = None) -> Panels:
+        """Solved panels from one to before another."""
+        lists = (self.begin, self.since, self.width)
+        begin, since, width = (np.array(part[first:last], dtype=float) for part in lists)
+        breaks = np.array(self.breaks[first:last]).reshape(-1, rule.DEGREE + 1)
+        return Panels(begin, since, width, breaks)
+
+    def _on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
+        """Number and force at times t on a leg, counted from its beginning, of births on it."""
+        if not panels.begin.size:
+            return np.zeros((2, t.size))
+        late = self.motion.times[leg]
+        born = np.where(panels.begin >= late, panels.since, panels.begin - late) + self.births.delay
+        return self.kernels.sums(
+            leg, t, np.append(born, born[-1] + panels.width[-1]), panels.breaks
+        )
+
+    def held(self, leg: int, t: float) -> float:
+        """Share of all contacts that were born on a leg and hold at the time t."""
+        panels, motion = self._panels(0), self.motion
+        legs, now = motion.leg(panels.middle_of_births(self.births.delay)), int(motion.leg(t))
+        panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
+        past, x = Past(self.births), np.array([[t - motion.times[now]]])
+        past.find(now, panels)
+        own = self._on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
+        return float(past.sums(x)[0, 0, 0] + own[0, 0])
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a new lump of the contacts that reach an exact threshold at the edge t."""

@@ -10,6 +10,8 @@ Times are counted from the beginning of the present leg, so that they keep their
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,15 +19,21 @@ import numpy.typing as npt
 from master.lives.age.path import AgeingPath
 from master.renewal import rule
 from master.renewal.births import CLOSE, MOST_WORK, TINY, Births, Pieces, Rows, moments
-from master.renewal.table import basis_of
+from master.renewal.lumps import Lump, of_lumps
 from master.renewal.strand_births import StrandBirths
+from master.renewal.table import Table, basis_of, beside
 
 Array = npt.NDArray[np.float64]
 
-# Error of the sums over births of earlier legs, in units of the births' accuracy.
-ACCURACY = 30.0
+# Error of the sums, in units of the births' accuracy, where the survival takes long to compute.
+COARSER = 30.0
 # Gauss nodes of a piece, and most halvings of it; rounding of times ends them before.
 SIZE, DEPTH = 16, 60
+# Allowed error at the ends of the table's panels, in units of its accuracy: panels of the march begin
+# there, and could not resolve a jump of the number.
+ENDS = 2.0
+# Share of a leg below which panels of its table are not halved, and at which its first panel is cut.
+SHORTEST, FIRST_CUT = 1e-20, 1.0 / 16.0
 # Relative rounding of a place.
 ROUNDING = 1e-14
 # Allowed error of a polynomial at the ends of a piece, in units of its accuracy: beside a root of the
@@ -35,6 +43,24 @@ END = 100.0
 BESIDE = 1e-7
 # Share of contacts below which a leg is dropped, in units of that accuracy: many may be.
 NEGLIGIBLE = 1e-3
+
+
+class Panels(NamedTuple):
+    """Solved panels, in the order of time.
+
+    begin, since, width : arrays of shape (n,); begin is a time, since is counted from the beginning
+        of a leg
+    breaks : array of shape (n, DEGREE + 1), values at 0 and the nodes
+    """
+
+    begin: Array
+    since: Array
+    width: Array
+    breaks: Array
+
+    def middle_of_births(self, delay: float) -> Array:
+        """Times in the middle of the births, one delay after the breaks."""
+        return self.begin + 0.5 * self.width + delay
 
 
 class Past:
@@ -56,36 +82,66 @@ class Past:
 
     def __init__(self, births: Births, until: float = np.inf) -> None:
         self._births, self._until = births, until
-        self._accuracy = ACCURACY * births.accuracy
+        self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
         self._leg, self.first, self.error = -1, 0, 0.0
         self._dead: set[int] = set()
         self._strands: list[StrandBirths] = []
         self._first = self._last = np.empty(0, dtype=int)
         self._rested = False
 
-    def enter(self, leg: int, since: Array, width: Array, born: Array, breaks: Array) -> None:
+    def enter(self, leg: int, panels: Panels, lumps: Sequence[Lump], edges: Array) -> None:
         """Prepare the sums on a leg, unless they are; all panels before it are solved.
 
-        since, width, breaks : of all panels; since is counted from the beginning of their leg
-        born : array of shape (panels,), times one delay after the panels' beginnings
+        edges : array of shape (n,), those on the leg, counted from its beginning
         """
         if leg == self._leg:
             return
-        whole, before = self._births.motion, self._leg
-        self._leg, self._motion = leg, whole.since(leg)
-        self.first = int(np.searchsorted(born + 0.5 * width, whole.times[leg]))
-        legs = whole.leg(born[: self.first] + 0.5 * width[: self.first])
-        if self._births.delay > 0.0:
-            since = np.maximum(born[: self.first] - whole.times[legs], 0.0)
-        since, width, breaks = since[: self.first], width[: self.first], breaks[: self.first]
+        self.find(leg, panels)
+        self._table, life = None, self._births.life
+        self._lumps = [lump for lump in lumps if lump.holds and lump.time <= self._late]
+        if life.quick or isinstance(life, AgeingPath):
+            return  # these sums take no longer than a look-up
+
+        def found(x: Array) -> Array:
+            out = self.sums(x) + of_lumps(self._births, self._lumps, self._motion, self._late, x)
+            out[1] /= life.reach
+            return out
+
+        given = found, np.unique(edges), self._accuracy, SHORTEST * float(edges[-1])
+        # on wide panels all nodes may miss a short life: `ends` and `first_cut` detect it
+        table = Table(*given, ends=ENDS, size=SIZE, first_cut=FIRST_CUT, goes_on=self._goes_on)
+        self._table, self._edges = table, edges
+        self.error = max(self.error, ENDS * table.error)
+
+    def at(self, x: Array, lumps: Sequence[Lump]) -> Array:
+        """Number and force at times x, in rows, of births on the legs before, and of all lumps.
+
+        Each row lies within one panel of the leg. Returns an array of shape (2, *x.shape).
+        """
+        if self._table is None:
+            return self.sums(x) + of_lumps(self._births, lumps, self._motion, self._late, x)
+        found = self._table(beside(x, self._edges))
+        found[1] *= self._births.life.reach
+        later = [lump for lump in lumps if lump.time > self._late]
+        return found + of_lumps(self._births, later, self._motion, self._late, x)
+
+    def find(self, leg: int, panels: Panels) -> None:
+        """Find the births on all legs before one, and count their times from its beginning."""
+        whole, before, delay = self._births.motion, self._leg, self._births.delay
+        self._leg, self._motion, self._late = leg, whole.since(leg), float(whole.times[leg])
+        born = panels.middle_of_births(delay)
+        self.first = int(np.searchsorted(born, self._late))
+        begin, since, width, breaks = (part[: self.first] for part in panels)
+        legs = whole.leg(born[: self.first])
+        if delay > 0.0:
+            since = np.maximum(begin + delay - whole.times[legs], 0.0)
         most = np.abs(breaks).max(axis=1)
         if isinstance(self._births.life, AgeingPath):
             for earlier in range(max(before, 0), leg):
                 own = legs == earlier
                 if most[own].sum() > self._negligible:
-                    panels = since[own], width[own], breaks[own]
-                    given = self._births, earlier, *panels, self._accuracy, self._goes_on
-                    self._strands.append(StrandBirths(*given))
+                    given = since[own], width[own], breaks[own], self._accuracy, self._goes_on
+                    self._strands.append(StrandBirths(self._births, earlier, *given))
             seen = [own.seen_from(self._motion, self._negligible) for own in self._strands]
             self._strands = [own for own, felt in zip(self._strands, seen, strict=True) if felt]
             self.error = max(self.error, sum(own.missed for own in self._strands))
@@ -99,9 +155,9 @@ class Past:
         ends = np.append(begin, begin[-1:] + speeds[-1:] * width[-1:])
         self._ends, self._slopes = ends, breaks @ rule.SLOPES.T
         self._most = np.append(0.0, np.cumsum(most))
-        self._find_runs(np.bincount(legs, most, leg), since, legs)
+        self._find_runs(np.bincount(legs, most, leg).astype(float), legs)
 
-    def _find_runs(self, most: Array, since: Array, legs: Rows) -> None:
+    def _find_runs(self, most: Array, legs: Rows) -> None:
         """Find runs of legs that go one way, or rest, and of whose births some still hold.
 
         most : array of shape (legs,), upper bound of each leg's births
@@ -144,29 +200,29 @@ class Past:
 
         t : an edge, on this leg
         """
-        t -= float(self._births.motion.times[self._leg])
+        t -= self._late
         if not self._rested or not t > 0.0:
             return 0.0
         near = t - BESIDE * min(t, self._births.life.grain) * np.array([2.0, 1.0, 0.0])
         # the second difference removes the contacts that break at a steady rate
-        return float(-np.diff(self.sums(near, near[:, None])[0], n=2)[0])
+        return float(-np.diff(self.sums(near[:, None])[0, :, 0], n=2)[0])
 
-    def sums(self, t: Array, grid: Array) -> Array:
-        """Number and force at times t, shape (n,), on the leg; shape (2, n).
+    def sums(self, grid: Array) -> Array:
+        """Number and force at times, in rows, on the leg; shape (2, *grid.shape).
 
-        grid : the same times in rows; each row lies within one panel
+        Each row lies within one panel.
         """
-        births, motion = self._births, self._motion
+        births, t = self._births, grid
         if self._rested and births.life.atoms.size:
             # at an edge the births of a hold may meet an exact threshold, all at once
             inside = BESIDE * np.ptp(grid, axis=1, keepdims=True)
-            t = np.clip(grid, grid[:, :1] + inside, grid[:, -1:] - inside).ravel()
-        t = np.maximum(t, TINY)  # t = 0 itself would count as a moment of the leg before
+            t = np.clip(grid, grid[:, :1] + inside, grid[:, -1:] - inside)
+        t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
         out = np.zeros((2, t.size))
         if isinstance(births.life, AgeingPath):
-            return sum((own.sums(t) for own in self._strands), out)
+            return sum((own.sums(t) for own in self._strands), out).reshape(2, *grid.shape)
         if not self._first.size:
-            return out
+            return out.reshape(2, *grid.shape)
 
         pieces, basis = self._pieces(t), basis_of(SIZE)
         narrow = CLOSE * float(pieces.right.max(initial=0.0) - pieces.left.min(initial=0.0))
@@ -193,7 +249,7 @@ class Past:
             for kind in (0, 1):
                 out[kind] += np.bincount(done.target, added[kind], t.size)
             pieces = pieces.pick(rough).halves(self._knots)
-        return out
+        return out.reshape(2, *grid.shape)
 
     def _left(self, t: Array, place: Array) -> Array:
         """Share and force at times t, shape (n, 1), of births at places (n, columns)."""

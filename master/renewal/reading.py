@@ -110,9 +110,12 @@ def deltas(march: March, t: float) -> Deltas:
             stretch = float(lump.law.mean() + history.now[0, 0])
             found[stretch] = found.get(stretch, 0.0) + held
     # contacts born in one hold share one stretch
-    births = march.births
-    for leg, left in march.born_in_holds(t):
-        stretch = float(births.law.mean() + motion.at(np.array(t)) - motion.positions[leg])
-        found[stretch] = found.get(stretch, 0.0) + left
+    legs = motion.leg(np.array(march.begin) + 0.5 * np.array(march.width) + march.births.delay)
+    for leg in np.unique(legs[motion.speeds[legs] == 0.0]):
+        if motion.times[leg] < t:
+            stretch = float(
+                march.births.law.mean() + motion.at(np.array(t)) - motion.positions[leg]
+            )
+            found[stretch] = found.get(stretch, 0.0) + march.held(int(leg), t)
     kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
     return Deltas(np.array(list(kept)), np.array(list(kept.values())))

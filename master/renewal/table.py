@@ -51,6 +51,16 @@ def basis_of(size: int) -> Basis:
     )
 
 
+def beside(x: Array, ends: Array) -> Array:
+    """Points, in rows, moved to that side of the ends on which the middle of their row lies.
+
+    A point at an end belongs to what begins there.
+    """
+    after = np.searchsorted(ends, x[:, x.shape[1] // 2, None], "right")
+    after = np.clip(after, 1, ends.size - 1)
+    return np.clip(x, ends[after - 1], np.nextafter(ends[after], ends[0]))
+
+
 class Table:
     """Functions of one length x >= 0, polynomials between edges; 0 beyond the last.
 
