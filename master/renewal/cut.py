@@ -48,7 +48,9 @@ def hold(march: March, begin: float, end: float) -> None:
     number, _ = march.known(np.full((1, TARGETS.size), end))
     # the march looks for breaks at the end over half of the last panel, which has to be short
     nothing, nearly = np.zeros((1, rule.DEGREE + 1)), end - min(SHORT * march.grain, end - begin)
+    late = float(march.motion.times[march.motion.leg(0.5 * (begin + end))])
     for first, last in ((begin, nearly), (nearly, end)):
         if last > first:
-            march.keep(first, last - first, Run(nothing, nothing, np.zeros(1)), 1)
+            run = Run(nothing, nothing, np.zeros(1))
+            march.keep(first, last - first, run, 1, first - late)
     march.lumps.append(Lump(end, 1.0 - float(number[0, 0]), march.births.law))

@@ -15,7 +15,7 @@ needs one small matrix product a panel. A panel that does not resolve B is halve
 from __future__ import annotations
 
 import time as clock
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -210,14 +210,11 @@ class March:
             run = Run((rate * (second - first) * share)[None], last[None], wrong)
             self.keep(since + first, second - first, run, 1, first)
 
-    def keep(self, t: float, width: float, run: Run, good: int, since: float | None = None) -> None:
-        """Append the first `good` panels of a run that begins at t.
-
-        since : t counted from the beginning of its leg, where that is not 0
-        """
+    def keep(self, t: float, width: float, run: Run, good: int, since: float) -> None:
+        """Append the first `good` panels of a run that begins at t, `since` from its leg's beginning."""
         steps = width * np.arange(good)
         self.begin.extend(t + steps)
-        self.since.extend((t if since is None else since) + steps)
+        self.since.extend(since + steps)
         self.width.extend([width] * good)
         self.breaks.extend(run.breaks[:good])
         self.force.extend(run.force[:good])
@@ -285,7 +282,7 @@ class March:
 
     def held(self, leg: int, t: float) -> float:
         """Share of all contacts that were born on a leg and hold at the time t."""
-        panels, motion = self._panels(0), self.motion
+        panels, motion = self._panels(0, bisect_left(self.begin, t)), self.motion
         legs, now = motion.leg(panels.middle_of_births(self.births.delay)), int(motion.leg(t))
         panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
         past, x = Past(self.births), np.array([[t - motion.times[now]]])

@@ -84,10 +84,10 @@ class Past:
         self._births, self._until = births, until
         self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
         self._leg, self.first, self.error = -1, 0, 0.0
+        self._late, self._rested = 0.0, False
         self._dead: set[int] = set()
         self._strands: list[StrandBirths] = []
         self._first = self._last = np.empty(0, dtype=int)
-        self._rested = False
 
     def enter(self, leg: int, panels: Panels, lumps: Sequence[Lump], edges: Array) -> None:
         """Prepare the sums on a leg, unless they are; all panels before it are solved.
