@@ -94,8 +94,6 @@ def edges(
     def meet(moments: list[Moment]) -> None:
         for moment in sorted(moments):
             close = CLOSE * (moment.time + grain)
-            if moment.generation >= 1:
-                close = max(close, UNFELT * tolerance * grain)
             if since + close < moment.time < end - close:
                 place = int(np.searchsorted(found, moment.time))
                 near = found[max(place - 1, 0) : place + 1]
@@ -108,21 +106,17 @@ def edges(
     turns = [Moment(float(t), 1) for t in motion.times[1:-1]]
     waiting += [turn for turn in turns if turn.time <= since]
     meet(turns)
-    meet([Moment(t.time - delay, 2) for t in turns if delay > 0.0])
-    # where contacts of the start break at once, births begin one delay later
-    meet([Moment(delay, 1)] if delay > 0.0 else [])
+    if delay > 0.0:
+        # where contacts of the start break at once, births begin one delay later
+        meet([Moment(t.time - delay, 2) for t in turns] + [Moment(delay, 1)])
     meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
     most = MOST + len(lumps)
-    # contacts that break at their birth repeat a jump of the rate of breaks one delay later
-    smoothed = _lost(_at_once(motion, life, again)) if delay > 0.0 else 1.0
-    if smoothed < 1.0:
-        meet([Moment(delay, smoothed)])
     while waiting:
         moment = waiting.pop(0)
         if moment.generation >= generations or len(found) > most:
             continue
         if delay > 0.0:
-            meet([Moment(moment.time + delay, moment.generation + smoothed)])
+            meet([Moment(moment.time + delay, moment.generation + 1)])
         meet(_after(moment, delay, again, motion, life))
     return Edges(np.array(found), len(lumps) > MOST_LUMPS, met)
 
@@ -165,29 +159,16 @@ def _lump_times(
 def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[Moment]:
     """The moments at which contacts born one delay after a moment make breaks bend again.
 
-    A jump of P_c smooths a bend by one order, weaker bends of P_c by more. An exact threshold keeps
-    the order of a bend and multiplies its size by the share of contacts with that threshold.
+    A jump of P_c smooths a bend by one order. An exact threshold keeps the order of a bend and
+    multiplies its size by the share of contacts with that threshold.
     """
-    found, sizes = [], dict(zip(life.bends.tolist(), life.bend_sizes.tolist(), strict=True))
+    found = []
     for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
         for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
             share = life.atom_share(passing.mark, float(stretch))
-            size = share if share > 0.0 else sizes.get(passing.mark, 1.0)
-            lost = -np.log10(size) / DIGITS_A_GENERATION + (share == 0.0)
-            found.append(Moment(passing.time, moment.generation + lost))
+            smoothed = -np.log10(share) / DIGITS_A_GENERATION if share > 0.0 else 1.0
+            found.append(Moment(passing.time, moment.generation + smoothed))
     return found
-
-
-def _lost(share: float) -> float:
-    """Generations of smoothing that weaken a bend as much as its repetition by this share does."""
-    return float(-np.log10(share) / DIGITS_A_GENERATION) if share > 0.0 else 1.0
-
-
-def _at_once(motion: Motion, life: Life, again: Start) -> float:
-    """The share of births that breaks at once, on the fastest leg of the motion."""
-    leg = int(np.argmax(np.abs(motion.speeds)))
-    now = np.full((1, 1), 0.5 * (motion.times[leg] + motion.times[leg + 1]))
-    return 1.0 - float(life.left(again, motion.history(now, now))[0, 0, 0])
 
 
 class Passing(NamedTuple):
