@@ -34,8 +34,8 @@ TINY = float(np.finfo(float).tiny)
 CLOSE = 1e-13
 # Most pairs of pieces and panels that are summed at once: some 100 MB of arrays.
 CHUNK = 100_000
-# Most values of survivals, in those of one stretch, before halving of panels ends: some 30 s.
-MOST_WORK = 300_000_000
+# Most pieces of births that are integrated, if quickly, before halving of panels ends: some 30 s.
+MOST_WORK = 15_000_000
 
 
 def births_of(contacts: Contacts) -> Start:
@@ -59,7 +59,7 @@ class Births:
     accuracy : float
         Aimed-at error of the number that the births on one leg contribute.
     work : int
-        Values of survivals that were computed so far, which may be limited.
+        Pieces of births integrated so far, times their cost; it may be limited.
     """
 
     life: Life
@@ -71,8 +71,9 @@ class Births:
 
     @property
     def dear(self) -> int:
-        """Work of one value of the survival; 40 where it is averaged over stretches at birth."""
-        return 1 if self.law.is_single else 40
+        """Cost of a piece: its survivals may be averages over stretches, and no mere look-ups."""
+        look_ups = 1 if self.life.quick else 18 * self.life.pair_work
+        return look_ups if self.law.is_single else 40 * look_ups
 
 
 class Pieces(NamedTuple):

@@ -58,7 +58,7 @@ class Straight:
         self.scale = most or life.reach
 
         def found(lag: Array) -> Array:
-            births.work += births.dear * lag.size
+            births.work += births.dear * lag.shape[0]
             left = life.left(law, motion.history(lag, np.zeros((1, 1))))
             left[1] /= self.scale
             return left
@@ -231,7 +231,7 @@ class Kernels:
         length = (pieces.right - pieces.left)[:, None]
         panel = np.searchsorted(ends, 0.5 * (pieces.left + pieces.right)) - 1
         place = pieces.left[:, None] + length * rule.GAUSS_NODES
-        self._births.work += place.size
+        self._births.work += place.shape[0]
         held = straight.left(t[pieces.target, None] - place)
         width = np.diff(ends)[panel, None]
         held *= length / width * rule.GAUSS_WEIGHTS

@@ -74,6 +74,6 @@ def of_lumps(
         out[0, early] += lump.weight
         if not early.all():
             history = motion.history(grid[~early], s)
-            births.work += grid.size
+            births.work += births.dear * grid.shape[0]
             out[:, ~early] += lump.weight * births.life.left(lump.law, history)
     return out

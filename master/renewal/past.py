@@ -254,7 +254,7 @@ class Past:
     def _left(self, t: Array, place: Array) -> Array:
         """Share and force at times t, shape (n, 1), of births at places (n, columns)."""
         births = self._births
-        births.work += births.dear * births.life.pair_work * place.size
+        births.work += births.dear * place.shape[0]
         return births.life.left(births.law, self._motion.history(t, self._time(place)))
 
     def _time(self, place: Array) -> Array:
