@@ -140,8 +140,8 @@ class Past:
             for earlier in range(max(before, 0), leg):
                 own = legs == earlier
                 if most[own].sum() > self._negligible:
-                    given = since[own], width[own], breaks[own], self._accuracy, self._goes_on
-                    self._strands.append(StrandBirths(self._births, earlier, *given))
+                    given = self._births, earlier, since[own], width[own], breaks[own]
+                    self._strands.append(StrandBirths(*given))
             seen = [own.seen_from(self._motion, self._negligible) for own in self._strands]
             self._strands = [own for own, felt in zip(self._strands, seen, strict=True) if felt]
             self.error = max(self.error, sum(own.missed for own in self._strands))
