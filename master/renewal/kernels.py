@@ -6,6 +6,7 @@ width depends only on their distance, and is computed once.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,8 @@ TIE = 1e-11
 class Straight:
     """E and K over the time since birth, of contacts that have moved at one speed since.
 
+    They are kept in a table, unless the life itself is as quick.
+
     Attributes
     ----------
     asked : float
@@ -46,7 +49,7 @@ class Straight:
     longest : float
         The same, or an earlier time after which heat has broken all contacts.
     edges : array of shape (n,)
-        Times between which the table is smooth.
+        Times between which E and K are polynomials, or nearly so.
     error : float
         Of the share that holds.
     """
@@ -75,28 +78,30 @@ class Straight:
         moving = bends_of(life, law, speed)
         bends = moving[moving < longest * (1.0 - TIE)]
         self._bounds = np.concatenate([[0.0], bends, [longest]])
-        smooth = np.empty(0)
+        self._life, self.missed = life, 0.0
+        self._read: Callable[[Array], Array] = found
         if life.quick and law.is_single:
             smooth = bends_of(life, law, speed, life.marks(np.inf))
-            smooth = smooth[smooth < longest * (1.0 - TIE)]
-        edges = np.unique(np.concatenate([self._bounds, ladder, smooth]))
-        edges = edges[np.append(True, np.diff(edges) > TIE * edges[1:])]
+            edges = np.concatenate([self._bounds, smooth[smooth < longest * (1.0 - TIE)]])
+            self.edges = np.unique(edges)
+            return
+        edges = np.unique(np.concatenate([self._bounds, ladder]))
         shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
         accuracy = ACCURACY if life.quick else max(ACCURACY, 0.1 * births.accuracy)
-        self.table = Table(found, edges, accuracy, shortest, ends=0.0 if life.quick else ENDS)
-        self.edges, self._life = self.table.edges, life
+        table = Table(found, edges, accuracy, shortest, ends=0.0 if life.quick else ENDS)
+        self._read, self.edges, self.missed = table, table.edges, table.error
 
     @property
     def error(self) -> float:
         """See above."""
-        return self._life.error + self.table.error
+        return self._life.error + self.missed
 
     def left(self, lag: Array) -> Array:
         """Share and force at times since birth, shape (rows, columns); each row is smooth.
 
         The middle column decides on which side of an exact threshold a row is.
         """
-        found = self.table(beside(lag, self._bounds))
+        found = self._read(beside(lag, self._bounds))
         found[1] *= self.scale
         return found
 
