@@ -164,16 +164,12 @@ class Table:
         narrow = self.widths < width
         return self.edges[np.append(narrow, False) | np.append(False, narrow)]
 
-    def __call__(self, x: Array, within: Array | None = None) -> Array:
-        """Values of the functions, shape (functions, *x.shape).
-
-        within : points, broadcasting with x, whose panels are read in place of those of x: at a
-            jump they decide on which side x lies.
-        """
-        panel = np.searchsorted(self.begin, x if within is None else within, "right") - 1
+    def __call__(self, x: Array) -> Array:
+        """Values of the functions, shape (functions, *x.shape)."""
+        panel = np.searchsorted(self.begin, x, "right") - 1
         panel = np.clip(panel, 0, self.begin.size - 1)
         z = (2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel]
-        inside = (x if within is None else within) < self.end[-1]
+        inside = x < self.end[-1]
         return self._summed(np.where(inside, z, 0.0), panel) * inside
 
     def _summed(self, z: Array, panel: npt.NDArray[np.intp]) -> Array:
@@ -199,13 +195,6 @@ class Table:
     def integrals(self) -> Array:
         """Integral of each function over all panels, shape (functions,)."""
         return np.asarray(self._parts[0] @ self.widths)
-
-    def moments(self) -> Array:
-        """Integral of x times each function over all panels, shape (functions,)."""
-        middle = 0.5 * (self.begin + self.end)
-        return np.asarray(
-            self._parts[0] @ (self.widths * middle) + self._parts[1] @ (self.widths**2 / 6.0)
-        )
 
     def missed(self) -> Array:
         """Errors of the integrals, from the decay of the coefficients; shape (functions,).
