@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
@@ -13,13 +11,6 @@ from master.renewal.lumps import NOTHING
 from master.renewal.march import March
 
 Array = npt.NDArray[np.float64]
-
-
-class Deltas(NamedTuple):
-    """Stretches (lengths) that a finite share of the contacts has, and these shares."""
-
-    positions: Array
-    weights: Array
 
 
 def _felt(march: March, t: Array) -> Array:
@@ -98,8 +89,11 @@ def density(march: March, t: float, x: Array) -> Array:
     return out
 
 
-def deltas(march: March, t: float) -> Deltas:
-    """Stretches that a finite share of the contacts has at the time t: lumps, and births in holds."""
+def deltas(march: March, t: float) -> dict[float, float]:
+    """Stretches (lengths) that a finite share of the contacts has at the time t, and these shares.
+
+    They are those of lumps, and of births in holds.
+    """
     found: dict[float, float] = {}
     t = float(_felt(march, np.array(t)))
     at, motion = np.full((1, 1), t), march.motion
@@ -117,5 +111,4 @@ def deltas(march: March, t: float) -> Deltas:
                 march.births.law.mean() + motion.at(np.array(t)) - motion.positions[leg]
             )
             found[stretch] = found.get(stretch, 0.0) + march.held(int(leg), t)
-    kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
-    return Deltas(np.array(list(kept)), np.array(list(kept.values())))
+    return {stretch: share for stretch, share in found.items() if share > NOTHING}
