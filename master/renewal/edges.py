@@ -27,9 +27,6 @@ LEAST_LUMP = 1e-15
 # Two edges nearer than this share of their time count as equal, and a point nearer than this before
 # an edge counts as after it: times are rounded.
 CLOSE = 1e-12
-# Two bends nearer than this share of the tolerance, in units of the grain, count as equal: the breaks
-# between them are negligible. (Sums of corners that a law does not declare scatter by as much.)
-UNFELT = 1e-2
 
 
 class Moment(NamedTuple):

@@ -17,7 +17,6 @@ from master.lives.straight import bends_of
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, Pieces, Rows
-from master.renewal.edges import UNFELT
 from master.renewal.table import Table, beside
 
 Array = npt.NDArray[np.float64]
@@ -169,19 +168,6 @@ class Kernels:
         if speed not in self._straight or self._straight[speed].asked < longest:
             self._straight[speed] = Straight(births, speed, longest)
         return self._straight[speed]
-
-    def known_width(self, leg: int, width: float, unfelt: float) -> float:
-        """This width, or one with a known kernel that differs from it negligibly.
-
-        Distances between edges that are sums of the same bends are equal apart from rounding.
-
-        unfelt : largest negligible difference, a length
-        """
-        speed = float(self._motion.speeds[leg])
-        slack = min(unfelt / abs(speed) if speed else 0.0, UNFELT * width)
-        known = [other for with_speed, other in self._known if with_speed == speed]
-        nearest = min(known, key=lambda other: abs(other - width), default=width)
-        return nearest if abs(nearest - width) <= slack else width
 
     def on(self, leg: int, width: float, panels: int) -> Kernel:
         """Kernel for panels at most `panels` apart, or fewer where all births break before."""

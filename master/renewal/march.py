@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births
-from master.renewal.edges import LEAST_LUMP, UNFELT
+from master.renewal.edges import LEAST_LUMP
 from master.renewal.kernels import TARGETS, Kernels
 from master.renewal.lumps import Lump, breaking
 from master.renewal.past import Panels, Past
@@ -160,8 +160,7 @@ class March:
                 break
             left = max(1, int(np.ceil((end - t) / pace.allowed * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
-                unfelt = UNFELT * self.tolerance * self.grain / left
-                width = self.kernels.known_width(leg, (end - t) / left, unfelt)
+                width = (end - t) / left
             run = self._run(t, width, min(pace.count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
             # beyond the allowed work, or beside a point that no panel resolves, the error is accepted
