@@ -76,6 +76,24 @@ class Births:
         return look_ups if self.law.is_single else 40 * look_ups
 
 
+class Panels(NamedTuple):
+    """Solved panels, in the order of time.
+
+    begin, since, width : arrays of shape (n,); begin is a time, since is counted from the beginning
+        of a leg
+    breaks : array of shape (n, DEGREE + 1), values at 0 and the nodes
+    """
+
+    begin: Array
+    since: Array
+    width: Array
+    breaks: Array
+
+    def middle_of_births(self, delay: float) -> Array:
+        """Times in the middle of the births, one delay after the breaks."""
+        return self.begin + 0.5 * self.width + delay
+
+
 class Pieces(NamedTuple):
     """Pieces of the places of birth, as seen from targets; arrays of shape (pieces,).
 

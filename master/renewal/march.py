@@ -23,11 +23,11 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.renewal.births import MOST_WORK, Births
+from master.renewal.births import MOST_WORK, Births, Panels
 from master.renewal.edges import LEAST_LUMP
 from master.renewal.kernels import TARGETS, Kernels
 from master.renewal.lumps import Lump, breaking
-from master.renewal.past import Panels, Past
+from master.renewal.past import Past
 from master.renewal.run import Pace, Run, solve_run, steady
 from origins.start import Start
 

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from master.lives.age.path import AgeingPath
+from master.motion.motion import History
 from master.renewal import rule
-from master.renewal.births import CLOSE, MOST_WORK, TINY, Births, Pieces, Rows, moments
+from master.renewal.births import CLOSE, MOST_WORK, TINY, Births, Panels, Pieces, Rows, moments
 from master.renewal.lumps import Lump, of_lumps
 from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table, basis_of, beside
@@ -39,28 +39,12 @@ ROUNDING = 1e-14
 # Allowed error of a polynomial at the ends of a piece, in units of its accuracy: beside a root of the
 # survival the error is larger there than in between. (A life shorter than the piece shows there.)
 END = 100.0
+# The survival jumps at exact thresholds: it is evaluated this share of a piece inside its ends.
+INSIDE = 1e-9
 # Beside an exact threshold times are moved inside their panel by this share of it.
 BESIDE = 1e-7
 # Share of contacts below which a leg is dropped, in units of that accuracy: many may be.
 NEGLIGIBLE = 1e-3
-
-
-class Panels(NamedTuple):
-    """Solved panels, in the order of time.
-
-    begin, since, width : arrays of shape (n,); begin is a time, since is counted from the beginning
-        of a leg
-    breaks : array of shape (n, DEGREE + 1), values at 0 and the nodes
-    """
-
-    begin: Array
-    since: Array
-    width: Array
-    breaks: Array
-
-    def middle_of_births(self, delay: float) -> Array:
-        """Times in the middle of the births, one delay after the breaks."""
-        return self.begin + 0.5 * self.width + delay
 
 
 class Past:
@@ -223,16 +207,17 @@ class Past:
             return sum((own.sums(t) for own in self._strands), out).reshape(2, *grid.shape)
         if not self._first.size:
             return out.reshape(2, *grid.shape)
-
         pieces, basis = self._pieces(t), basis_of(SIZE)
         narrow = CLOSE * float(pieces.right.max(initial=0.0) - pieces.left.min(initial=0.0))
-        shares = np.concatenate([[0.0], basis.nodes, [1.0]])
+        # between exact thresholds a piece is looked at just inside its ends
+        inside = INSIDE if births.life.atoms.size else 0.0
+        shares = np.concatenate([[inside], basis.nodes, [1.0 - inside]])
         for _ in range(DEPTH):
             if not pieces.left.size:
                 break
             width = pieces.right - pieces.left
             place = pieces.left[:, None] + width[:, None] * shares
-            found = self._left(t[pieces.target, None], place)
+            found = self._left(t[pieces.target], place)
             series = found[..., 1:-1] @ basis.to_legendre
             off = np.abs(series[0] @ basis.at_ends - found[0][:, [0, -1]]).max(axis=-1)
             tail = np.abs(series[..., -2:]).max(axis=-1)
@@ -252,14 +237,17 @@ class Past:
         return out.reshape(2, *grid.shape)
 
     def _left(self, t: Array, place: Array) -> Array:
-        """Share and force at times t, shape (n, 1), of births at places (n, columns)."""
+        """Share and force at times t, shape (n,), of births at places (n, columns)."""
         births = self._births
         births.work += births.dear * place.shape[0]
-        return births.life.left(births.law, self._motion.history(t, self._time(place)))
+        found = births.life.left(births.law, self._history(t, place))
+        return found.reshape(2, *place.shape)
 
-    def _time(self, place: Array) -> Array:
-        """Times of birth, before that of the leg."""
-        return np.interp(place, self._knots, self._motion.times[: self._knots.size])
+    def _history(self, t: Array, place: Array) -> History:
+        """Moves from births at places (n, columns) to times (n,), each by itself: a piece may hold
+        births of several legs."""
+        s = np.interp(place.ravel(), self._knots, self._motion.times[: self._knots.size])
+        return self._motion.history(np.repeat(t, place.shape[1])[:, None], s[:, None])
 
     def _born(self, pieces: Pieces) -> Array:
         """Upper bound of the births on the panels that each piece touches."""
@@ -296,10 +284,7 @@ class Past:
             return pieces
         shares = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
         place = pieces.left[:, None] + (pieces.right - pieces.left)[:, None] * shares
-        history = motion.history(t[pieces.target, None], self._time(place))
-        lowest, highest = law.span
-        least = np.maximum(
-            lowest + history.high.min(axis=1),
-            -(highest + history.low.max(axis=1)),
-        )
+        history, (lowest, highest) = self._history(t[pieces.target], place), law.span
+        high, low = (part.reshape(place.shape) for part in (history.high, history.low))
+        least = np.maximum(lowest + high.min(axis=1), -(highest + low.max(axis=1)))
         return pieces.pick(least < life.reach)
