@@ -22,8 +22,8 @@ Array = npt.NDArray[np.float64]
 
 # Gauss nodes of a piece in the time of birth.
 SIZE = 8
-# Pieces of a leg, at least, and the width of a piece in units of the narrowest width of the thresholds.
-LEAST, WIDTH = 8, 1.0
+# Fewest pieces of a leg; they are as wide as the narrowest width of the thresholds at most.
+LEAST = 8
 
 _NODES = legendre.leggauss(SIZE)[0]
 _TO_LEGENDRE = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
@@ -48,7 +48,7 @@ class StrandBirths:
         assert isinstance(life, AgeingPath)
         self._life, self._seen, self.missed = life, leg, 0.0
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
-        count = np.ptp(ends) * abs(speed) / (WIDTH * life.mesh.width)
+        count = np.ptp(ends) * abs(speed) / life.mesh.width
         edges = np.linspace(ends[0], ends[-1], max(LEAST, int(np.ceil(count))) + 1)
         left, right = edges[:-1], edges[1:]
         nodes = 0.5 * (left + right)[:, None] + 0.5 * (right - left)[:, None] * _NODES
