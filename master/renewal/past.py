@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.path import AgeingPath
+from master.lives.age.ageing import AgeingPath
 from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import CLOSE, MOST_WORK, TINY, Births, Panels, Pieces, Rows, moments

@@ -12,8 +12,7 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.interpolate import BSpline
 
-from master.lives.age.ageing import MARGIN
-from master.lives.age.path import AgeingPath
+from master.lives.age.ageing import MARGIN, AgeingPath
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, moments

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.lives.grains import GrainLife, pinned_hazard
-from master.lives.growing_thresholds import GrowingThresholds
+from master.lives.warm_grains import GrowingThresholds
 from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory, Scales, width_of
 from origins import Contacts
 

@@ -12,9 +12,7 @@ import numpy.typing as npt
 from master.lives.cold import TIE
 from master.lives.heat.above import Above
 from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.replay import Replay
-from master.lives.heat.replayed import rates_of
-from master.lives.heat.threshold_panels import Stiffness
+from master.lives.heat.replay import Replay, Stiffness, rates_of
 from master.motion.motion import Legs
 from master.soft.in_time.memory import Leg, Memory, Scales, width_of
 from origins import Contacts

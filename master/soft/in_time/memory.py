@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.grid import narrowest
+from master.lives.age.cells import narrowest
 from master.lives.cold import ColdLife
 from origins import Contacts
 

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.cold import TIE
-from master.lives.heat.replayed import rates_of
-from master.lives.heat.threshold_panels import law_edges
+from master.lives.heat.above import law_edges
+from master.lives.heat.replay import rates_of
 from master.soft.in_time.heat import reach_of, replay_of, scales_of
 from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory
 from origins import Contacts
