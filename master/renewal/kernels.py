@@ -80,7 +80,7 @@ class Straight:
         self._life, self.missed = life, 0.0
         self._read: Callable[[Array], Array] = found
         if life.quick and law.is_single:
-            smooth = bends_of(life, law, speed, life.marks(np.inf))
+            smooth = bends_of(life, law, speed, life.marks)
             edges = np.concatenate([self._bounds, smooth[smooth < longest * (1.0 - TIE)]])
             self.edges = np.unique(edges)
             return

@@ -159,11 +159,6 @@ class Table:
         """The larger of the last two coefficients of any function, shape (panels,)."""
         return np.asarray(np.abs(self._parts[-2:]).max(axis=(0, 1)))
 
-    def fine(self, width: float) -> Array:
-        """Edges of the panels that are narrower than a width."""
-        narrow = self.widths < width
-        return self.edges[np.append(narrow, False) | np.append(False, narrow)]
-
     def __call__(self, x: Array) -> Array:
         """Values of the functions, shape (functions, *x.shape)."""
         panel = np.searchsorted(self.begin, x, "right") - 1
@@ -186,11 +181,6 @@ class Table:
             spare += row.take(panel, axis=1)
             before, last, spare = last, spare, before
         return np.asarray(self._waves[0].take(panel, axis=1) + z * last - before)
-
-    def extended(self, x: Array, panel: int) -> Array:
-        """The polynomial of the first function on one panel, at points x anywhere."""
-        z = (2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel]
-        return np.asarray(legendre.legval(z, self._parts[:, 0, panel]))
 
     def integrals(self) -> Array:
         """Integral of each function over all panels, shape (functions,)."""
