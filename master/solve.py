@@ -40,9 +40,9 @@ def solve(
     modules in the order in which they work: `rigid` turns contacts and drive into a motion
     (motion.motion) and a life (lives.cold, ...: the survival and force of contacts born together);
     renewal.edges finds where panels end; renewal.march solves the panels one after the other, as
-    polynomials (renewal.rule), with the contributions of earlier births (renewal.births, .kernels);
-    renewal.reading evaluates force and holding share. With heat, renewal.past sums the births on
-    earlier legs of the path. Under a spring, soft.solution follows the same march from slip to slip,
+    polynomials (renewal.rule), with the contributions of earlier births (renewal.births: those on the
+    present leg of the path by .kernels, those before by .past); renewal.reading evaluates force and
+    holding share. Under a spring, soft.solution follows the same march from slip to slip,
     or soft.in_time steps in time where the contacts' laws depend on time. docs/equations.md derives
     the equation from (Q5a); the paper's own scheme is master.paper.explicit.
 
