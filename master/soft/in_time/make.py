@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 from master.soft.in_time.ageing import AgeingMemory
-from master.soft.in_time.grains import GrainMemory, WarmGrainMemory
-from master.soft.in_time.heat import MeanRateMemory, ProportionalMemory
-from master.soft.in_time.memory import Memory
-from master.soft.in_time.spent import SpentMemory
+from master.soft.in_time.grains import GrainMemory
+from master.soft.in_time.memory import MeanRateMemory, Memory
 from origins import Contacts
 
 
 def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
     """The memory of contacts on a drive of at most this speed; its meshes are halved with each level."""
-    thermal = contacts.thermal
     if contacts.ageing is not None:
         return AgeingMemory(contacts, level, fastest)
     if contacts.grains is not None:
-        kind = GrainMemory if thermal is None else WarmGrainMemory
-        return kind(contacts, level)
-    if thermal is None:
-        return Memory(contacts)
-    if thermal.closure == "paper":
+        return GrainMemory(contacts, level)
+    if contacts.thermal is not None and contacts.thermal.closure == "paper":
         return MeanRateMemory(contacts)
-    if thermal.rates.separable and contacts.stiffness == "independent":
-        return ProportionalMemory(contacts)
-    return SpentMemory(contacts, level)
+    return Memory(contacts, level)
