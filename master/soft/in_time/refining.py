@@ -14,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.outcome import Progress
-from master.soft.in_time.carried import Allowed, TooLongError
-from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.carried import Allowed, Carried, TooLongError
 from master.soft.in_time.make import memory_of
 from master.soft.in_time.pulled import Pulled, Task
 from master.soft.in_time.track import pieces, reached, read
@@ -54,14 +53,13 @@ def refined(
     plan, before = list[float](), 0.0
     for level in count():
         memory = memory_of(contacts, level, fastest)
-        cohorts, again = (Cohorts.of(contacts, memory, level, reset) for reset in (False, True))
         # an error estimate needs three levels with the same number of slips
         share = 0.5 ** max(2 - level, 0)
         more = 1.0 if best is None or np.isfinite(best.error) else MORE
         allowed = Allowed(more * MOST_STEPS * share, more * MOST_WORK * share**2, until)
-        task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again, close)
-        pulled = Pulled(cohorts, task, level, plan, allowed)
-        here = pulled.contacts
+        task = Task(course, spring, drive.slip, unit, close)
+        here = Carried(contacts, memory, level, allowed)
+        pulled = Pulled(here, task, level, plan)
         try:
             pulled.run()
         except TooLongError as why:

@@ -7,7 +7,7 @@ import time as clock
 import numpy as np
 
 from master.outcome import Progress, outcome, unheard
-from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.carried import Allowed, Carried
 from master.soft.in_time.make import memory_of
 from master.soft.in_time.refining import refined
 from master.soft.in_time.track import reached
@@ -84,8 +84,8 @@ def solve_in_time(
     out = drive.slip == "reform-after" or (waits and drive.slip == "instant")
     if contacts.reforming is not None and out:
         refuse("slip", drive.slip, AT_REST)
-    held = Cohorts.of(contacts, memory_of(contacts, 0, 1.0), 0).left
-    balance = float(held[1, 0]) / float(drive.spring or 0.0)
+    start = Carried(contacts, memory_of(contacts, 0, 1.0), 0, Allowed(0.0, 0.0))
+    balance = start.force / float(drive.spring or 0.0)
     if abs(drive.path[0] - balance) <= SAME * unit:
         balance = float(drive.path[0])  # the difference is rounding
     late = drive.time is not None and drive.time[0] == 0.0
