@@ -34,6 +34,9 @@ DEAD = 1e-19
 class TooLongError(Exception):
     """The solution has reached its limit of work or time."""
 
+    def __init__(self, why: str = "no steps were found that follow the slider") -> None:
+        super().__init__(why)
+
 
 class Allowed(NamedTuple):
     """Limits: of steps, of the work in all of them, and a reading of time.monotonic()."""
