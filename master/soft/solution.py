@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from master.outcome import Progress, outcome, unheard
 from master.soft.pull import Matter
-from master.soft.regime import Course, Regime, regime
+from master.soft.regime import Regime, regime
 from master.soft.ride import Ride
 from master.soft.slips import Slips
 from origins import Contacts
@@ -124,13 +124,10 @@ def solve_soft(
         found.reason or f"error estimate {found.error:.1e} is above the tolerance {tolerance:.1e}"
     )
     success, message = outcome(contacts, found.error, tolerance, reason)
-    whole = path.size == drive.path.size
-    if not whole:
+    if path.size < drive.path.size:
         over = "by wall_time" if time.monotonic() > until else found.over
         last = f"X_T = {path[-1]:.6g}" if path.size else "the first point"
         success, message = False, f"stopped at {last} {over}; the path is cut there"
-    known = whole and bool(np.isfinite(found.error))
-    course = Course.of(drive, found.balance, found.force, found.position)
     return SoftSolution(
         path=path,
         balance=found.balance,
@@ -140,7 +137,7 @@ def solve_soft(
         holding=found.holding,
         slips=slips,
         period=slips.period,
-        regime=regime(contacts, drive, slips, tolerance, known, course),
+        regime=regime(contacts, drive, found, tolerance),
         run_time=time.perf_counter() - began,
         nodes=found.nodes,
         success=success,

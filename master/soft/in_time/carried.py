@@ -15,10 +15,12 @@ order in the step.
 from __future__ import annotations
 
 import time as clock
+from bisect import bisect_left
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import KroghInterpolator
 
 from master.lives.stretch_rule import StretchRule, stretch_rule
 from master.soft.in_time.memory import Leg, Memory
@@ -123,7 +125,7 @@ class Carried:
         self._started, self._last = x.size, (0.0, 0.0)
         self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
         # ends of steps, with breaks and births up to there
-        self._times, self._breaks, self._born = [self.now], [0.0], 0.0
+        self._times, self._breaks, self._born, self._bends = [self.now], [0.0], 0.0, [0]
         self.pending: dict[float, float] = {}
 
     @property
@@ -159,8 +161,16 @@ class Carried:
             return 1.0, 0.0
         # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
         at, last = now - self.delay - 1e-13 * (now - self._times[0]), self._times[-1]
+        if at <= self._times[0]:
+            return 0.0, 0.0
         if at <= last:
-            return 0.0, float(np.interp(at, self._times, self._breaks, left=0.0))
+            # a cubic through the nodes beside, across none at which breaks bend
+            cell = bisect_left(self._times, at)
+            low = max(bend for bend in self._bends if bend < cell)
+            high = min((bend for bend in self._bends if bend >= cell), default=len(self._times) - 1)
+            begin = min(max(cell - 2, low), max(high - 3, low))
+            some = slice(begin, min(begin + 4, high + 1))
+            return 0.0, float(KroghInterpolator(self._times[some], self._breaks[some])(at))
         share = (at - last) / (now - last)
         return share, (1.0 - share) * self.breaks
 
@@ -211,6 +221,7 @@ class Carried:
 
     def born_at_once(self, weight: float) -> None:
         """Add a finite share that is born at one moment."""
+        self.bend()
         at = self.strands.share.size
         self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
         new = Strands(*(part[at:] for part in self.strands))
@@ -221,7 +232,8 @@ class Carried:
         self.bend()
 
     def bend(self) -> None:
-        """The speed may jump at this moment."""
+        """The speed and the rate of breaks may jump at this moment."""
+        self._bends.append(len(self._times) - 1)
         self._last = 0.0, 0.0
 
     def mark_later(self, at: float, weight: float = 0.0) -> None:

@@ -45,7 +45,7 @@ class GrainMemory(Memory):
         self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
         # places of the edges are roots of hazards, as small thresholds are proportional to these;
         # quantiles of 3e-14 end them
-        self._set_cells(np.linspace(0.0, 5.6, 24 * 2**level + 1))
+        self._set_cells(np.linspace(0.0, 5.6, 48 * 2 ** (level // 2) + 1))
         self._hazards = self._edges**2
         self._beyond = np.exp(-self._hazards)
         if self._hot:

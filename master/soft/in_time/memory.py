@@ -26,7 +26,8 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Shares of the contacts below the ends of cells, on the coarsest level; each is halved with each level.
+# Shares of the contacts below the ends of cells, on the coarsest level; each is cut in 4
+# there, and halved with every second level.
 RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
 # The logarithms of the least and of the largest A that are told apart from 0 and infinity.
 LEAST, MOST = -700.0, 6.5
@@ -65,7 +66,7 @@ class Leg(NamedTuple):
 class Memory:
     """The history of contacts with thresholds that stay, which break there or by heat.
 
-    Cells are halved with each level.
+    Cells are halved with every second level.
 
     Attributes
     ----------
@@ -94,7 +95,7 @@ class Memory:
         atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
         ends = np.unique(np.clip(np.concatenate([ends, *atoms]), 1e-12 * self.reach, self.reach))
         self._set_cells(
-            np.unique([np.linspace(*two, 2 ** (level + 1) + 1) for two in pairwise(ends)])
+            np.unique([np.linspace(*two, 2 ** (level // 2 + 2) + 1) for two in pairwise(ends)])
         )
 
     def _set_cells(self, edges: Array) -> None:
@@ -148,9 +149,11 @@ class Memory:
         if self._hot:
             log = np.log(np.maximum(spent, np.exp(LEAST)))
             near, far = log[every, cut + 1], log[every, cut + 2]
-            # there ln A is extrapolated; the narrow cell of an exact threshold has no slope
-            width = edges[cut + 2] - edges[cut + 1]
-            apart = (edges[cut + 1] - low) / np.where(width > 1e-9 * edges[-1], width, np.inf)
+            # there ln A is extrapolated, by the square of the threshold as barriers change; the
+            # narrow cell of an exact threshold has no slope
+            width = edges[cut + 2] ** 2 - edges[cut + 1] ** 2
+            apart = edges[cut + 1] ** 2 - low**2
+            apart /= np.where(width > 1e-9 * edges[-1] ** 2, width, np.inf)
             log[every, cut] = near + apart * np.maximum(near - far, 0.0)
             weight = weight * mean_share(log)
         held = weight.sum(axis=1)
