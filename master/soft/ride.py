@@ -73,7 +73,7 @@ class Ride:
             position=self.position[:told],
             force=self.force[:told],
             holding=np.ones(told),
-            slips=Slips(*np.array(self.slips).reshape(-1, 5).T, self.drive_error),
+            slips=Slips.of(self.slips, self.drive_error),
             error=self.error,
             nodes=self.matter.nodes + self._relaxed.nodes,
             over=over,

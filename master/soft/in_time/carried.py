@@ -94,6 +94,8 @@ class Carried:
     ----------
     place, now, force, holding : float
         X (a length), the time, F/(N_c <k>) (a length), and the share of the contacts that holds.
+    unit : float
+        Mean threshold (a length).
     pending : dict
         Times at which births bend, and the shares of the contacts, possibly 0, born at once there.
     steps : int
@@ -105,7 +107,7 @@ class Carried:
     def __init__(self, contacts: Contacts, memory: Memory, level: int, allowed: Allowed) -> None:
         self.memory, self.delay, self._allowed = memory, contacts.waiting_time, allowed
         self.steps, self.work, self.unresolved = 0, 0.0, 0.0
-        self.place, self.now = 0.0, 0.0
+        self.place, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
         again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
         start = stretch_rule(contacts.start, memory.reach, memory.starts)
         # births at many stretches have more nodes with each level

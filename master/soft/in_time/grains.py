@@ -48,7 +48,7 @@ class GrainMemory(Memory):
         self._set_cells(np.linspace(0.0, 5.6, 48 * 2 ** (level // 2) + 1))
         self._hazards = self._edges**2
         self._beyond = np.exp(-self._hazards)
-        if self._hot:
+        if contacts.thermal is not None:
             # the rate by which fresh contacts break is that of contacts without thresholds
             self.scales = self.scales._replace(rate=contacts.thermal.rates.scale, thin=False)
             self._thresholds = GrowingThresholds(grains, LONGEST * self._first)

@@ -18,7 +18,7 @@ from master.soft.in_time.ageing import AgeingMemory
 from master.soft.in_time.carried import Allowed, Carried, TooLongError
 from master.soft.in_time.grains import GrainMemory
 from master.soft.in_time.memory import MeanRateMemory, Memory
-from master.soft.in_time.pulled import Pulled, Task
+from master.soft.in_time.pulled import Pulled
 from master.soft.in_time.track import pieces, reached, read
 from master.soft.slips import Followed, Slips
 from master.solution import Solution
@@ -79,14 +79,13 @@ def refined(
     fastest, spring = max((one.speed for one in course), default=0.0), float(drive.spring or 0.0)
     answers, best, plan = Answers(contacts, drive, balance), None, list[float]()
     close = float(np.clip(CLOSE * tolerance, *CLOSEST))
-    task = Task(course, spring, drive.slip, contacts.mean_threshold, close)
     for level in count():
         memory = memory_of(contacts, level, fastest)
         # an error estimate needs three levels with the same number of slips
         share = 0.5 ** max(2 - level, 0)
         allowed = Allowed(MOST_STEPS * share, MOST_WORK * share**2, until)
         here = Carried(contacts, memory, level, allowed)
-        pulled = Pulled(here, task, level, plan)
+        pulled = Pulled(here, drive, course, close, level, plan)
         try:
             pulled.run()
         except TooLongError as why:
@@ -197,7 +196,7 @@ class Answers:
             position=path - force * unit / self._spring,
             force=force * unit,
             holding=holding,
-            slips=Slips(*better, error * unit / self._spring),
+            slips=Slips.of(list(better.T), error * unit / self._spring),
             error=error,
             nodes=here.steps,
             over="by wall_time",

@@ -41,14 +41,12 @@ class Steps:
     contacts : Carried
     spring : float
         K/(N_c <k>).
-    unit : float
-        Mean threshold (a length).
     close : float
         Accuracy of a step's balance, as a share of the step.
     """
 
-    def __init__(self, contacts: Carried, spring: float, unit: float, close: float) -> None:
-        self.contacts, self._spring, self._unit, self._close = contacts, spring, unit, close
+    def __init__(self, contacts: Carried, spring: float, close: float) -> None:
+        self.contacts, self._spring, self._close = contacts, spring, close
         self.scales = contacts.memory.scales
         self.length = COARSEST * self.scales.length
         # first guesses of how fast the spring's force minus F grows with the count of the clock
@@ -154,7 +152,7 @@ class Steps:
         if short >= 0.0:
             return self._found
         rise = secant(lack, -short / self._rise, self._rise, CLOSE, NO_TIME)
-        if abs(self.lack(self._found)) <= BALANCED * self._unit:
+        if abs(self.lack(self._found)) <= BALANCED * self.contacts.unit:
             self._rise = rise
             return self._found
         # where births jump, the secant method may fail: bracket the root
