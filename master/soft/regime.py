@@ -62,7 +62,9 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     moving = [piece for piece in pieces(drive, found.balance) if piece.travel != 0.0]
     speed = drive.velocity
     if drive.time is not None and moving:
-        speed = sum(abs(one.travel) for one in moving) / sum(one.end - one.begin for one in moving)
+        speed = sum(abs(piece.travel) for piece in moving) / sum(
+            piece.end - piece.begin for piece in moving
+        )
     critical, error = critical_spring(contacts, speed, tolerance)
     known = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
     verdict: Verdict = "undecided"

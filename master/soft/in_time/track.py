@@ -34,22 +34,13 @@ class Piece(NamedTuple):
         return self.after - self.before
 
     @property
-    def duration(self) -> float:
-        return self.end - self.begin
-
-    @property
-    def way(self) -> float:
-        """|dX_T|."""
-        return abs(self.travel)
-
-    @property
     def speed(self) -> float:
         """|dX_T/dt|."""
-        return self.way / self.duration
+        return abs(self.travel) / (self.end - self.begin)
 
     def at(self, now: float) -> float:
         """X_T at a time."""
-        return self.before + self.travel / self.duration * (now - self.begin)
+        return self.before + self.travel / (self.end - self.begin) * (now - self.begin)
 
 
 def reached(drive: Drive, balance: float) -> Array:
