@@ -24,7 +24,9 @@ def closest(
     check_contacts(contacts, "eq_model.closest")
     positions = Drive(path).only_forward("the algorithm of the closest contact").path
     generator = np.random.default_rng(whole("seed", seed, 0))
-    x, gap = draw_start(contacts, whole("n_contacts", n_contacts, 1), generator)
+    births = Births("start", contacts.start, contacts.thresholds)
+    x, threshold = births.draw(whole("n_contacts", n_contacts, 1), generator)
+    gap = threshold - x
     fresh, used = contacts.thresholds.rvs(1024, generator), 0
     force, breaks, here = np.empty(positions.size), 0, 0.0
     for j, goal in enumerate(positions):
@@ -47,9 +49,3 @@ def closest(
         here = goal
         force[j] = x.mean()
     return force, breaks
-
-
-def draw_start(contacts: Contacts, n: int, generator: np.random.Generator) -> tuple[Array, Array]:
-    """Starting stretches x, and distances to the threshold, drawn from P_c conditional on x_s > |x|; shape (n,)."""
-    x, threshold = Births("start", contacts.start, contacts.thresholds).draw(n, generator)
-    return x, threshold - x

@@ -6,8 +6,13 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numba import njit, types
 from numba.extending import intrinsic
+
+# Types of numbers in kernels. With an unsigned index numba needs no branch for negative ones, which count from an
+# array's end.
+unsigned, whole, real = np.uint64, np.int64, np.float64
 
 
 def compiled(function: Callable[..., Any], **more: bool) -> Any:

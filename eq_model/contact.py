@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from eq_model.compiling import bare, inlined
+from eq_model.compiling import bare, inlined, real, unsigned, whole
 from eq_model.draws.births import LEVEL_UNIT, Births
 from eq_model.draws.streams import Stream
 from eq_model.draws.tables import Table
 from eq_model.lattice import STIFFNESS_UNIT, Way
 from origins.laws.compiled import CompiledRates
 
-_U, _I, _F = np.uint64, np.int64, np.float64
 _NOTHING = 1e-300
 
 
@@ -92,9 +91,8 @@ def by_law(choose: Callable[[type], Any]) -> Any:
 
 LIVES: dict[type, Callable[..., Any]] = {}
 SEEN: dict[type, Callable[..., Any]] = {}
-RATES: dict[
-    type, CompiledRates
-] = {}  # by the class of their law; arguments are those of CompiledRates
+# by the class of their law; arguments are those of CompiledRates
+RATES: dict[type, CompiledRates] = {}
 # life(law, contact, way, counts): the break of a contact
 life = by_law(LIVES.__getitem__)
 # seen(law, contact, way, moment): its threshold at a later moment; below 0 if `life` counts it itself
@@ -109,9 +107,9 @@ most = by_law(lambda law: RATES[law].most)
 def bin_of(clock, way):  # type: ignore[no-untyped-def]
     """Index of the first point at or after a moment of the clock; the moment is not after the end."""
     if way.even:
-        return max((clock + way.offset) >> way.shift, _I(0))
-    j = _I(way.first[_U(clock >> way.shift)])
-    while way.points[_U(j)] < clock:
+        return max((clock + way.offset) >> way.shift, whole(0))
+    j = whole(way.first[unsigned(clock >> way.shift)])
+    while way.points[unsigned(j)] < clock:
         j += 1
     return j
 
@@ -119,7 +117,7 @@ def bin_of(clock, way):  # type: ignore[no-untyped-def]
 @inlined
 def place_of(clock, leg, way):  # type: ignore[no-untyped-def]
     """The slider's position at a moment of a leg (in whole units)."""
-    k = _U(leg)
+    k = unsigned(leg)
     return way.positions[k] + way.directions[k] * (clock - way.begins[k])
 
 
@@ -130,7 +128,7 @@ def later(clock, leg, time, way):  # type: ignore[no-untyped-def]
         pace = way.paces[leg]
         left = (way.begins[leg + 1] - clock) * pace
         if time <= left:
-            ticks = _I(np.floor(time / pace + 0.5)) if pace > 0.0 else _I(0)
+            ticks = whole(np.floor(time / pace + 0.5)) if pace > 0.0 else whole(0)
             return min(clock + ticks, way.begins[leg + 1]), leg
         time -= left
         leg += 1
@@ -146,20 +144,20 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     sums : (bins + 1, 6), of the number, k y and k, in measured blocks also of k² y², k² y and k², with y minus
     the stretch at the bin's end. Stiffnesses of 1 are not summed. Ignore the last row: breaks beyond the path.
     """
-    j = _U(j)
+    j = unsigned(j)
     y, k, square = birth - work.way.places[j], stiffness * stiffness, work.way.square
-    exact = _F(y)
-    sums[j, _U(0)] += sign
+    exact = real(y)
+    sums[j, 0] += sign
     if work.measured:
-        sums[j, _U(3)] += sign * _I(np.floor(k * exact * exact * square + 0.5))
+        sums[j, 3] += sign * whole(np.floor(k * exact * exact * square + 0.5))
     if not work.linked:
-        sums[j, _U(1)] += sign * y
+        sums[j, 1] += sign * y
         return
-    sums[j, _U(1)] += sign * _I(np.floor(stiffness * exact + 0.5))
-    sums[j, _U(2)] += sign * _I(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
+    sums[j, 1] += sign * whole(np.floor(stiffness * exact + 0.5))
+    sums[j, 2] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
     if work.measured:
-        sums[j, _U(4)] += sign * _I(np.floor(k * exact + 0.5))
-        sums[j, _U(5)] += sign * _I(np.floor(k * STIFFNESS_UNIT + 0.5))
+        sums[j, 4] += sign * whole(np.floor(k * exact + 0.5))
+        sums[j, 5] += sign * whole(np.floor(k * STIFFNESS_UNIT + 0.5))
 
 
 @bare
@@ -170,10 +168,10 @@ def look_at(k, birth, threshold, way, counts):  # type: ignore[no-untyped-def]
     of stretches of either sign and of thresholds.
     """
     many = counts.shape[2]
-    x = _F(way.spots[k] - birth) * way.per_stretch + 0.5 * many
+    x = real(way.spots[k] - birth) * way.per_stretch + 0.5 * many
     y = threshold * way.per_threshold
-    counts[k, 0, _I(min(max(np.floor(x), 0.0), many - 1.0))] += 1
-    counts[k, 1, _I(min(max(y, 0.0), many - 1.0))] += 1
+    counts[k, 0, whole(min(max(np.floor(x), 0.0), many - 1.0))] += 1
+    counts[k, 1, whole(min(max(y, 0.0), many - 1.0))] += 1
 
 
 def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
@@ -197,20 +195,20 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
     rates, unit, per, legs = law.rates, law.unit, 1.0 / law.unit, way.directions.size
-    threshold = _F(contact.threshold) * unit
+    threshold = real(contact.threshold) * unit
     # the integral at x, and the remaining exposure (-1: not computed yet)
     here, bears = 0.0, -1.0
     if x != 0:
-        here = np.copysign(passed(rates, min(abs(_F(x)) * unit, threshold), threshold, k), x)
+        here = np.copysign(passed(rates, min(abs(real(x)) * unit, threshold), threshold, k), x)
     while leg < legs:
         room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
         log_goal, sign = contact.exposure - law.log_slow[leg], 1.0
         if bears < 0.0 and (d == 0 or here != 0.0):
             bears = np.exp(contact.exposure)
         if d == 0:
-            hazard = rate(rates, abs(_F(x)) * unit, threshold, k) * pace
+            hazard = rate(rates, abs(real(x)) * unit, threshold, k) * pace
             if hazard * room >= bears:
-                return Break(clock + min(_I(bears / hazard), room), leg, contact.drawn, True)
+                return Break(clock + min(whole(bears / hazard), room), leg, contact.drawn, True)
             bears -= hazard * room
         else:
             slow = max(pace * per, _NOTHING)  # time for a length
@@ -218,13 +216,13 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
                 goal = d * here + bears / slow
                 log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
             place = sign * min(reached(rates, log_goal, threshold, k), threshold)
-            moved = max(_I(np.floor(place * per + 0.5)) - d * x, _I(0))
+            moved = max(whole(np.floor(place * per + 0.5)) - d * x, whole(0))
             # on the last leg no test is made, as its branch could not be predicted
             if leg + 1 == legs or moved <= room:
                 return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
             x += d * room
-            far = min(abs(_F(x)) * unit, threshold)
-            there = np.copysign(passed(rates, far, threshold, k), _F(x))
+            far = min(abs(real(x)) * unit, threshold)
+            there = np.copysign(passed(rates, far, threshold, k), real(x))
             bears = np.exp(contact.exposure) if bears < 0.0 else bears
             bears = max(bears - d * (there - here) * slow, 0.0)
             here = there
@@ -236,17 +234,17 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
 def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
     """Replace the thresholds x of n contacts by the stretches at which they break, moving steadily forward from r."""
     rates, unit, per, slow = law.rates, law.unit, 1.0 / law.unit, law.log_slow[0]
-    for i in range(_U(n)):
-        threshold, log_goal, sign = _F(x[i]) * unit, _F(e[i]) * LEVEL_UNIT - slow, 1.0
+    for i in range(unsigned(n)):
+        threshold, log_goal, sign = real(x[i]) * unit, real(e[i]) * LEVEL_UNIT - slow, 1.0
         if r[i] != 0:
-            far = min(abs(_F(r[i])) * unit, threshold)
+            far = min(abs(real(r[i])) * unit, threshold)
             goal = np.copysign(passed(rates, far, threshold, 1.0), r[i]) + np.exp(log_goal)
             log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
         place = sign * min(reached(rates, log_goal, threshold, 1.0), threshold)
-        x[i] = max(_I(np.floor(place * per + 0.5)), r[i])
+        x[i] = max(whole(np.floor(place * per + 0.5)), r[i])
 
 
 LIVES |= {Cold: _at_threshold, Warm: _by_rate}
-SEEN |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: _F(contact.threshold))
+SEEN |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: real(contact.threshold))
 # break_row(law, n, x, e, r): breaks in steady forward motion; cold contacts break at their thresholds x
 break_row = by_law({Cold: lambda law, n, x, e, r: None, Warm: _row_by_rates}.__getitem__)

@@ -24,7 +24,6 @@ COARSER, EACH = 8, 8
 # expected number of contacts with a larger threshold than the largest that n contacts are assumed to have
 _RARE = 0.01
 _NEVER = 1e-9  # expected number of breaks that counts as none
-_TOLD = 256  # fewest units within which half of the contacts may break again: their mean is then good to 1e-5
 
 
 class Moments(NamedTuple):
@@ -70,7 +69,6 @@ class Engine:
         exact = contacts.thresholds.atoms[0].size > 0
         way = make_way(course, scale, 2.0 * reach.longest * stiffest, exact)
         self._drive, unit = drive, way.unit
-        _check_excess(contacts, unit)
         law = law_of(contacts, way, TIE * exact)
         self.seconds = seconds_of(contacts, drive, law)
         # the points of histograms, in the order of the clock
@@ -182,9 +180,9 @@ class Engine:
         if measured < 2:
             return mean._replace(variance=np.full(mean.force.size, np.inf))
         seen = self._moments(measured, sums[:, 1]).variance
-        return mean._replace(variance=self._no_less(seen, mean.force, n))
+        return mean._replace(variance=self._no_less(seen, n))
 
-    def _no_less(self, seen: Array, force: Array, n: int) -> Array:
+    def _no_less(self, seen: Array, n: int) -> Array:
         """The variance, at least that which one break more or less would make in n contacts."""
         contacts, reach, start = self.contacts, self._reach, self.contacts.start
         stretch = np.minimum(reach.span + reach.furthest, reach.longest)
@@ -193,26 +191,23 @@ class Engine:
         cold = constant and contacts.thermal is None
         alike = start.is_single and not np.diff(law.support())[0]
         if cold and alike and (again is None or again.law.is_single):
-            return np.zeros(force.size)  # all contacts do the same
+            return np.zeros(seen.size)  # all contacts do the same
         # one break among n contacts, wherever breaks are possible
-        share = np.full(force.size, 1.0 / n)
+        share = np.full(seen.size, 1.0 / n)
         if cold:
             held = law.sf(abs(start.mean()) if start.is_single else 0.0)
             broken = n * (held - law.sf(reach.begun)) > _NEVER * held
             share *= broken & (reach.span > 0.0)
         if constant:
             stretch = np.minimum(stretch, max(float(law.isf(_RARE / n)), reach.furthest))
-        reached, differ = stretch, 0.0
-        if contacts.stiffness == "linked":
-            # the first contacts to break are weak, but no contact's threshold is below its stretch
-            usual, rare = float(np.sqrt(law.moment(2))) / mean, float(law.isf(_RARE / n)) / mean
-            reached = stretch * np.maximum(stretch / mean, min(usual, rare))
-            differ = min(usual**2, rare) - 1.0
-        least = np.maximum(reached**2 * share, differ * force**2)
+        linked = contacts.stiffness == "linked"
+        if linked:  # a contact's threshold is not below its stretch
+            stretch = stretch * np.maximum(stretch, float(np.sqrt(law.moment(2)))) / mean
+        least = stretch**2 * share
         rounded = self._work.way.unit**2 / self._work.way.square  # rounding of squares of stretches
-        if start.is_single:
-            return np.maximum(np.where(seen < rounded, 0.0, seen), least)
-        return np.maximum(seen, np.maximum(least, rounded))
+        if linked or not start.is_single:
+            return np.maximum(seen, np.maximum(least, rounded))
+        return np.maximum(np.where(seen < rounded, 0.0, seen), least)
 
     def _step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
         """Bound on the error of the force by the inner steps of ageing, at the points (a length); 0 without ageing.
@@ -228,18 +223,3 @@ class Engine:
         fine, other = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])
         doubt = np.sqrt(fine.variance / n + other.variance / some)
         return (np.abs(other.force - fine.force) + doubt) / (COARSER - 1.0)
-
-
-def _check_excess(contacts: Contacts, unit: float) -> None:
-    """Raise InputError where all contacts re-form so near to the largest thresholds that `unit` is too coarse."""
-    again = contacts.reforming
-    if again is None or not again.law.is_single:
-        return
-    stretch = abs(again.law.mean())
-    left = contacts.thresholds.isf(0.5 * contacts.thresholds.sf(stretch))
-    excess = float(left) - stretch
-    if excess < _TOLD * unit:
-        raise InputError(
-            f"reforming: at |x| = {stretch:g} half of the contacts break again within {excess:.1g}, and the "
-            f"ensemble takes lengths in steps of {unit:.1g}; use a smaller stretch, or a shorter path"
-        )

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import bare, compiled, inlined
+from eq_model.compiling import bare, compiled, inlined, real, unsigned, whole
 from eq_model.contact import (
     Contact,
     bin_of,
@@ -30,7 +30,6 @@ from eq_model.draws.births import LEVEL_UNIT, draw_round, form_all, form_row
 from eq_model.draws.quantiles import draw_values, make_room
 from eq_model.draws.streams import EXPOSURES, LANES, ROW, THRESHOLDS, draw
 
-_U, _I, _F = np.uint64, np.int64, np.float64
 _STARTS = np.int64(12)  # added to a purpose: words of the contacts at X = 0
 _REST = 4  # rounds between removals of lanes without contacts
 
@@ -42,45 +41,47 @@ def _advance(n, x, birth, at, since, drawn, work, found, change, sums, counts): 
     Returns the number of breaks. The released stretches are summed in the bins of the breaks, `found`; contacts of
     thresholds `drawn` that hold at watched points from `since` on are counted.
     """
-    way, measured, breaks = work.way, work.measured, _I(0)
+    way, measured, breaks = work.way, work.measured, whole(0)
     top, end, last = way.points.size, way.end, way.points.size - 1
-    for i in range(_U(n)):
+    for i in range(unsigned(n)):
         b = birth[i] + x[i]
-        breaks += _I(b <= end)
+        breaks += whole(b <= end)
         at[i] = b
-    for i in range(_U(n) if way.even else _U(0)):
-        found[i] = np.int32(top if at[i] > end else max((at[i] + way.offset) >> way.shift, _I(0)))
-    for i in range(_U(0) if way.even else _U(n)):
+    for i in range(unsigned(n) if way.even else unsigned(0)):
+        found[i] = np.int32(
+            top if at[i] > end else max((at[i] + way.offset) >> way.shift, whole(0))
+        )
+    for i in range(unsigned(0) if way.even else unsigned(n)):
         found[i] = np.int32(top if at[i] > end else bin_of(at[i], way))
-    for i in range(_U(n)):
-        sums[_U(found[i]), _U(1)] += x[i]
+    for i in range(unsigned(n)):
+        sums[unsigned(found[i]), 1] += x[i]
     first = way.places[0]
-    for i in range(_U(n) if measured and way.even else _U(0)):
-        y = birth[i] - (first + (_I(found[i]) << way.shift))
-        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * way.square)
-    for i in range(_U(n) if measured and not way.even else _U(0)):
-        y = birth[i] - way.places[min(_I(found[i]), last)]
-        change[i] = np.floor(0.5 + _F(x[i]) * _F(2 * y + x[i]) * way.square)
-    for i in range(_U(n) if measured else _U(0)):
-        sums[_U(found[i]), _U(3)] += _I(change[i])
+    for i in range(unsigned(n) if measured and way.even else unsigned(0)):
+        y = birth[i] - (first + (whole(found[i]) << way.shift))
+        change[i] = np.floor(0.5 + real(x[i]) * real(2 * y + x[i]) * way.square)
+    for i in range(unsigned(n) if measured and not way.even else unsigned(0)):
+        y = birth[i] - way.places[min(whole(found[i]), last)]
+        change[i] = np.floor(0.5 + real(x[i]) * real(2 * y + x[i]) * way.square)
+    for i in range(unsigned(n) if measured else unsigned(0)):
+        sums[unsigned(found[i]), 3] += whole(change[i])
     for i in range(n if counts.shape[0] else 0):
         if since[i] <= end:
             for k in range(way.before[bin_of(since[i], way)], way.before[found[i]]):
-                look_at(k, birth[i], _F(drawn[i]), way, counts)
+                look_at(k, birth[i], real(drawn[i]), way, counts)
     return breaks
 
 
 @inlined
 def _next(n, at, number, firsts, end, ends):  # type: ignore[no-untyped-def]
     """Lanes whose contact holds to the end continue with the next contact, from its first break."""
-    last, many = firsts.size - 1, _U(0)
-    for i in range(_U(n)):  # without a branch, which could not be predicted
+    last, many = firsts.size - 1, unsigned(0)
+    for i in range(unsigned(n)):  # without a branch, which could not be predicted
         ends[many] = np.int32(i)
-        many += _U(at[i] > end)
+        many += unsigned(at[i] > end)
     for lane in ends[:many]:
-        k = _U(lane)
+        k = unsigned(lane)
         number[k] = min(number[k] + LANES, last)
-        at[k] = firsts[_U(number[k])]
+        at[k] = firsts[unsigned(number[k])]
 
 
 @compiled
@@ -91,26 +92,28 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
     """
     stream, again, way = work.stream, work.again, work.way
     room, end, place = make_room(), way.end, way.places[0]
-    x, at, birth = np.empty(LANES, _I), np.empty(LANES, _I), np.empty(LANES, _I)
-    zeros, found, change = np.zeros(LANES, _I), np.empty(LANES, np.int32), room.place
+    x, at, birth = np.empty(LANES, whole), np.empty(LANES, whole), np.empty(LANES, whole)
+    zeros, found, change = np.zeros(LANES, whole), np.empty(LANES, np.int32), room.place
     # all contacts up to their first break; those that break before the end continue in the lanes
     warm, table = work.bears, work.exposures
-    e, words = np.zeros(LANES, _I), np.empty(4 * ROW, np.uint32)
-    begun, breaks = form_all(count, stream, work.starts, room), _I(0)
+    e, words = np.zeros(LANES, whole), np.empty(4 * ROW, np.uint32)
+    begun, breaks = form_all(count, stream, work.starts, room), whole(0)
     firsts, many = np.full(count + 1, end + 1), 0
     for part in range(-(-count // LANES)):
         own = begun[:, part * LANES : (part + 1) * LANES]
-        n, total, square = own.shape[1], _I(0), _I(0)
+        n, total, square = own.shape[1], whole(0), whole(0)
         x[:n] = own[0]
         if warm:
-            draw(n, _I(part), stream, EXPOSURES + _STARTS, words)
-            draw_values(n, _I(0), _I(part), stream, EXPOSURES + _STARTS, words, table, room, e)
+            draw(n, whole(part), stream, EXPOSURES + _STARTS, words)
+            draw_values(
+                n, whole(0), whole(part), stream, EXPOSURES + _STARTS, words, table, room, e
+            )
         break_row(work.law, n, x, e, own[1])
-        for i in range(_U(n)):
+        for i in range(unsigned(n)):
             birth[i] = -own[1, i]
             y = birth[i] - place
             total += y
-            square += _I(np.floor(0.5 + _F(y) * _F(y) * way.square))
+            square += whole(np.floor(0.5 + real(y) * real(y) * way.square))
         sums[0, 0] += n
         sums[0, 1] += total
         sums[0, 3] += square
@@ -119,14 +122,14 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
             firsts[many] = at[i]
             many += at[i] <= end
     firsts[many:] = end + 1
-    number, n, turn = np.arange(LANES), min(LANES, many), _I(0)
-    own = np.empty((1, LANES), _I)
+    number, n, turn = np.arange(LANES), min(LANES, many), whole(0)
+    own = np.empty((1, LANES), whole)
     at[:n] = firsts[:n]
     while n > 0:
         draw_round(n, turn, stream, again, room)
         if warm:
             draw(n, turn, stream, EXPOSURES, words)
-        for row in range(_I(4)):
+        for row in range(whole(4)):
             draw_values(n, row, turn, stream, THRESHOLDS, room.words, again.thresholds, room, x)
             if warm:
                 own[0, :n] = x[:n]
@@ -144,7 +147,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
                     at[m], number[m] = at[i], number[i]
                     m += 1
             n = m
-    return breaks, _I(0)
+    return breaks, whole(0)
 
 
 class Lanes(NamedTuple):
@@ -160,9 +163,9 @@ class Lanes(NamedTuple):
 @bare
 def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one life in each of n lanes with a row of draws. Returns the numbers of breaks and steps."""
-    breaks, steps, count = _I(0), _I(0), first.shape[1]
+    breaks, steps, count = whole(0), whole(0), first.shape[1]
     way, law, wait = work.way, work.law, work.wait
-    for i in range(_U(n)):
+    for i in range(unsigned(n)):
         number, before = lanes.number[i], lanes.drawn[i]
         if number >= count:
             continue
@@ -174,8 +177,8 @@ def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[n
             lanes.leg[i],
             stretch,
             threshold,
-            _F(e[i]) * LEVEL_UNIT,
-            _F(threshold) / work.mean if work.linked else 1.0,
+            real(e[i]) * LEVEL_UNIT,
+            real(threshold) / work.mean if work.linked else 1.0,
             lanes.again[i] != 0,
             number % LANES,
             before,
@@ -186,10 +189,10 @@ def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[n
         clock, leg, over = found.clock, found.leg, found.clock > way.end
         if found.held:
             born, broken = bin_of(contact.clock, way), way.points.size
-            count_event(_I(1), contact.stiffness, birth, born, work, sums)
+            count_event(whole(1), contact.stiffness, birth, born, work, sums)
             if not over:
                 broken = bin_of(clock, way)
-                count_event(_I(-1), contact.stiffness, birth, broken, work, sums)
+                count_event(whole(-1), contact.stiffness, birth, broken, work, sums)
                 breaks += 1
             if counts.shape[0]:
                 for k in range(way.before[born], way.before[broken]):
@@ -200,8 +203,8 @@ def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[n
             clock, leg = later(clock, leg, wait, way)
         ends = clock > way.end
         steps += found.drawn - before
-        lanes.drawn[i], lanes.again[i] = found.drawn, _I(not ends)
-        lanes.clock[i], lanes.leg[i] = (_I(0), _I(0)) if ends else (clock, leg)
+        lanes.drawn[i], lanes.again[i] = found.drawn, whole(not ends)
+        lanes.clock[i], lanes.leg[i] = (whole(0), whole(0)) if ends else (clock, leg)
         lanes.number[i] += LANES if ends else 0
     return breaks, steps
 
@@ -213,16 +216,16 @@ def follow_lives(work, count, sums, counts):  # type: ignore[no-untyped-def]
     sums : increased, as in contact.count_event. counts : increased, as in contact.look_at.
     """
     n, stream, room = min(LANES, count), work.stream, make_room()
-    x, r, e = np.empty(LANES, _I), np.empty(LANES, _I), np.zeros(LANES, _I)
-    more, none = np.zeros(4 * ROW, np.uint32), np.zeros((4, LANES), _I)
+    x, r, e = np.empty(LANES, whole), np.empty(LANES, whole), np.zeros(LANES, whole)
+    more, none = np.zeros(4 * ROW, np.uint32), np.zeros((4, LANES), whole)
     lanes = Lanes(none[0], none[1], none[2], np.arange(LANES), none[3])
     first = form_all(count, stream, work.starts, room)
-    breaks, steps, turn = _I(0), _I(0), _I(0)
+    breaks, steps, turn = whole(0), whole(0), whole(0)
     while n > 0:
         draw_round(n, turn, stream, work.again, room)
         if work.bears:
             draw(n, turn, stream, EXPOSURES, more)
-        for row in range(_I(4)):
+        for row in range(whole(4)):
             form_row(n, row, turn, stream, work.again, room, x, r)
             if work.bears:
                 table = work.exposures

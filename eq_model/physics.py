@@ -105,6 +105,12 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
     lasts, moved = durations(drive), np.abs(np.diff(drive.path, prepend=0.0))
     total, often, thermal = float(lasts.sum()), 0.0, contacts.thermal
     steps = total / law.longest if contacts.ageing is not None else 0.0
+    again, breaks = contacts.reforming, moved.sum() / contacts.mean_threshold
+    if again is not None and again.law.is_single:
+        # half of the contacts break again within this distance
+        stretch, law_of_x = abs(again.law.mean()), contacts.thresholds
+        distance = float(law_of_x.isf(0.5 * law_of_x.sf(stretch))) - stretch
+        breaks = moved.sum() / max(distance, 1e-300)
     if thermal is not None and total > 0.0:
         often = thermal.attempt_frequency * total
         if contacts.grains is None:
@@ -120,11 +126,13 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
         with np.errstate(all="ignore"):
             holds = np.nan_to_num((growth.alpha * lasts / (np.sqrt(growth.B) * moved)) ** 1.5)
         often = max(often, float((lasts / (growth.first_pinning_time + holds)).sum()))
-    for name, number in (("breaks", often), ("ages in steps,", steps)):
+    what = "grains" if thermal is None else "thermal"
+    numbers = {"reforming": breaks * (again is not None), what: often, "ageing": steps}
+    for key, number in numbers.items():
         if number > _MOST:
-            what = "thermal" if thermal else "ageing" if contacts.ageing else "grains"
+            name = "ages in steps," if key == "ageing" else "breaks"
             raise InputError(
-                f"{what}: each contact {name} about {number:.0e} times on the drive, which takes {total:.1g}; "
+                f"{key}: each contact {name} about {number:.0e} times on the drive, which takes {total:.1g}; "
                 "take a shorter or faster drive, other units of time, or the master equation"
             )
-    return 2e-8 * moved.sum() / contacts.mean_threshold + 1e-7 * often + 2e-7 * steps
+    return 2e-8 * breaks + 1e-7 * often + 2e-7 * steps

@@ -32,16 +32,27 @@ from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
 from origins.laws.thermal import Thermal
-from origins.roughness.contact_stiffness import column_stiffness, mindlin_stiffness, sound_stiffness
 from origins.roughness.from_surface import from_moments, from_topography, resolution_study
-from origins.roughness.greenwood_williamson import pressure_of_separation, separation_of_pressure
-from origins.roughness.gw_gaussian import gw_gaussian
+from origins.roughness.greenwood_williamson import (
+    gw_gaussian,
+    pressure_of_separation,
+    separation_of_pressure,
+)
 from origins.roughness.interface import Interface
-from origins.roughness.material import Material
+from origins.roughness.material import (
+    Material,
+    column_stiffness,
+    mindlin_stiffness,
+    sound_stiffness,
+)
+from origins.roughness.moments import (
+    SpectralMoments,
+    moments_of_spectrum,
+    moments_of_summits,
+    spectral_moments,
+)
 from origins.roughness.power_law import PowerLaw
-from origins.roughness.self_affine import self_affine_surface
-from origins.roughness.spectral_moments import SpectralMoments, moments_of_summits, spectral_moments
-from origins.roughness.spectrum import moments_of_spectrum
+from origins.roughness.surface import self_affine_surface
 from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
 from origins.samples.from_samples import from_samples
 from origins.start import Start, boltzmann_reforming, gaussian_start

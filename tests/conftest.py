@@ -35,7 +35,7 @@ def clean_environment(**extra: str) -> dict[str, str]:
 def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     """What commands say does not tell whether they are the first to compile, nor how fast the machine is."""
     monkeypatch.setattr(
-        "toolkit.running.progress._LOG_PATIENCE", 1e6
+        "toolkit.running.progress.PATIENCE", 1e6
     )  # s; an event can wait no infinite time
 
 

@@ -33,9 +33,9 @@ class Room(NamedTuple):
 
 ROOMS = {
     "master": Room(7500, 12562, 200, 404),
-    "eq_model": Room(2200, 3758, 60, 149),
+    "eq_model": Room(2200, 3757, 60, 131),
     "origins": Room(4500, 8985, 120, 257),
-    "toolkit": Room(4000, 4489, 100, 116),
+    "toolkit": Room(4000, 4000, 100, 65),
 }
 Graph = dict[str, set[str]]
 

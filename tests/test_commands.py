@@ -17,7 +17,6 @@ import master
 import origins
 import toolkit
 from origins.errors import InputError
-from toolkit.judge.precision import Ladders
 from toolkit.running.progress import Progress
 from toolkit.scene.scene import shipped_scenes
 
@@ -221,7 +220,7 @@ def test_the_speed_that_numbers_are_of_is_said(capsys: Any) -> None:
     contacts = {"thresholds": GAUSSIAN, "delay": {"time": 0.5}}
     drive = {"turns": [0.0, 1.0], "times": [1.0, 5.0], "points": 3}
     _, out, _ = said(capsys, "thresholds", write(contacts=contacts, drive=drive))
-    assert any("F_k, K*, F_s/F_k and X* at v = 0.25, delay 0.5" in line for line in out)
+    assert any("F_k, K*, F_s/F_k and X* at v = 0.25, Delay(time=0.5)" in line for line in out)
 
 
 def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) -> None:
@@ -259,13 +258,14 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
     assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
 
 
-SHORT = Ladders((1e-2, 1e-6, 1e-10), (25, 50, 100, 200), (100, 1000, 10_000), (100, 1000), np.inf)
+SHORT = {"master": (1e-2, 1e-6, 1e-10), "explicit": (25.0, 50.0, 100.0, 200.0)}
+SHORT |= {"ensemble": (100.0, 1000.0, 10_000.0), "closest": (100.0, 1000.0)}
 
 
 def test_precision_measures_every_rung_against_the_closed_form(
     capsys: Any, monkeypatch: Any
 ) -> None:
-    monkeypatch.setattr("toolkit.judge.precision.Ladders", lambda: SHORT)
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
     law, start = (
         {"kind": "gaussian", "mean": 2.0, "std": 0.1},
         {"kind": "gaussian", "mean": 0.1, "std": 0.05},

@@ -32,7 +32,7 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
             {"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1"},
             Launch(2, 1),
         ),
-        ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5, "srun")),
+        ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5)),
         # mpirun within a step: its own daemons are one, one a node
         (
             {"SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "1", "PMI_SIZE": "8", "PMI_RANK": "5"},
@@ -178,7 +178,7 @@ def test_mpi_that_cannot_be_imported_is_one_line_in_total(broken: str, mpirun: A
     done = mpirun(2, f"import sys; sys.modules['mpi4py'] = {broken}; {SCRIPT}", "run", "small.toml")
     assert done.returncode == 2 and done.stdout == "" and os.listdir() == ["small.toml"]
     (line,) = done.stderr.splitlines()
-    assert line.startswith("mesofriction: mpirun: started 2 ranks, but mpi4py cannot be imported")
+    assert line.startswith("mesofriction: mpirun or srun: started 2 ranks, but mpi4py cannot be imported")
 
 
 def test_ranks_that_cannot_meet_are_not_lone_runs(python: Any) -> None:
@@ -188,7 +188,7 @@ def test_ranks_that_cannot_meet_are_not_lone_runs(python: Any) -> None:
     done = python(SCRIPT, "run", "small.toml", **rank)
     assert done.returncode == 2 and done.stdout == "" and len(done.stderr.splitlines()) == 1
     assert done.stderr.startswith(
-        "mesofriction: mpirun: started 2 ranks, but mpi4py's MPI connects 1; "
+        "mesofriction: mpirun or srun: started 2 ranks, but mpi4py's MPI connects 1; "
     )
 
 

@@ -299,10 +299,10 @@ contacts.thermal.temperature = {"kelvin": 300.0}  contacts.thermal.temperature.k
 contacts.ageing = {"rate": 1.0, "final": OLD | {"std": 0.0}}  contacts.ageing.final.std = 0.0: must be above
 contacts.reforming = {"kind": "identical", "value": 9.0}  contacts.reforming: a weight of 1 lies beyond
 contacts.stiffness = "linkd"  contacts.stiffness = 'linkd': must be "independent" or "linked"
-drive.to = -5.0  drive.to = -5.0: must be above zero; for the other way write turns = [-5]
+drive.to = -5.0  drive.to: expected float > 0.0
 drive.to = True  drive.to: expected float, got bool
 drive.turns = [2.0, "a"]  drive.turns[1]: expected float, got str
-drive.points = 1  drive.points = 1: must be a whole number of at least 2
+drive.points = 1  drive.points: expected int >= 2
 drive = {"points": 11}  drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; neither
 drive = {"points": 3, "turns": [1.0, -1.0, 1.0]}  drive.points = 3
 drive = {"points": 11, "turns": [1.0, 1.0]}  drive.turns = [1.0, 1.0]: has a leg of no length
@@ -310,24 +310,24 @@ drive = {"points": 11, "to": 5e6}  1e6 mean thresholds at most, or leave [eq] ou
 drive = {"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}  for drive.from and each of drive.turns, 2
 drive = {"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}  drive.velocity = 2.0: the times of
 drive = {"points": 11, "to": 1.0, "hold_scale": 1.0}  drive.hold_scale = 1.0
-drive.spring = 0.0  drive.spring = 0.0: must be above zero
+drive.spring = 0.0  drive.spring: expected float > 0.0
 drive.slip = "instant"  drive.slip = 'instant': is what a slip of a soft slider does, and without
-master.tolerance = 0.0  master.tolerance = 0.0: must be above zero
-eq.seed = -1  eq.seed = -1: must be a whole number of at least 0
+master.tolerance = 0.0  master.tolerance: expected float > 0.0
+eq.seed = -1  eq.seed: expected int >= 0
 eq.threads = 2  eq.threads: unknown key; known here: contacts, replicas, seed, tolerance, wall
 eq.histograms = [1.0, 2.005]  eq.histograms[1] = 2.005: is none of the path's points; near it are 2
 eq.histogram_times = [1.0]  eq.histogram_times = [1.0]: are of a path with drive.times; without them say
-wall_time = 0.0  wall_time = 0.0: must be above zero
+wall_time = 0.0  wall_time: expected float > 0.0
 title = "a\\0b"  title
 colour = "red"  colour: unknown key; known here: contacts, drive, title, master, eq,
 sweep = {}  sweep: goes along nothing
 sweep = {"velocity": "fast"}  sweep.velocity: expected float | table | array
-sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1] = 0.0: must be above zero
-sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing = 'wide': must be "log" or "even"
-sweep = {"temperature": SPEEDS | {"from": 0.0}}  temperature.from = 0.0: has no logarithm; write spacing = "e
+sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1]: expected float > 0.0
+sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing: invalid enum value 'wide'
+sweep = {"temperature": SPEEDS | {"from": 0.0}}  sweep.temperature: 0 has no logarithm; write spacing = "e
 sweep = {"rate": [0.0, 1.0]}  sweep.rate: the contacts have no law for it; add [contacts.ageing]
 sweep = {"kelvin": [1.0, 2.0]}  sweep.kelvin: needs <k> in N/m
-sweep = {"velocity": [1.0, 2.0], "delay": [1.0, 2.0], "temperature": [1.0, 2.0]}  have several values each
+sweep = {"velocity": [1.0, 2.0], "delay": [1.0, 2.0], "temperature": [1.0, 2.0]}  one or two of the keys must have
 sweep = {"velocity": SPEEDS | {"points": 1000}, "delay": SPEEDS | {"points": 1000}}  sweep: has 1,000,000 points
 contacts.thresholds = ROUGH | {"law": "strength"}  material.shear_strength: is missing; law = "strength" needs it
 contacts.thresholds = ROUGH | {"material": FALLING}  material.contact_stiffness.exponent = -1.0: must lie between

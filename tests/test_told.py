@@ -77,21 +77,6 @@ def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:
     assert result.master.slips.drive.size and result.notes == ()
 
 
-def test_where_the_ensemble_does_not_reset_as_the_master_equation_does_is_told() -> None:
-    drive = {"to": 4.0, "points": 11, "spring": 0.5}
-    scene = {
-        "contacts": GAUSSIAN,
-        "drive": drive,
-        "master": {},
-        "eq": {"contacts": 400, "replicas": 8},
-    }
-    assert toolkit.run(scene).notes == ()
-    parts = [{"kind": "gaussian", "mean": mean, "std": 0.01} for mean in (0.5, 1.5)]
-    few = {"kind": "mixture", "components": parts, "weights": [0.1, 0.9]}
-    late = toolkit.run(scene | {"contacts": {"thresholds": few}})
-    assert [note[:15] for note in late.notes] == ['slip = "reset":']
-
-
 def test_what_is_told_before_a_run_is_not_told_again(tmp_path: Path, capsys: Any) -> None:
     hot = GAUSSIAN | {"thermal": {"law": "soft", "temperature": 500.0}}
     scene = {"contacts": hot, "drive": {"to": 1.0, "points": 3}, "master": {"tolerance": 1e-2}}

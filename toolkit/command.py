@@ -73,7 +73,7 @@ def _parse(words: list[str]) -> "argparse.Namespace":
             kept = "how often a long ensemble writes what it has found into DIR, from which the same command goes on"
             seconds: Any = {"metavar": "SECONDS", "type": float, "default": 60.0}
             own.add_argument("--checkpoint", help=f"{kept} (default: 60)", **seconds)
-            told = "tell work, memory, time and error by small pilots; write nothing"
+            told = "tell work, time and error by small pilots; write nothing"
             own.add_argument("--dry-run", action="store_true", help=told)
     return parser.parse_args(words)
 

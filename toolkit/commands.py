@@ -14,19 +14,18 @@ from toolkit.judge import precision as ladders
 from toolkit.judge.describe import Description, describe
 from toolkit.pictures import compare as pictures
 from toolkit.pictures.thresholds import save_thresholds_picture
-from toolkit.results.beside import deviation, slip_lines, why_not_compared
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
-from toolkit.results.records import AgeingRecord, SoftRecord, is_coupled, sample_curve
+from toolkit.results.records import NOT_COMPARED, deviation, is_coupled, sample_curve, slip_line
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.scene.interfaces import foreseen, in_a_line, with_error
+from toolkit.scene.laws import inside
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
 ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
-_APART = 6.0  # standard errors
 
 
 def scenes(arguments: argparse.Namespace) -> int:
@@ -72,18 +71,16 @@ def report(result: Any) -> list[str]:
     if solved is not None:
         error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
-    if isinstance(solved, SoftRecord):
+    if solved is not None and solved.slips is not None:
         slips = f"{solved.slips.drive.size} slips"
         if solved.slips.drive.size > 1:
             period = with_error(solved.period, 2.0 * solved.slips.drive_error, 9)
             slips += f", last pause {period}"
         lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
-    if isinstance(solved, AgeingRecord):
-        outrun = f"contacts outrun it from X = {solved.outrun:.4g} on, where it has many answers"
+    if solved is not None and solved.outrun is not None:
         lines.append(
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
-            f"{solved.positivity_defect.max():.1e}; "
-            f"{outrun if solved.outrun < float('inf') else 'contacts never outrun it'}"
+            f"{solved.positivity_defect.max():.1e}; contacts outrun it from X = {solved.outrun:.4g} on"
         )
     if sweep is not None:
         error = f"error {sweep.force_error.max():.1e} of <x_s>"
@@ -100,7 +97,7 @@ def report(result: Any) -> list[str]:
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
     if is_coupled(eq):
-        lines += slip_lines(result)
+        lines.append(slip_line(result))
     elif solved is not None and eq is not None:
         lines.append(f"eq less master: {_agreement(result)}")
     return [*lines, *(f"note    {note}" for note in result.notes)]
@@ -110,11 +107,11 @@ def _agreement(result: Any) -> str:
     """The difference of both solvers in words."""
     apart = deviation(result).worst
     if apart is None:
-        return f"not compared: {why_not_compared(result)}"
+        return f"not compared: {NOT_COMPARED}"
     chance = "chance makes about 3"
     if result.papers_closure:
         chance += ", the rest is the paper's closure, which single contacts do not follow"
-    elif apart >= _APART:
+    elif apart >= 6.0:
         chance += ": they do not agree, please report it"
     return f"at most {apart:.1f} standard errors over the path; {chance}"
 
@@ -130,7 +127,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
             rule = f"holds the result of {whose}; choose another, or run this scene there"
             refuse("out", str(folder), rule)
         with closing(Progress("thresholds")), runner.until(scene.deadline(), scene, "[contacts]"):
-            return describe(scene.contacts, *scene.sliding)
+            return describe(scene.contacts, scene.sliding)
 
     found = on_root(comm, describe_it)
     law, title = scene.contacts.thresholds, scene.title or scene.name
@@ -160,7 +157,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     tolerance."""
     scenes: dict[str, Any] = {}
     for given in arguments.scene:
-        with judge.naming(given):
+        with inside(given, {}):
             scene = load_scene(given, comm=comm)
         if scene.name in scenes:
             rule = "two scenes of this name could not be told apart; rename one of the files"
@@ -180,22 +177,18 @@ def precision(arguments: argparse.Namespace) -> int:
     """True error against run time of each solver the scene names, as picture and table; each line is printed once it
     is measured."""
     scene = load_scene(arguments.scene)
-    folder = arguments.out or f"{scene.name}-output"
+    folder, lines = arguments.out or f"{scene.name}-output", list[str]()
     check_folder(folder)  # before the work, not after it
-    lines = [scene.title or scene.name, *ladders.table_head()]
 
-    def show(point: ladders.Point) -> None:
-        lines.append(ladders.table_line(point))
-        print(
-            "\n".join(lines if len(lines) == 4 else lines[-1:]), flush=True
-        )  # head and all at first
+    def say_it(line: str) -> None:
+        lines.append(line)
+        print(line, flush=True)
 
     with runner.until(scene.deadline(), scene, "[precision]"):
-        measured = ladders.precision(scene, report=show)
-    numbers = {"reference": "the closed form for Gaussian thresholds", **asdict(measured)}
-    lines += measured.notes
-    _write(folder, "precision", partial(pictures.save_precision, measured), lines, numbers)
-    print("\n".join([*measured.notes, f"written to {folder}"]))
+        found = ladders.precision(scene, say_it)
+    draw = partial(ladders.save_picture, found)
+    _write(folder, "precision", draw, [*lines, *found["notes"]], found)
+    print("\n".join([*found["notes"], f"written to {folder}"]))
     return 0
 
 

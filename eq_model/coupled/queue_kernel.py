@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import bare, inlined
+from eq_model.compiling import bare, inlined, unsigned
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
 CHUNK = 128  # keys in one piece of memory
@@ -23,8 +23,7 @@ FEW = 64  # most keys, on average, that are moved to insert one into the open bu
 DIGIT = 8  # bits of a place that are sorted in one pass
 WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few contacts break in that of their birth
 
-_U = np.uint64
-_THRESHOLD, _DIGIT = _U((1 << THRESHOLD_BITS) - 1), _U((1 << DIGIT) - 1)
+_THRESHOLD, _DIGIT = unsigned((1 << THRESHOLD_BITS) - 1), unsigned((1 << DIGIT) - 1)
 
 
 class Queue(NamedTuple):
@@ -86,7 +85,7 @@ def next_break(queue):  # type: ignore[no-untyped-def]
     """Whether the open bucket has a break, and the position of the first; else that of the bucket's end."""
     low = queue.at[2] << queue.shift
     if queue.at[0] < queue.at[1]:
-        return True, low + np.int64(queue.open[_U(queue.at[0])] >> _U(THRESHOLD_BITS))
+        return True, low + np.int64(queue.open[unsigned(queue.at[0])] >> unsigned(THRESHOLD_BITS))
     return False, low + (np.int64(1) << queue.shift)
 
 
@@ -94,7 +93,7 @@ def next_break(queue):  # type: ignore[no-untyped-def]
 def take_next(queue):  # type: ignore[no-untyped-def]
     """Remove the next break of the open bucket and return its threshold."""
     queue.at[0] += 1
-    return np.int64(queue.open[_U(queue.at[0] - 1)] & _THRESHOLD)
+    return np.int64(queue.open[unsigned(queue.at[0] - 1)] & _THRESHOLD)
 
 
 @inlined
@@ -104,18 +103,20 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
     A break beyond all buckets lies beyond the drive's end and is dropped.
     """
     k = b >> queue.shift
-    key = (_U(b & ((np.int64(1) << queue.shift) - np.int64(1))) << _U(THRESHOLD_BITS)) | _U(x)
+    key = (
+        unsigned(b & ((np.int64(1) << queue.shift) - np.int64(1))) << unsigned(THRESHOLD_BITS)
+    ) | unsigned(x)
     if k <= queue.at[2]:
         _insert(queue, key)
     elif k < queue.many.size:
-        slot = _U(queue.many[_U(k)]) & _U(CHUNK - 1)
-        if slot == _U(0):
+        slot = unsigned(queue.many[unsigned(k)]) & unsigned(CHUNK - 1)
+        if slot == unsigned(0):
             chunk = queue.free[queue.free[0]]
             queue.free[0] -= 1
-            queue.before[chunk] = queue.last[_U(k)]
-            queue.last[_U(k)] = chunk
-        queue.keys[_U(queue.last[_U(k)]), slot] = key
-        queue.many[_U(k)] += 1
+            queue.before[chunk] = queue.last[unsigned(k)]
+            queue.last[unsigned(k)] = chunk
+        queue.keys[unsigned(queue.last[unsigned(k)]), slot] = key
+        queue.many[unsigned(k)] += 1
 
 
 @bare
@@ -148,7 +149,7 @@ def _take(queue, into):  # type: ignore[no-untyped-def]
             key = queue.keys[chunk, j]
             into[m + j] = key
             for d in range(queue.digits.shape[0]):
-                queue.digits[d, (key >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT] += 1
+                queue.digits[d, (key >> unsigned(THRESHOLD_BITS + d * DIGIT)) & _DIGIT] += 1
         m += fill
         fill = np.int64(CHUNK)
         queue.free[0] += 1
@@ -172,8 +173,8 @@ def open_next(queue):  # type: ignore[no-untyped-def]
         for k in range(places.size):
             places[k], at = at, at + places[k]
         for i in range(n):
-            digit = (old[i] >> _U(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
-            new[_U(places[digit])] = old[i]
+            digit = (old[i] >> unsigned(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
+            new[unsigned(places[digit])] = old[i]
             places[digit] += 1
         old, new = new, old
     queue.at[0], queue.at[1] = 0, n

@@ -18,6 +18,8 @@ from eq_model.draws.births import Births, draw_round, form_row
 from eq_model.draws.quantiles import Room, make_room
 from eq_model.draws.streams import LANES, Stream
 
+Array = npt.NDArray[np.float64]
+
 OFTEN = 64  # buckets after which the kernel returns, so that Python can handle an interrupt
 PATH_DONE, SLIP_ENDED, OVERTAKEN, BUCKETS_PASSED, GOING_ON = range(5)
 
@@ -56,20 +58,18 @@ class Pull(NamedTuple):
 
     n: int
     spring: float  # K in <k>
-    path: npt.NDArray[np.float64]  # K X_T of the points
-    time: npt.NDArray[np.float64]  # times at which the drive reaches them
-    clock: npt.NDArray[np.float64]  # times between which the drive's speed is constant
-    clock_drive: npt.NDArray[np.float64]  # X_T at these times
+    path: Array  # K X_T of the points
+    time: Array  # times at which the drive reaches them
+    clock: Array  # times between which the drive's speed is constant
+    clock_drive: Array  # X_T at these times
     wait: float  # the delay, below 0 if there is none
     slip: int  # fewest breaks of an avalanche that is a slip
     at_once: bool  # whether broken contacts re-form at once
     resets: bool  # whether a slip replaces all contacts
-    last: npt.NDArray[
-        np.float64
-    ]  # the last avalanche: K X_T, X before and after, F before and after, breaks
-    told: npt.NDArray[np.float64]  # (3, points): X, F and the number of contacts that hold
+    last: Array  # of the last avalanche: K X_T, X before and after, F before and after, breaks
+    told: Array  # (3, points): X, F and the number of contacts that hold
     avalanches: npt.NDArray[np.int64]  # numbers of those that broke 1, 2-3, 4-7, ... contacts
-    returns: npt.NDArray[np.float64]  # ring buffer of the times at which contacts re-form
+    returns: Array  # ring buffer of the times at which contacts re-form
     many: npt.NDArray[np.int64]  # how many contacts re-form then
 
 

@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from eq_model.compiling import compiled, inlined
+from eq_model.compiling import compiled, inlined, unsigned, whole
 from eq_model.draws.quantiles import beyond, draw_values, quantile
 from eq_model.draws.streams import LANES, STARTS, THRESHOLDS, draw, uniform, words_at
 from eq_model.draws.tables import DEEPEST, FAR, Table, make_table
@@ -15,7 +15,6 @@ from origins import Contacts
 from origins.errors import InputError
 from origins.start import Start
 
-_U, _I = np.uint64, np.int64
 _STRETCHES, _BEYOND = np.int64(16), np.int64(32)  # added to a purpose, for words of other uses
 _OTHERS = 8  # added to a purpose: words that replace rejected ones
 LEVEL_UNIT = 2.0**-40  # exposures (ln e) are drawn as whole multiples of this
@@ -116,17 +115,17 @@ def form_row(n, row, turn, stream, births, room, x, r):  # type: ignore[no-untyp
     if births.drawn:
         own, stretches = purpose + _STRETCHES, births.stretches
         draw_values(n, row, turn, stream, own, room.others, stretches, room, r)
-        for i in range(_U(n)):
+        for i in range(unsigned(n)):
             attempt = 0
             while abs(r[i]) >= births.top:
                 attempt += 1
                 word, fine, _, _ = words_at(i, turn + (attempt << 48), stream, own + _OTHERS + row)
                 r[i] = quantile(word, fine, stretches)
     else:
-        for i in range(_U(n)):
+        for i in range(unsigned(n)):
             r[i] = births.single
     few = False
-    for i in range(_U(n)):
+    for i in range(unsigned(n)):
         few |= x[i] < abs(r[i])
     if few:
         for i in range(n):
@@ -138,11 +137,11 @@ def form_row(n, row, turn, stream, births, room, x, r):  # type: ignore[no-untyp
 @compiled
 def form_all(count, stream, births, room):  # type: ignore[no-untyped-def]
     """Thresholds and stretches of `count` contacts, shape (2, count)."""
-    out = np.empty((2, -(-count // LANES) * LANES), _I)
-    for part in range(_I(out.shape[1] // LANES)):
+    out = np.empty((2, -(-count // LANES) * LANES), whole)
+    for part in range(whole(out.shape[1] // LANES)):
         x, r = out[0, part * LANES : (part + 1) * LANES], out[1, part * LANES : (part + 1) * LANES]
-        turn, row = part >> _I(2), part & _I(3)
+        turn, row = part >> whole(2), part & whole(3)
         if row == 0:
-            draw_round(_I(LANES), turn, stream, births, room)
-        form_row(_I(LANES), row, turn, stream, births, room, x, r)
+            draw_round(whole(LANES), turn, stream, births, room)
+        form_row(whole(LANES), row, turn, stream, births, room, x, r)
     return out[:, :count]

@@ -5,11 +5,20 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, single_of
+from eq_model.compiling import (
+    bare,
+    bits_of,
+    compiled,
+    double_of,
+    inlined,
+    real,
+    single_of,
+    unsigned,
+    whole,
+)
 from eq_model.draws.streams import FINE, LANES, ROW, words_at
 from eq_model.draws.tables import CELL_BITS, FAR, OCTAVES, SIDE
 
-_U, _I, _F = np.uint64, np.int64, np.float64
 _LOW31, _EXPONENT = np.uint32(0x7FFFFFFF), np.int64(0x3FF << 52)
 _FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)
 _SHIFT = np.int64(52 - CELL_BITS)
@@ -41,52 +50,55 @@ def make_room():  # type: ignore[no-untyped-def]
 def _spread(word, part, table):  # type: ignore[no-untyped-def]
     """A word that selects this part, stretched from the part's range of words to all words."""
     spread = table.spreads[part]
-    return np.uint32(((_U(word) - _U(table.begins[part])) * spread + (spread >> _U(1))) >> _U(32))
+    return np.uint32(
+        ((unsigned(word) - unsigned(table.begins[part])) * spread + (spread >> unsigned(1)))
+        >> unsigned(32)
+    )
 
 
 @bare
 def _choose(n, row, words, table, room):  # type: ignore[no-untyped-def]
     """The part that each word of a row selects, and the word stretched to all words."""
-    start = _U(row * ROW)
-    for i in range(_U(n)):
+    start = unsigned(row * ROW)
+    for i in range(unsigned(n)):
         room.part[i] = np.uint32(0)
     for k in range(1, table.begins.size):
         begin = table.begins[k]
-        for i in range(_U(n)):
-            room.part[i] += np.uint32(_I(words[i + start]) >= begin)
-    for i in range(_U(n)):
-        room.local[i] = _spread(words[i + start], _U(room.part[i]), table)
+        for i in range(unsigned(n)):
+            room.part[i] += np.uint32(whole(words[i + start]) >= begin)
+    for i in range(unsigned(n)):
+        room.local[i] = _spread(words[i + start], unsigned(room.part[i]), table)
 
 
 @inlined
 def _values(n, row, words, table, room, out):  # type: ignore[no-untyped-def]
     """Whole quantiles of n words of a row; True if some are FAR, which `_mend` takes from the tree."""
-    start, many = _U(row * ROW), table.begins.size
+    start, many = unsigned(row * ROW), table.begins.size
     if many > 1:
         _choose(n, row, words, table, room)
     else:
-        for i in range(_U(n)):
+        for i in range(unsigned(n)):
             room.local[i] = words[i + start]
-    for i in range(_U(n)):
+    for i in range(unsigned(n)):
         word = room.local[i]
-        bits = bits_of(_F(np.int32(word & _LOW31)) + 0.5)
-        cell = max((bits >> _SHIFT) - _FIRST, _I(0))
-        room.cell[i] = np.uint32(cell + (_I(np.int32(word) >> np.int32(31)) & _I(SIDE)))
-        inside = (bits & ((_I(1) << _SHIFT) - _I(1))) << _I(CELL_BITS)
+        bits = bits_of(real(np.int32(word & _LOW31)) + 0.5)
+        cell = max((bits >> _SHIFT) - _FIRST, whole(0))
+        room.cell[i] = np.uint32(cell + (whole(np.int32(word) >> np.int32(31)) & whole(SIDE)))
+        inside = (bits & ((whole(1) << _SHIFT) - whole(1))) << whole(CELL_BITS)
         room.place[i] = double_of(inside | _EXPONENT) - 1.0
     if many > 1:
-        for i in range(_U(n)):
+        for i in range(unsigned(n)):
             room.cell[i] += room.part[i] * np.uint32(2 * SIDE)
-    for i in range(_U(n)):  # copies of sixteen bytes are faster than gather instructions
-        k, j = _U(room.cell[i]) << _U(1), i << _U(1)
-        first, slopes = table.hot[k], table.hot[k + _U(1)]
-        room.got[j], room.got[j + _U(1)] = first, slopes
-    most = _I(0)
-    for i in range(_U(n)):
-        j, t = i << _U(1), room.place[i]
-        slopes = room.got[j + _U(1)]
-        c1, c2 = _F(single_of(np.int32(slopes))), _F(single_of(np.int32(slopes >> _I(32))))
-        value = _I(np.floor(double_of(room.got[j]) + t * (c1 + t * c2) + 0.5))
+    for i in range(unsigned(n)):  # copies of sixteen bytes are faster than gather instructions
+        k, j = unsigned(room.cell[i]) << unsigned(1), i << unsigned(1)
+        first, slopes = table.hot[k], table.hot[k + unsigned(1)]
+        room.got[j], room.got[j + unsigned(1)] = first, slopes
+    most = whole(0)
+    for i in range(unsigned(n)):
+        j, t = i << unsigned(1), room.place[i]
+        slopes = room.got[j + unsigned(1)]
+        c1, c2 = real(single_of(np.int32(slopes))), real(single_of(np.int32(slopes >> whole(32))))
+        value = whole(np.floor(double_of(room.got[j]) + t * (c1 + t * c2) + 0.5))
         out[i] = value
         most = max(most, value)
     return most >= FAR
@@ -95,10 +107,10 @@ def _values(n, row, words, table, room, out):  # type: ignore[no-untyped-def]
 @bare
 def _mend(n, row, turn, stream, purpose, words, table, out):  # type: ignore[no-untyped-def]
     """Compute the values of a row that the quick cells do not contain, with further random words."""
-    for i in range(_U(n)):
+    for i in range(unsigned(n)):
         if out[i] >= FAR:
             fine, _, _, _ = words_at(i, turn, stream, purpose + FINE + row)
-            out[i] = quantile(words[i + _U(row * ROW)], fine, table)
+            out[i] = quantile(words[i + unsigned(row * ROW)], fine, table)
 
 
 @inlined
@@ -111,30 +123,30 @@ def draw_values(n, row, turn, stream, purpose, words, table, room, out):  # type
 @bare
 def quantile(word, fine, table):  # type: ignore[no-untyped-def]
     """The whole quantile of a word, with `fine` as its next 32 bits."""
-    part = _I(0)
-    while part + 1 < table.begins.size and _I(word) >= table.begins[part + 1]:
+    part = whole(0)
+    while part + 1 < table.begins.size and whole(word) >= table.begins[part + 1]:
         part += 1
     local, grain = np.uint32(word), 1.0
     if table.begins.size > 1:
-        local, grain = _spread(word, part, table), _F(table.spreads[part]) * 2.0**-32
-    v = abs(_F(local & _LOW31) + 0.5 + ((_F(fine) + 0.5) * 2.0**-32 - 0.5) * grain) * 2.0**-32
+        local, grain = _spread(word, part, table), real(table.spreads[part]) * 2.0**-32
+    v = abs(real(local & _LOW31) + 0.5 + ((real(fine) + 0.5) * 2.0**-32 - 0.5) * grain) * 2.0**-32
     return _whole(value_at(part, local > _LOW31, v, table))
 
 
 @inlined
 def _whole(y):  # type: ignore[no-untyped-def]
-    return _I(np.floor(min(max(y, _F(1 - FAR)), _F(FAR - 1)) + 0.5))
+    return whole(np.floor(min(max(y, real(1 - FAR)), real(FAR - 1)) + 0.5))
 
 
 @bare
 def value_at(part, above, v, table):  # type: ignore[no-untyped-def]
     """The quantile, in units, of a part at v = 1 - u if `above`, else v = u; 0 < v <= 1/2."""
-    cell = min(max((bits_of(v * 2.0**32) >> _SHIFT) - _FIRST, _I(0)), _I(SIDE - 1))
+    cell = min(max((bits_of(v * 2.0**32) >> _SHIFT) - _FIRST, whole(0)), whole(SIDE - 1))
     node = table.first[part] + (SIDE if above else 0) + cell
     place = v if cell else min(-np.log2(v), table.cells[node, 0] + table.cells[node, 1])
     while table.child[node] >= 0:
-        node = _I(table.child[node])
-        node += _I(place >= table.cells[node + 1, 0])
+        node = whole(table.child[node])
+        node += whole(place >= table.cells[node + 1, 0])
     t = (place - table.cells[node, 0]) / table.cells[node, 1]
     return table.cells[node, 2] + t * (table.cells[node, 3] + t * table.cells[node, 4])
 
@@ -160,12 +172,12 @@ def _survival(part, x, table):  # type: ignore[no-untyped-def]
 def beyond(x, first, second, table, room):  # type: ignore[no-untyped-def]
     """A whole threshold above x (whole), from two numbers between 0 and 1: P_c conditional on x_s > x."""
     known, many = room.known, table.begins.size
-    if known[0] != _F(x):
-        known[0] = _F(x)
+    if known[0] != real(x):
+        known[0] = real(x)
         for k in range(many):
-            known[k + 1] = table.weights[k] * _survival(_I(k), _F(x), table)
+            known[k + 1] = table.weights[k] * _survival(whole(k), real(x), table)
     first *= known[1 : many + 1].sum()
-    part = _I(0)
+    part = whole(0)
     while part + 1 < many and first >= known[part + 1]:
         first -= known[part + 1]
         part += 1

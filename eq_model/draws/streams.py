@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import bare, inlined
+from eq_model.compiling import bare, inlined, unsigned
 from origins.streams import key_of
 
 LANES = 256  # contacts that are followed side by side: their scratch rows stay in the L1 cache
@@ -21,10 +21,9 @@ ROUNDS = 7
 THRESHOLDS, STARTS, EXPOSURES, STEPS, WATCHED = np.array([0, 48, 96, 112, 128])
 FINE = 4
 
-_U = np.uint64
-_MASK, _HALF = _U(0xFFFFFFFF), _U(32)
-_M0, _M1 = _U(0xD2511F53), _U(0xCD9E8D57)
-_W0, _W1 = _U(0x9E3779B9), _U(0xBB67AE85)
+_MASK, _HALF = unsigned(0xFFFFFFFF), unsigned(32)
+_M0, _M1 = unsigned(0xD2511F53), unsigned(0xCD9E8D57)
+_W0, _W1 = unsigned(0x9E3779B9), unsigned(0xBB67AE85)
 
 
 class Stream(NamedTuple):
@@ -38,7 +37,7 @@ class Stream(NamedTuple):
 def make_stream(seed: object, block: int) -> Stream:
     """The stream of a block; InputError unless the seed is a whole number from 0 to 2^64 - 1."""
     low, high = key_of(seed)
-    return Stream(_U(low), _U(high), _U(block))
+    return Stream(unsigned(low), unsigned(high), unsigned(block))
 
 
 @inlined
@@ -54,25 +53,25 @@ def philox(c0, c1, c2, c3, k0, k1):  # type: ignore[no-untyped-def]
 @inlined
 def words_at(lane, turn, stream, purpose):  # type: ignore[no-untyped-def]
     """Four words of one lane in one round, `turn`, which may exceed 32 bits."""
-    turn = _U(turn)
-    third = _U(purpose) | ((turn >> _HALF) << _U(8))
-    return philox(_U(lane), turn & _MASK, stream.block, third, stream.low, stream.high)
+    turn = unsigned(turn)
+    third = unsigned(purpose) | ((turn >> _HALF) << unsigned(8))
+    return philox(unsigned(lane), turn & _MASK, stream.block, third, stream.low, stream.high)
 
 
 @inlined
 def uniform(high, low):  # type: ignore[no-untyped-def]
     """A number between 0 and 1, exclusive, from two words."""
-    return (np.float64(((high << _HALF) | low) >> _U(11)) + 0.5) * 2.0**-53
+    return (np.float64(((high << _HALF) | low) >> unsigned(11)) + 0.5) * 2.0**-53
 
 
 @bare
 def draw(n, turn, stream, purpose, words):  # type: ignore[no-untyped-def]
     """The words of n lanes in one round: four rows of ROW."""
-    turn = _U(turn)
-    third = _U(purpose) | ((turn >> _HALF) << _U(8))
-    for i in range(_U(n)):
+    turn = unsigned(turn)
+    third = unsigned(purpose) | ((turn >> _HALF) << unsigned(8))
+    for i in range(unsigned(n)):
         a, b, c, d = philox(i, turn & _MASK, stream.block, third, stream.low, stream.high)
         words[i] = np.uint32(a)
-        words[i + _U(ROW)] = np.uint32(b)
-        words[i + _U(2 * ROW)] = np.uint32(c)
-        words[i + _U(3 * ROW)] = np.uint32(d)
+        words[i + unsigned(ROW)] = np.uint32(b)
+        words[i + unsigned(2 * ROW)] = np.uint32(c)
+        words[i + unsigned(3 * ROW)] = np.uint32(d)

@@ -19,6 +19,7 @@ from origins.errors import InputError
 from origins.thresholds.mixture import Mixture
 
 Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
 OCTAVES, CELL_BITS = 11, 5  # of the quick cells
@@ -45,13 +46,11 @@ class Table(NamedTuple):
     cell of each side, the share below -log2 v.
     """
 
-    hot: npt.NDArray[
-        np.int64
-    ]  # (parts 2 SIDE 2,): c0, and c1 and c2 in single precision; see in_units
+    hot: Whole  # (parts 2 SIDE 2,): c0, and c1 and c2 in single precision; see in_units
     child: npt.NDArray[np.int32]  # (nodes,): the lower half, the upper half follows it; -1: a leaf
     cells: Array  # (nodes, 5): lower edge, width, c0, c1, c2
-    first: npt.NDArray[np.int64]  # (parts,): node of each part's first cell
-    begins: npt.NDArray[np.int64]  # (parts,): first of the 2^32 words that select this part
+    first: Whole  # (parts,): node of each part's first cell
+    begins: Whole  # (parts,): first of the 2^32 words that select this part
     spreads: npt.NDArray[np.uint64]  # (parts,): 2^64 over the number of these words
     weights: Array  # (parts,)
 
@@ -107,7 +106,7 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
     return Table(np.zeros(0, np.int64), child.astype(np.int32), cells, first, *parts)
 
 
-def _halved(law: Any, deepest: float, name: str) -> tuple[Array, npt.NDArray[np.int64]]:
+def _halved(law: Any, deepest: float, name: str) -> tuple[Array, Whole]:
     """Cells of one part, halved where they fail their certificate, and their children; the first 2 SIDE are quick."""
     octaves = np.outer(2.0 ** np.arange(OCTAVES), 1.0 + np.arange(CELLS) / CELLS).ravel()
     edge = 2.0 ** -(OCTAVES + 1) * np.append(octaves, 2.0**OCTAVES)

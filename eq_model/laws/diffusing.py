@@ -7,12 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import bare
+from eq_model.compiling import bare, real, whole
 from eq_model.contact import LIVES, SEEN, Break, look_at, place_of, rate
 from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
 from eq_model.laws.ageing_tables import DriftTable
 
-_F, _I = np.float64, np.int64
 _THERMAL = 0.1  # largest integral of the breaking rate over one step
 _CHANGE = 0.6  # largest change of ln h in a step
 _NUDGE = 1e-3  # difference for slopes of ln h, over the threshold
@@ -48,14 +47,14 @@ class Ageing(NamedTuple):
 @bare
 def _normal(words):  # type: ignore[no-untyped-def]
     """A draw of the standard normal law from three of four words."""
-    angle = 2.0 * np.pi * (_F(words[2]) + 0.5) * 2.0**-32
+    angle = 2.0 * np.pi * (real(words[2]) + 0.5) * 2.0**-32
     return np.sqrt(-2.0 * np.log(uniform(words[0], words[1]))) * np.cos(angle)
 
 
 @bare
 def _fourth(words):  # type: ignore[no-untyped-def]
     """A number between 0 and 1, from the fourth of four words."""
-    return (_F(words[3]) + 0.5) * 2.0**-32
+    return (real(words[3]) + 0.5) * 2.0**-32
 
 
 @bare
@@ -104,7 +103,7 @@ def _drift(y, ageing):  # type: ignore[no-untyped-def]
     y = min(max(y, table.near), table.far)
     below, above = y - table.low, table.high - y
     place = (np.log(below / above if above < np.inf else below) - table.first) / table.step
-    k = min(max(_I(place), 0), values.size - 2)
+    k = min(max(whole(place), 0), values.size - 2)
     slope = values[k] + (place - k) * (values[k + 1] - values[k])
     return slope * (1.0 / below + 1.0 / above)
 
@@ -187,8 +186,8 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact whose threshold diffuses, counted at the watched points on its way."""
     lane, stream, place = contact.lane, contact.stream, contact.drawn
     at, leg, wall = contact.clock, contact.leg, law.table.low
-    legs, y, stretch = way.directions.size, _F(contact.threshold), contact.stretch
-    bears, seen, moments = np.exp(contact.exposure), _I(0), way.moments
+    legs, y, stretch = way.directions.size, real(contact.threshold), contact.stretch
+    bears, seen, moments = np.exp(contact.exposure), whole(0), way.moments
     many = moments.size if counts.shape[0] else 0
     known, lost, width = -1.0, 0.0, 0.0
     while seen < many and moments[seen] < at:
@@ -196,9 +195,9 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
     while leg < legs:
         d, pace, end = way.directions[leg], way.paces[leg], way.begins[leg + 1]
         # on a leg the travel is a float, and is rounded where the contact breaks
-        passed, room = 0.0, _F(end - at)
+        passed, room = 0.0, real(end - at)
         while passed < room:
-            now = _F(stretch) + d * passed
+            now = real(stretch) + d * passed
             here, leaving, left = abs(now), d * now >= 0.0, (room - passed) * pace
             speed = 1.0 / pace if d != 0 and leaving else 0.0
             if d != 0 and not leaving:
@@ -209,7 +208,7 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
             time = _step(y, here, speed, left, law)
             words = words_at(lane, place, stream, STEPS)
             bell, chance, ticks = _normal(words), _fourth(words), time / pace
-            then = abs(_F(stretch) + d * (passed + ticks))
+            then = abs(real(stretch) + d * (passed + ticks))
             walled = here + then < 2.0 * wall
             place += 1
             if law.normal:
@@ -248,10 +247,10 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
                     part *= bears / spent
                     broken = True
                 bears -= spent
-            gone = min(_I(np.floor(passed + part * ticks + 0.5)), end - at)
-            until = at + gone if broken else at + _I(passed + ticks + 0.5) + 1
+            gone = min(whole(np.floor(passed + part * ticks + 0.5)), end - at)
+            until = at + gone if broken else at + whole(passed + ticks + 0.5) + 1
             while seen < many and moments[seen] < until and moments[seen] <= end:
-                share = (_F(moments[seen] - at) - passed) / max(met * ticks, 1.0)
+                share = (real(moments[seen] - at) - passed) / max(met * ticks, 1.0)
                 turn = (place << _MOST_WATCHED) | seen
                 low, wide = max(below, 0.0), max(variance, 1e-300)
                 gap = _between(above, low, wide, share, lane, turn, stream)

@@ -9,18 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import bare
+from eq_model.compiling import bare, real, whole
 from eq_model.contact import LIVES, SEEN, Break, most, rate
 from eq_model.draws.streams import STEPS, uniform, words_at
 
-_I, _F = np.int64, np.float64
 _SMALL = 0.4  # grain size over the largest below which psi is integrated: its closed form cancels
-_NODES = tuple((0.5 + 0.5 * np.polynomial.legendre.leggauss(10)[0]).tolist())
-_WEIGHTS = tuple((0.5 * np.polynomial.legendre.leggauss(10)[1]).tolist())
+_NODES, _WEIGHTS = (tuple(part.tolist()) for part in np.polynomial.legendre.leggauss(10))
 _STEPS, _MISS = (
     60,
     1e-5,
-)  # of Halley's method; relative step at which to stop: its cube is the error
+)  # of Halley's method: most, and the relative one that is the last: its cube is the error
 _SPLITS = 200
 # largest ratio of the bound to the rate; not required where the bound's integral is below _LITTLE
 _RISE, _LITTLE = 3.0, 0.05
@@ -44,8 +42,8 @@ def _beyond(q, first, free):  # type: ignore[no-untyped-def]
     if first + gap < _SMALL:
         total = 0.0
         for k in range(len(_NODES)):
-            y = first + gap * _NODES[k]
-            total += _WEIGHTS[k] * 3.0 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
+            y = first + gap * (0.5 + 0.5 * _NODES[k])
+            total += _WEIGHTS[k] * 1.5 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
         return gap * total
     return q - 5.0 / 3.0 * np.log1p(q * free) + 4.0 / 3.0 * np.log1p(gap / (2.0 + first))
 
@@ -141,11 +139,13 @@ def _hold(clock, leg, x, age, goal, way, law):  # type: ignore[no-untyped-def]
         clock += back
         room -= back
         if room > 0:
-            near = _F(d * x)
+            near = real(d * x)
             if hazard(near + room, age + room * pace, law.root) >= goal:
-                moved = _I(0)
+                moved = whole(0)
                 if hazard(near, age, law.root) < goal:
-                    moved = min(_I(_meeting(near, pace, _F(room), age, goal, law.root) + 0.5), room)
+                    moved = min(
+                        whole(_meeting(near, pace, real(room), age, goal, law.root) + 0.5), room
+                    )
                 return clock + moved, leg
             age += room * pace
             x += d * room
@@ -177,11 +177,11 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
     y = quantile(goal, age, root)
     while leg < way.directions.size and clock < until:
         d, pace = way.directions[leg], way.paces[leg] / law.first
-        passed, room = 0.0, _F(min(way.begins[leg + 1], until) - clock)
+        passed, room = 0.0, real(min(way.begins[leg + 1], until) - clock)
         while passed < room and pace > 0.0:
             ticks = min(step / pace, room - passed)
             lasts = ticks * pace
-            here, there = _F(x) + d * passed, _F(x) + d * (passed + ticks)
+            here, there = real(x) + d * passed, real(x) + d * (passed + ticks)
             later = quantile(goal, age + lasts, root)
             least = 0.0 if here * there < 0.0 else min(abs(here), abs(there))
             largest = max(abs(here), abs(there))
@@ -203,12 +203,12 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
             y = quantile(goal, age, root)
             words = words_at(contact.lane, draws, contact.stream, STEPS)
             draws += 1
-            stretch = abs(_F(x) + d * passed)
+            stretch = abs(real(x) + d * passed)
             if uniform(words[0], words[1]) * bound < _rate(stretch, y, law):
-                return Break(clock + min(_I(passed + 0.5), _I(room)), leg, draws, True)
+                return Break(clock + min(whole(passed + 0.5), whole(room)), leg, draws, True)
             bears = -np.log(uniform(words[2], words[3]))
-        x += d * _I(room)
-        clock += _I(room)
+        x += d * whole(room)
+        clock += whole(room)
         leg += 1
     return Break(end + 1, leg, draws, True)
 
@@ -218,7 +218,7 @@ def _pinned(contact, law):  # type: ignore[no-untyped-def]
     """Age and hazard of a contact that forms: e^exposure, or in the start that of its threshold."""
     if contact.fresh:
         return 0.0, np.exp(contact.exposure)
-    return law.age, hazard(_F(contact.threshold), law.age, law.root)
+    return law.age, hazard(real(contact.threshold), law.age, law.root)
 
 
 def keep_hazard(law, contact, way, counts):  # type: ignore[no-untyped-def]

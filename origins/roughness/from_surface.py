@@ -6,42 +6,25 @@ import numpy as np
 from scipy.special import erf
 
 from origins.errors import InputError, between, one_of, positive, refuse, whole
-from origins.roughness.greenwood_williamson import (
-    SummitContact,
-    critical_compression,
-    plasticity_index,
-    pressed,
-    summits_of,
-)
+from origins.roughness.greenwood_williamson import pressed, summits_of
 from origins.roughness.interface import Interface
 from origins.roughness.material import Material
+from origins.roughness.moments import SpectralMoments, spectral_moments
 from origins.roughness.power_law import Bend, PowerLaw
-from origins.roughness.spectral_moments import SpectralMoments, spectral_moments
-from origins.roughness.topography import as_topography
+from origins.roughness.surface import as_topography
 from origins.thresholds.families import persson
 from origins.thresholds.law import Thresholds
 from origins.thresholds.powered import Powered
-
-LAWS = ("paper", "amontons", "strength")
-MODELS = ("gw", "persson")
-_PATCHES = (1e-40, 1e20)
-_FURTHEST = 1e12  # largest pressure over the width of the stresses that persson() takes
 
 
 def from_topography(
     heights: object,
     pixel_size: object = None,
     *,
-    model: str,
-    law: str,
-    material: Material,
-    pressure: float,
-    regime: str = "elastic",
-    patch_area: float | None = None,
-    height_law: str = "gaussian",
     detrend: str = "curvature",
     periodic: bool = False,
     step: int = 1,
+    **options: Any,
 ) -> Thresholds:
     """Thresholds of a measured surface pressed against a flat (paper, Sec. VI A and B), in metres.
 
@@ -95,16 +78,7 @@ def from_topography(
     Raises InputError for other values and for meaningless combinations; the message says what to write instead.
     """
     moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
-    return from_moments(
-        moments,
-        model=model,
-        law=law,
-        material=material,
-        pressure=pressure,
-        regime=regime,
-        patch_area=patch_area,
-        height_law=height_law,
-    )
+    return from_moments(moments, **options)
 
 
 def from_moments(
@@ -120,18 +94,16 @@ def from_moments(
 ) -> Thresholds:
     """from_topography for a surface known by its moments alone: moments_of_spectrum, moments_of_summits."""
     if not isinstance(moments, SpectralMoments):
-        refuse(
-            "moments", moments, "must be SpectralMoments, such as origins.moments_of_summits(...)"
-        )
-    one_of("model", model, MODELS)
-    one_of("law", law, LAWS)
+        such = "origins.moments_of_summits(...)"
+        refuse("moments", moments, f"must be SpectralMoments, such as {such}")
     if not isinstance(material, Material):
         refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
+    one_of("law", law, ("paper", "amontons", "strength"))
     if law == "paper" and material.contact_stiffness is not None:
         raise InputError('material.contact_stiffness: law = "paper" has k = c x_s; leave it out')
     known = {"model": model, "law": law, "material": material, "moments": moments}
     known["pressure"] = positive("pressure", pressure)
-    if model == "gw":
+    if one_of("model", model, ("gw", "persson")) == "gw":
         if patch_area is not None:
             refuse("patch_area", patch_area, 'model = "gw" counts its own contacts; leave it out')
         return _on_summits(known, regime, height_law)
@@ -141,7 +113,7 @@ def from_moments(
     if patch_area is None:
         rule = 'model = "persson" needs the area of one contact in m², such as interface.mean_area of model = "gw" here'
         refuse("patch_area", patch_area, rule)
-    return _on_patches(known, between("patch_area", patch_area, *_PATCHES, "it is in m²"))
+    return _on_patches(known, between("patch_area", patch_area, 1e-40, 1e20, "it is in m²"))
 
 
 def resolution_study(
@@ -179,26 +151,25 @@ def resolution_study(
 def _on_summits(known: dict[str, Any], regime: str, height_law: str) -> Thresholds:
     """Greenwood and Williamson's contacts (paper, Eqs. GW1, GW2): area and load are powers of the compression."""
     moments, material, pressure = known["moments"], known["material"], known["pressure"]
-    contact = pressed(summits_of(moments, material, regime, height_law), pressure)
+    summits = summits_of(moments, material, regime, height_law)
+    z = pressed(summits, pressure)
     plastic = of_hertz = None
     if material.hardness is not None:
-        limit = critical_compression(
-            moments.summit_radius, material.contact_modulus, material.hardness
-        )
-        plastic = 1.0 if regime == "plastic" else contact.fraction_beyond(limit)
+        limit = material.critical_compression(summits.radius)
+        plastic = 1.0 if regime == "plastic" else float(summits.compressions(z).sf(limit))
         elastic = summits_of(moments, material, "elastic", height_law)
-        of_hertz = SummitContact(elastic, elastic.separation(pressure)).fraction_beyond(limit)
+        of_hertz = float(elastic.compressions(elastic.separation(pressure)).sf(limit))
     return _joined(
-        contact.compressions,
-        contact.summits.load,
-        contact.summits.area,
+        summits.compressions(z),
+        summits.load,
+        summits.area,
         **known,
-        area_fraction=contact.area_fraction,
-        contact_density=contact.contact_density,
+        area_fraction=summits.area_fraction(z),
+        contact_density=summits.contact_density(z),
         plastic_fraction=plastic,
         hertz_plastic_fraction=of_hertz,
         regime=regime,
-        separation=contact.separation,
+        separation=float(z * summits.std),
     )
 
 
@@ -209,8 +180,8 @@ def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
     """
     material, pressure = known["material"], known["pressure"]
     width = float(material.contact_modulus * np.sqrt(known["moments"].m2))
-    if pressure > _FURTHEST * width:
-        rule = f"is over {_FURTHEST:g} times the spread of the stresses, {width:.3g} Pa: all patches bear it; lower it"
+    if pressure > 1e12 * width:  # the narrowest stresses that persson() takes
+        rule = f"is over 1e12 times the spread of the stresses, {width:.3g} Pa: all patches bear it; lower it"
         refuse("pressure", pressure, rule)
     if known["law"] == "strength":
         rule = "f_s = tau A is one value on patches of one area; write law = 'amontons', or model = 'gw'"
@@ -241,45 +212,34 @@ def _joined(size: Thresholds, load: Bend, area: PowerLaw, **known: Any) -> Thres
     law, material, moments = known["law"], known["material"], known["moments"]
     constant = "shear_strength" if law == "strength" else "local_friction"
     strength = material.needed(constant, f'law = "{law}"')
-
-    def force(load: PowerLaw) -> PowerLaw:
-        return (area if law == "strength" else load) * strength
-
-    def threshold(load: PowerLaw) -> PowerLaw:
-        if law == "paper":
-            return (
-                force(load) * (1.0 / material.needed("force_coefficient", 'law = "paper"'))
-            ) ** 0.5
-        stiffness = material.stiffness(law)
-        found = force(load) * stiffness.of(area) ** -1.0
-        if not found.exponent > 0.0:
-            raise InputError(
-                f"material.contact_stiffness: k ~ A^{stiffness.exponent:g} makes thresholds fall as a summit is "
-                "pressed down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its aspect"
-            )
-        return found
-
-    def mean(quantity: PowerLaw) -> float:
-        return quantity.coefficient * size._moment(quantity.exponent)
-
-    forces = Bend(force(load.below), force(load.above), load.at)
-    stretches = Bend(threshold(load.below), threshold(load.above), load.at)
-    thresholds = Powered(size, stretches)
+    force = (Bend(area, area, np.inf) if law == "strength" else load) * PowerLaw(strength, 0.0)
     if law == "paper":
-        stiffness = material.force_coefficient * thresholds.mean()  # k = c x_s
+        coefficient = material.needed("force_coefficient", 'law = "paper"')
+        thresholds = Powered(size, (force * PowerLaw(1.0 / coefficient, 0.0)) ** 0.5)
+        stiffness = coefficient * thresholds.mean()  # k = c x_s
     else:
-        stiffness = mean(material.stiffness(law).of(area))
+        each = material.stiffness(law).of(area)
+        stretch = force * each**-1.0
+        if not min(stretch.below.exponent, stretch.above.exponent) > 0.0:
+            raise InputError(
+                f"material.contact_stiffness: k ~ A^{material.stiffness(law).exponent:g} makes thresholds fall as a "
+                "summit is pressed down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its "
+                "aspect"
+            )
+        thresholds = Powered(size, stretch)
+        stiffness = each.coefficient * size._moment(each.exponent)
     density, pressure = known["contact_density"], known["pressure"]
     carried = known["area_fraction"] if law == "strength" else pressure
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
+    radius = (area * PowerLaw(1.0 / np.pi, 0.0)) ** 0.5
     thresholds.interface = Interface(
         **known,
-        mean_radius=mean((area * (1.0 / np.pi)) ** 0.5),
+        mean_radius=radius.coefficient * size._moment(radius.exponent),
         mean_threshold=thresholds.mean(),
         mean_stiffness=stiffness,
         mean_force_threshold=strength * carried / density,
         friction_coefficient=density * stiffness * kinetic / pressure,
-        force_law=forces.of(stretches.inverse),
-        plasticity_index=plasticity_index(moments.summit_std, material, moments.summit_radius),
+        force_law=force.of(thresholds.power.inverse),
+        plasticity_index=material.plasticity_index(moments.summit_std, moments.summit_radius),
     )
     return thresholds

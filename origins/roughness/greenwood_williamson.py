@@ -1,4 +1,4 @@
-"""Greenwood and Williamson's contact: summits of one radius and random height under a rigid flat.
+"""Greenwood and Williamson's contact: summits of one radius and random height under a rigid flat (paper, Sec. VI A).
 
 A summit of height h under a flat at h0 < h is compressed by delta = h - h0 and has the area pi r delta. An elastic one
 carries (4/3) E* r^(1/2) delta^(3/2) (Hertz; the paper's Eq. GW1 prints 4 pi/3), a plastic one pi r delta H (Eq. GW2,
@@ -7,42 +7,23 @@ continuous there, but the threshold as a function of delta has a kink and P_c ha
 """
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 from scipy.special import log_ndtr
 
-from origins.errors import finite, one_of, positive, refuse
+from origins.errors import between, finite, one_of, positive, refuse
 from origins.roughness.material import Material
+from origins.roughness.moments import SpectralMoments
 from origins.roughness.power_law import Bend, PowerLaw
-from origins.roughness.spectral_moments import SpectralMoments
 from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Thresholds
+from origins.thresholds.powered import Powered
 
-_DEEPEST = 1e8  # deepest position of the flat, in sigma_h; summits cover the surface long before
-_FALL = 60.0  # integrals over heights end where the density has fallen by e^-60
-_COUNT = 200  # nodes of such an integral
 REGIMES = ("elastic", "plastic", "mixed")
 
-
 _rule = cache(np.polynomial.legendre.leggauss)  # computed on first use, to keep the import fast
-
-
-def critical_compression(radius: float, contact_modulus: float, hardness: float) -> float:
-    """Compression above which a summit is plastic, r (3 pi H/4E*)², where the elastic and plastic loads meet."""
-    return float(radius * (0.75 * np.pi * hardness / contact_modulus) ** 2)
-
-
-def plasticity_index(std: float, material: Material, radius: float) -> float | None:
-    """psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; None without a hardness.
-
-    The paper prints (E/Y)(h_mean/r)^(1/2); Greenwood and Williamson's own, (E*/H)(sigma_h/r)^(1/2), is a third of
-    ours. In ours the critical compression is sigma_h (9 pi/(4 psi))².
-    """
-    if material.hardness is None:
-        return None
-    return float(3.0 * material.contact_modulus / material.hardness * np.sqrt(std / radius))
 
 
 def compressions(std: float, z: float, heights: str = "gaussian") -> Thresholds:
@@ -55,7 +36,8 @@ def compressions(std: float, z: float, heights: str = "gaussian") -> Thresholds:
 
 @dataclass(frozen=True)
 class Summits:
-    """The summits of a surface and their load: lengths in m, `density` in 1/m², `load` in N as a law of m."""
+    """The summits of a surface and their load: lengths in m, `density` in 1/m², `load` in N as a law of m; z, in
+    sigma_h, is the height of the flat above their mean plane."""
 
     radius: float
     std: float
@@ -68,9 +50,25 @@ class Summits:
         """Area of a contact (m²) as a function of its compression (m)."""
         return PowerLaw(np.pi * self.radius, 1.0)
 
-    def log_touching(self, z: float) -> float:
-        """log of the fraction of the summits that touch a flat at z sigma_h."""
-        return float(log_ndtr(-z)) if self.heights == "gaussian" else -z
+    def compressions(self, z: float) -> Thresholds:
+        """The law of the compressions of the contacts, in m."""
+        return compressions(self.std, z, self.heights)
+
+    def contact_density(self, z: float) -> float:
+        """Contacts per nominal area, 1/m²."""
+        log_touching = log_ndtr(-z) if self.heights == "gaussian" else -z
+        return float(self.density * np.exp(log_touching))
+
+    def area_fraction(self, z: float) -> float:
+        """Real over nominal area of contact."""
+        return self.contact_density(z) * float(self.area(self.compressions(z).mean()))
+
+    def check_apart(self, z: float, name: str, value: float, remedy: str) -> None:
+        """InputError where the contacts would cover the whole surface; the model needs them to be separate."""
+        if (covered := self.area_fraction(z)) >= 1.0:
+            rule = f"summits would cover {covered:.3g} of the surface; Greenwood and Williamson hold for contacts far "
+            rule += f'apart, so {remedy}, or take the thresholds of model = "persson"; are heights and pixel size in '
+            refuse(name, value, rule + "metres, pressure and moduli in Pa?")
 
     def pressure(self, z: float) -> float:
         """Nominal pressure in Pa where the flat is at z sigma_h."""
@@ -89,7 +87,7 @@ class Summits:
             value, slope = self._log_load(z)
             step = (value - goal) / slope
             z -= step
-            if (count > 0 and step <= 1e-15 * abs(z)) or z < -_DEEPEST:
+            if (count > 0 and step <= 1e-15 * abs(z)) or z < -1e8:
                 break
         return z
 
@@ -102,12 +100,12 @@ class Summits:
         slope, curvature = (z, 1.0) if self.heights == "gaussian" else (1.0, 0.0)
         peak = max(0.0, -slope * curvature)
         tilt = slope + curvature * peak
-        reach = 2.0 * _FALL / (tilt + np.sqrt(tilt * tilt + 2.0 * _FALL * curvature))
+        reach = 120.0 / (tilt + np.sqrt(tilt * tilt + 120.0 * curvature))
         near, far, bend = max(0.0, peak - reach), peak + reach, self.load.at / self.std
         # with t = s^4 powers of t in quarters are smooth at 0, and other powers smooth enough
         s = np.unique(np.array([near, np.clip(bend, near, far), far]) ** 0.25)
         half = 0.5 * np.diff(s)[:, None]
-        places, shares = _rule(_COUNT)
+        places, shares = _rule(200)
         nodes = s[:-1, None] + half * (places + 1.0)
         t, weights = nodes**4, 4.0 * half * shares * nodes**3
         weights = weights * np.exp(-(t - peak) * (tilt + 0.5 * curvature * (t - peak)))
@@ -132,57 +130,14 @@ def summits_of(moments: SpectralMoments, material: Material, regime: str, height
     load = Bend(hertz, hertz, np.inf)
     if regime != "elastic":
         hardness = material.needed("hardness", f'regime = "{regime}"')
-        limit = critical_compression(radius, material.contact_modulus, hardness)
+        limit = material.critical_compression(radius)
         plastic = PowerLaw(np.pi * radius * hardness, 1.0)
         load = Bend(hertz, plastic, limit) if regime == "mixed" else Bend(plastic, plastic, np.inf)
     return Summits(radius, moments.summit_std, moments.summit_density, heights, load)
 
 
-@dataclass(frozen=True)
-class SummitContact:
-    """Summits pressed together until the flat is at `z` sigma_h above their mean plane."""
-
-    summits: Summits
-    z: float
-
-    @cached_property
-    def compressions(self) -> Thresholds:
-        """The law of the compressions of the contacts, in m."""
-        return compressions(self.summits.std, self.z, self.summits.heights)
-
-    @property
-    def separation(self) -> float:
-        """Height of the flat above the summits' mean plane, m."""
-        return float(self.z * self.summits.std)
-
-    @property
-    def contact_density(self) -> float:
-        """Contacts per nominal area, 1/m²."""
-        return float(self.summits.density * np.exp(self.summits.log_touching(self.z)))
-
-    @property
-    def area_fraction(self) -> float:
-        """Real over nominal area of contact."""
-        return self.contact_density * float(self.summits.area(self.compressions.mean()))
-
-    def fraction_beyond(self, compression: float) -> float:
-        """Fraction of the contacts that are compressed by more than this, in m."""
-        return float(self.compressions.sf(compression))
-
-    def check_apart(self, name: str, value: float, remedy: str) -> None:
-        """InputError where the contacts would cover the whole surface; the model needs them to be separate."""
-        if self.area_fraction >= 1.0:
-            refuse(
-                name,
-                value,
-                f"summits would cover {self.area_fraction:.3g} of the surface; Greenwood and Williamson hold for "
-                f'contacts far apart, so {remedy}, or take the thresholds of model = "persson"; are heights and '
-                "pixel size in metres, pressure and moduli in Pa?",
-            )
-
-
-def pressed(summits: Summits, pressure: float) -> SummitContact:
-    """The summits under a nominal pressure (Pa).
+def pressed(summits: Summits, pressure: float) -> float:
+    """Position z of the flat, in sigma_h, under a nominal pressure (Pa).
 
     Exponential heights have mean and standard deviation sigma_h, begin at the plane h = 0, and give thresholds
     that do not depend on the load (paper, Eqs. GW3 and GW4).
@@ -190,16 +145,13 @@ def pressed(summits: Summits, pressure: float) -> SummitContact:
     Raises InputError for a pressure too large for exponential heights, and where the contacts would cover the
     whole surface.
     """
-    contact = SummitContact(summits, summits.separation(pressure))
-    if summits.heights == "exponential" and contact.z < 0.0:
-        refuse(
-            "pressure",
-            pressure,
-            f"exponential heights bear at most {summits.pressure(0.0):.3g} Pa, where every summit touches; take "
-            'height_law = "gaussian", or the thresholds of model = "persson"',
-        )
-    contact.check_apart("pressure", pressure, "lower it")
-    return contact
+    z = summits.separation(pressure)
+    if summits.heights == "exponential" and z < 0.0:
+        rule = f"exponential heights bear at most {summits.pressure(0.0):.3g} Pa, where every summit touches; take "
+        rule += 'height_law = "gaussian", or the thresholds of model = "persson"'
+        refuse("pressure", pressure, rule)
+    summits.check_apart(z, "pressure", pressure, "lower it")
+    return z
 
 
 def separation_of_pressure(
@@ -216,7 +168,7 @@ def separation_of_pressure(
     Raises InputError as from_moments does.
     """
     summits = summits_of(moments, material, regime, height_law)
-    return pressed(summits, positive("pressure", pressure)).separation
+    return float(pressed(summits, positive("pressure", pressure)) * summits.std)
 
 
 def pressure_of_separation(
@@ -238,8 +190,72 @@ def pressure_of_separation(
     if height_law == "exponential" and z < 0.0:
         rule = "exponential heights begin at 0, where every summit touches; write one above"
         refuse("separation", separation, rule)
-    SummitContact(summits, z).check_apart("separation", separation, "raise it")
+    summits.check_apart(z, "separation", separation, "raise it")
     pressure = summits.pressure(z)
     if not pressure > 0.0:
         refuse("separation", separation, f"is {z:.3g} sigma_h, where no summit reaches; lower it")
     return pressure
+
+
+def gw_gaussian(
+    separation: float,
+    scale: float,
+    law: str = "paper",
+    regime: str = "elastic",
+    plasticity_index: float | None = None,
+) -> Thresholds:
+    """Summits of Gaussian heights under a flat: S(x) = Phi_c[(h0 + delta(x))/sigma_h]/Phi_c[h0/sigma_h].
+
+    A contact compressed by delta breaks at x_s = scale (delta/sigma_h)^b:
+
+        law         elastic   plastic
+        paper        3/4       1/2
+        amontons      1        1/2
+        strength     1/2       1/2
+
+    Light load, h0 >> sigma_h, is the exponential case, S(x) = exp[-(h0/sigma_h)(x/scale)^(1/b)] up to
+    (sigma_h/h0)²: the paper's law gives (GW3) and (GW4), gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).
+
+    Parameters
+    ----------
+    separation : float
+        h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Below 0 the load is heavy; below about -3 every
+        summit touches, and the model hardly applies. separation_of_pressure finds it from a load.
+    scale : float
+        Threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
+    law : "paper", "amontons" or "strength"
+        As in from_topography.
+    regime : "elastic", "plastic" or "mixed"
+        "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean pressure is the hardness, are
+        plastic. x_s is continuous there; P_c jumps up, by 3/2 under the law "paper" and by 2 under "amontons".
+    plasticity_index : float
+        psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; needed for the regime "mixed", and only there.
+
+    Raises InputError for values outside these. For summits in metres and newtons see from_moments.
+    """
+    z = finite("separation", separation)
+    if not -1e3 <= z <= 1e6:
+        refuse("separation", separation, "is h0/sigma_h and must lie between -1000 and 1e+06")
+    # lengths whose squares are still finite
+    scale = between("scale", scale, 1e-150, 1e150, "choose another unit of length")
+    # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)
+    exponents = {"paper": (0.75, 0.5), "amontons": (1.0, 0.5), "strength": (0.5, 0.5)}
+    elastic, plastic = (PowerLaw(scale, b) for b in exponents[one_of("law", law, (*exponents,))])
+    if one_of("regime", regime, REGIMES) != "mixed":
+        if plasticity_index is not None:
+            rule = 'belongs to regime = "mixed" alone; leave it out'
+            refuse("plasticity_index", plasticity_index, rule)
+        return Powered(compressions(1.0, z), elastic if regime == "elastic" else plastic)
+    if plasticity_index is None:
+        rule = 'regime = "mixed" needs it, such as plasticity_index = 5.0'
+        refuse("plasticity_index", plasticity_index, rule)
+    with np.errstate(over="ignore"):
+        at = float(np.float64(2.25 * np.pi / positive("plasticity_index", plasticity_index)) ** 2)
+    if not 0.0 < at < np.inf:
+        return gw_gaussian(z, scale, law, "plastic" if at == 0.0 else "elastic")
+    # `scale` is the coefficient of the part that includes delta = sigma_h; the other one meets it at the bend
+    if at > 1.0:
+        plastic *= PowerLaw(at ** (elastic.exponent - plastic.exponent), 0.0)
+    else:
+        elastic *= PowerLaw(at ** (plastic.exponent - elastic.exponent), 0.0)
+    return Powered(compressions(1.0, z), Bend(elastic, plastic, at))

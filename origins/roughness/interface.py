@@ -9,18 +9,10 @@ import numpy.typing as npt
 
 from origins.errors import InputError, non_negative, refuse
 from origins.roughness.material import Material
+from origins.roughness.moments import SpectralMoments
 from origins.roughness.power_law import Array, Bend
-from origins.roughness.spectral_moments import SpectralMoments
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
-# limits beyond which `cautions` warns: this toolkit's choice
-_APART = 0.1  # area fraction beyond which contacts are hardly apart
-_FULL = 0.995  # area fraction that is full contact
-_ISOTROPIC = 1.5  # ratio of rms slopes along the axes
-_PLASTIC = 0.01  # fraction of plastic contacts
-_STEEP = 0.5  # rms slope
-_PIXELS = 2.0  # radius of a contact, in pixels
-_LARGEST = 0.1  # m, across a scan
 
 
 @dataclass(frozen=True)
@@ -131,86 +123,66 @@ class Interface:
         Raises InputError for both, for neither, and for values below zero.
         """
         if (kelvin is None) == (energy is None):
-            raise InputError(
-                f"kelvin = {kelvin}, energy = {energy}: write one of them, such as kelvin = 300.0"
-            )
-        joules = (
-            BOLTZMANN * non_negative("kelvin", kelvin)
-            if energy is None
-            else non_negative("energy", energy)
-        )
-        return joules / self.mean_stiffness
+            rule = "write one of them, such as kelvin = 300.0"
+            raise InputError(f"kelvin = {kelvin}, energy = {energy}: {rule}")
+        joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else energy
+        return non_negative("energy", joules) / self.mean_stiffness
 
     @property
     def cautions(self) -> tuple[str, ...]:
         """Sentences about surface or load at the limits of the theory; empty where there are none."""
         gw, moments, radius = self.model == "gw", self.moments, self.mean_radius
-        covered, mu = self.area_fraction, self.friction_coefficient
-        local = self.material.local_friction or np.inf
+        covered, mu, said = self.area_fraction, self.friction_coefficient, list[str]()
         along, across = np.sqrt(sorted(moments.m2_axes))
-        plastic, of_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
         # without a scan, or without patches, there are no cautions about their size
         pixel = moments.pixel_size or (0.0, 0.0)
         size = (moments.size if moments.pixel_size else None) or (0.0, np.inf)
         scan, patch = size[0] * size[1] or np.inf, self.patch_area or pixel[0] * pixel[1]
-        held = self.contact_density * scan
-        said = (
-            (
-                np.inf > max(size) > _LARGEST,
-                f"the scan is {max(size):.3g} m across: is the unit right?",
-            ),
-            (
-                held < 1.0,
-                f"the scan would hold {held:.2g} contacts, fewer than one: what they bear extrapolates its tail",
-            ),
-            (
-                patch < pixel[0] * pixel[1],
-                f"patch_area = {patch:.3g} m² is below the {pixel[0] * pixel[1]:.3g} m² of a pixel",
-            ),
-            (
-                patch > scan,
-                f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan: is it in m²?",
-            ),
-            (
-                gw and covered > _APART,
-                f"contacts cover {covered:.0%} of the surface: Greenwood and Williamson's are far apart",
-            ),
-            (
-                not gw and covered >= _FULL,
-                "full contact: no contact stands alone, and patches do not slip one by one",
-            ),
-            (
-                not gw and _APART < covered < _FULL,
-                f"contacts cover {covered:.0%} of the surface: neighbouring patches are hardly independent",
-            ),
-            (
-                moments.rms_slope > _STEEP,
-                f"rms slope is {moments.rms_slope:.2g}, not small: are heights and pixel size in one unit?",
-            ),
-            (
-                across > _ISOTROPIC * along,
-                f"rms slopes along the two axes differ by a factor {across / along:.2g}: theory is isotropic",
-            ),
-            (
-                self.regime == "elastic" and plastic > _PLASTIC,
-                f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic",
-            ),
-            (
-                self.regime == "plastic" and of_hertz < _PLASTIC,
-                f"{of_hertz:.1%} would be plastic by Hertz' theory, and all contacts are taken as plastic",
-            ),
-            (
-                self.mean_threshold > radius,
-                f"contacts would slip after {self.mean_threshold:.2g} m, more than their radius of {radius:.2g} m",
-            ),
-            # for gw only: the scan need not resolve the area of Persson's patches
-            (
-                gw and radius < _PIXELS * max(pixel),
-                f"mean radius of a contact is {radius:.2g} m, below 2 pixels: the scan does not resolve it",
-            ),
-            (
-                self.law != "strength" and mu > local,
-                f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random",
-            ),
-        )
-        return tuple(sentence for strained, sentence in said if strained)
+        if np.inf > max(size) > 0.1:
+            said.append(f"the scan is {max(size):.3g} m across: is the unit right?")
+        if (held := self.contact_density * scan) < 1.0:
+            said.append(
+                f"the scan would hold {held:.2g} contacts: what they bear extrapolates its tail"
+            )
+        if patch < pixel[0] * pixel[1]:
+            said.append(
+                f"patch_area = {patch:.3g} m² is below the {pixel[0] * pixel[1]:.3g} m² of a pixel"
+            )
+        if patch > scan:
+            said.append(
+                f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan: is it in m²?"
+            )
+        if not gw and covered >= 0.995:
+            said.append("full contact: no contact stands alone, and patches do not slip one by one")
+        elif covered > 0.1:
+            theory = (
+                "Greenwood and Williamson's are far apart"
+                if gw
+                else "neighbouring patches are hardly independent"
+            )
+            said.append(f"contacts cover {covered:.0%} of the surface: {theory}")
+        if moments.rms_slope > 0.5:
+            slope = f"rms slope is {moments.rms_slope:.2g}"
+            said.append(f"{slope}, not small: are heights and pixel size in one unit?")
+        if across > 1.5 * along:
+            factor = f"rms slopes along the two axes differ by a factor {across / along:.2g}"
+            said.append(f"{factor}: theory is isotropic")
+        if self.regime == "elastic" and (plastic := self.plastic_fraction or 0.0) > 0.01:
+            said.append(f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic")
+        if self.regime == "plastic" and (plastic := self.hertz_plastic_fraction or 0.0) < 0.01:
+            said.append(
+                f"{plastic:.1%} would be plastic by Hertz' theory, and all contacts are taken as plastic"
+            )
+        if self.mean_threshold > radius:
+            slip = f"contacts would slip after {self.mean_threshold:.2g} m"
+            said.append(f"{slip}, more than their radius of {radius:.2g} m")
+        if gw and radius < 2.0 * max(
+            pixel
+        ):  # the scan need not resolve the area of Persson's patches
+            small = f"mean radius of a contact is {radius:.2g} m"
+            said.append(f"{small}, below 2 pixels: the scan does not resolve it")
+        if self.law != "strength" and mu > (local := self.material.local_friction or np.inf):
+            said.append(
+                f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random"
+            )
+        return tuple(said)

@@ -1,23 +1,16 @@
-"""The material of a rough contact: moduli, strength and local friction."""
+"""The material of a rough contact: moduli, strength, local friction, and its stiffness as a power of the area."""
 
 from dataclasses import dataclass
 
-from origins.errors import InputError, between, refuse
+import numpy as np
+
+from origins.errors import InputError, between, finite, positive, refuse
 from origins.roughness.power_law import PowerLaw
 
 _ONE_OF = (
     "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, a law of the area: "
     "sound, mindlin, column or a power of your own"
 )
-_LARGEST = 1e20  # of any constant, in SI units
-_STEEPEST = 10.0  # of k against A: a bent column of one height has 2
-# examples of values for messages
-_SUCH_AS = {
-    "local_friction": "0.4",
-    "hardness": "2e8 (Pa)",
-    "shear_strength": "5e7 (Pa)",
-    "force_coefficient": "2.4e10 (Pa)",
-}
 
 
 @dataclass(frozen=True)
@@ -62,15 +55,14 @@ class Material:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if name == "contact_modulus" or (value is not None and name != "contact_stiffness"):
-                between(name, value, 1.0 / _LARGEST, _LARGEST, "it is in SI units")
+                between(name, value, 1e-20, 1e20, "it is in SI units")
         own, speeds = self.contact_stiffness, (self.density, self.sound_velocity)
         if own is not None and not isinstance(own, PowerLaw):
             refuse("contact_stiffness", own, "must be a law, such as mindlin_stiffness(...)")
-        if own is not None and not 0.0 <= own.exponent <= _STEEPEST:
-            rule = f"must lie between 0 and {_STEEPEST:g}, such as 0.5"
+        if own is not None and not 0.0 <= own.exponent <= 10.0:
+            rule = "must lie between 0 and 10, such as 0.5"
             refuse("contact_stiffness.exponent", own.exponent, rule)
-        ways = own is not None, self.shear_modulus is not None, speeds != (None, None)
-        if sum(ways) > 1:
+        if (own is not None) + (self.shear_modulus is not None) + (speeds != (None, None)) > 1:
             name = "contact_stiffness" if own is not None else "shear_modulus"
             raise InputError(f"{name}: given twice; {_ONE_OF}")
         if speeds.count(None) == 1:
@@ -78,12 +70,11 @@ class Material:
 
     def needed(self, name: str, what: str) -> float:
         """The constant `name`, in SI units; InputError where it was left out though `what`, law or regime, needs it."""
-        value = getattr(self, name)
-        if value is None:
-            such = f"{name} = {_SUCH_AS[name]}"
-            raise InputError(
-                f"material.{name} = None: {what} needs it; give the material one, such as {such}"
-            )
+        if (value := getattr(self, name)) is None:
+            such = {"local_friction": "0.4", "hardness": "2e8 (Pa)", "shear_strength": "5e7 (Pa)"}
+            told = f"{name} = {such.get(name, '2.4e10 (Pa)')}"
+            rule = f"{what} needs it; give the material one, such as {told}"
+            raise InputError(f"material.{name} = None: {rule}")
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:
@@ -94,7 +85,86 @@ class Material:
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         if self.density is not None and self.sound_velocity is not None:
-            return PowerLaw(self.density * self.sound_velocity**2, 0.5)
+            return sound_stiffness(self.density, self.sound_velocity)
         if self.shear_modulus is None:
             raise InputError(f'material.shear_modulus = None: law = "{law}" needs it; {_ONE_OF}')
         return PowerLaw(self.shear_modulus, 0.5)
+
+    def critical_compression(self, radius: float) -> float:
+        """Compression above which a summit is plastic, r (3 pi H/4E*)², where the elastic and plastic loads meet; for a
+        material with a hardness."""
+        return float(radius * (0.75 * np.pi * (self.hardness or 0.0) / self.contact_modulus) ** 2)
+
+    def plasticity_index(self, std: float, radius: float) -> float | None:
+        """psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; None without a hardness.
+
+        The paper prints (E/Y)(h_mean/r)^(1/2); Greenwood and Williamson's own, (E*/H)(sigma_h/r)^(1/2), is a third of
+        ours. In ours the critical compression is sigma_h (9 pi/(4 psi))².
+        """
+        if self.hardness is None:
+            return None
+        return float(3.0 * self.contact_modulus / self.hardness * np.sqrt(std / radius))
+
+
+def sound_stiffness(density: float, sound_velocity: float) -> PowerLaw:
+    """k = rho c² A^(1/2) (paper, Sec. II); rho c² is the shear modulus.
+
+    density in kg/m³ and transverse sound velocity in m/s, above zero; the law takes m² and gives N/m.
+    Raises InputError otherwise.
+    """
+    speed = positive("sound_velocity", sound_velocity)
+    return PowerLaw(positive("density", density) * speed**2, 0.5)
+
+
+def mindlin_stiffness(
+    shear_modulus: float | tuple[float, float], poisson_ratio: float | tuple[float, float]
+) -> PowerLaw:
+    """k = 8 a G*, a = (A/pi)^(1/2) the radius of a circular contact that does not slip (R. D. Mindlin, 1949).
+
+    1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2.
+
+    shear_modulus : G in Pa above zero, one number for two equal bodies or a pair.
+    poisson_ratio : nu, above -1 and at most 1/2, one number or a pair.
+    The law takes m² and gives N/m. Raises InputError otherwise.
+    """
+    pairs = []
+    for name, value in (("shear_modulus", shear_modulus), ("poisson_ratio", poisson_ratio)):
+        pairs.append(value if isinstance(value, tuple | list) else (value, value))
+        if len(pairs[-1]) != 2:
+            refuse(name, value, "must be one number for equal bodies, or a pair")
+    compliance = 0.0
+    for modulus, ratio in zip(*pairs, strict=True):
+        if not -1.0 < finite("poisson_ratio", ratio) <= 0.5:
+            refuse("poisson_ratio", ratio, "must be above -1 and at most 1/2, such as 0.3")
+        compliance += (2.0 - ratio) / positive("shear_modulus", modulus)
+    return PowerLaw(8.0 / compliance / float(np.sqrt(np.pi)), 0.5)
+
+
+def column_stiffness(
+    youngs_modulus: float, aspect: float | None = None, height: float | None = None
+) -> PowerLaw:
+    """k = (3 pi/4) E_c r_c (r_c/h)³ of a cylinder bent sideways (paper, Eqs. eq15 and eq15a).
+
+    Its radius is r_c = (A/pi)^(1/2), its length h.
+
+    This is a thin beam without shear and without the bodies' compliance: too stiff where r_c is not below h.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        E_c in Pa; 2 (1 + nu) rho c² in Eq. (eq15a).
+    aspect : float
+        r_c/h, the same for every contact, so that k ~ A^(1/2). At aspect = 1 this is (3 pi^(1/2)/2) (1 + nu)
+        times rho c² A^(1/2): 3.5 for nu = 0.3, where the paper writes ~.
+    height : float
+        Or h in m, the same for every contact, the thickness of the interface: then k ~ A².
+
+    The law takes m² and gives N/m. Raises InputError for values not above zero, for both and for neither.
+    """
+    modulus = 0.75 * positive("youngs_modulus", youngs_modulus)
+    if (aspect is None) == (height is None):
+        rule = "give one of aspect and height, such as aspect = 1.0 for columns as long as wide"
+        raise InputError(f"column_stiffness: {rule}")
+    if aspect is not None:
+        return PowerLaw(float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5)
+    return PowerLaw(modulus / np.pi / positive("height", height) ** 3, 2.0)

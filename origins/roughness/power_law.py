@@ -27,18 +27,16 @@ class PowerLaw:
     def __call__(self, y: npt.ArrayLike) -> Array:
         return np.asarray(self.coefficient * np.asarray(y, dtype=float) ** self.exponent)[()]
 
-    def __mul__(self, other: "PowerLaw | float") -> "PowerLaw":
-        """The product with another law of the same quantity, or with a number."""
-        if isinstance(other, PowerLaw):
-            return PowerLaw(self.coefficient * other.coefficient, self.exponent + other.exponent)
-        return PowerLaw(self.coefficient * other, self.exponent)
+    def __mul__(self, other: "PowerLaw") -> "PowerLaw":
+        """The product with another law of the same quantity."""
+        return PowerLaw(self.coefficient * other.coefficient, self.exponent + other.exponent)
 
     def __pow__(self, exponent: float) -> "PowerLaw":
         return PowerLaw(self.coefficient**exponent, self.exponent * exponent)
 
     def of(self, inner: "PowerLaw") -> "PowerLaw":
         """The composition self(inner(y))."""
-        return inner**self.exponent * self.coefficient
+        return PowerLaw(self.coefficient, 0.0) * inner**self.exponent
 
     @property
     def inverse(self) -> "PowerLaw":
@@ -64,6 +62,12 @@ class Bend:
         if self.at == np.inf:
             return self.below(y)
         return np.asarray(np.where(y <= self.at, self.below(y), self.above(y)))[()]
+
+    def __mul__(self, other: PowerLaw) -> "Bend":
+        return Bend(self.below * other, self.above * other, self.at)
+
+    def __pow__(self, exponent: float) -> "Bend":
+        return Bend(self.below**exponent, self.above**exponent, self.at)
 
     def of(self, inner: "Bend") -> "Bend":
         """The composition self(inner(y)); `inner` rises, and its bend must be at the same y."""

@@ -1,57 +1,58 @@
 """Scenes side by side: propensity to stick-slip by the master equation, with evidence from the ensemble."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.judge.describe import PROPENSITY, Description, conditions, describe
-from toolkit.results.beside import deviation, why_not_compared
-from toolkit.results.records import Result
+from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
+from toolkit.results.records import NOT_COMPARED, Result, deviation
 from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, until
-from toolkit.scene.interfaces import RESAMPLES, Number, with_error
+from toolkit.scene.interfaces import Number, with_error
+from toolkit.scene.laws import inside
 from toolkit.scene.scene import Scene
+
+_SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
+_HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One scene's line of the comparison; lengths in units of the mean threshold <x_s>, times in s.
+    """One scene's line of the comparison.
 
-    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) for a surface only.
-    `conditions` give the speed, temperature and more on which they depend; `cautions` say why K* is infinite, where
-    samples, surface or load are at the limits of the law, and which errors are not shown; `sampled` is whether the
-    thresholds come from samples. `evidence` is the ensemble's: its force over the exact F_k, with one standard error,
-    where the master equation's force is largest (its own, without [master]), the master's there, and the largest
-    difference of both over the path in standard errors, or why there is none; None without [eq].
+    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) for a surface only,
+    lengths in mean thresholds; `conditions` the speed, temperature and more on which they depend; `cautions` say why
+    K* is infinite, and what is at the limits of the law; `found` describes the law. `evidence` is the ensemble's: its
+    force over the exact F_k, with one standard error, where the master equation's force is largest (its own, without
+    [master]), the master's there, and the largest difference of both over the path in standard errors, or why there is
+    none; None without [eq].
     """
 
     name: str
-    title: str
     numbers: dict[str, Number]
-    mean_threshold: float
-    unit: str
-    sampled: bool
-    cautions: tuple[str, ...]
-    velocity: float
-    conditions: tuple[str, ...]
-    run_time: float
+    conditions: list[str]
+    cautions: list[str]
     evidence: dict[str, Any] | None
+    found: Description
     result: Result
 
     def value(self, name: str) -> float:
         return self.numbers[name].value
 
     def plain(self) -> dict[str, Any]:
-        """The content of a file: all but the result."""
-        kept = {key: value for key, value in vars(self).items() if key not in ("result", "numbers")}
-        for name in ("friction_coefficient", *self.numbers):
-            number = self.numbers.get(name)
-            kept[name] = None if number is None else number.value
-            kept[f"{name}_error"] = None if number is None else number.error
+        """The content of a file; times in s."""
+        result = self.result
+        kept: dict[str, Any] = {"name": self.name, "title": result.title or self.name}
+        kept |= {"mean_threshold": result.mean_threshold, "unit": result.thresholds.unit}
+        kept |= {name: getattr(self, name) for name in ("conditions", "cautions", "evidence")}
+        kept |= {"sampled": self.found.sampled, "run_time": self.found.run_time}
+        for name in _SHOWN:
+            number = self.numbers.get(name, Number(np.nan, None, ""))
+            kept |= {name: number.value, f"{name}_error": number.error}
         return kept
 
 
@@ -65,20 +66,9 @@ def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> li
     """
     verdicts = []
     for scene in scenes:
-        with naming(scene.name):
+        with inside(scene.name, {}):
             verdicts.append(_judge(scene, comm, told))
     return sorted(verdicts, key=lambda one: [-one.value(name) for name in PROPENSITY[:2]])
-
-
-@contextmanager
-def naming(scene: str) -> Iterator[None]:
-    """Put the name of the scene before the message of any InputError raised within, unless it is there already."""
-    try:
-        yield
-    except InputError as error:
-        if str(error).startswith("scene = "):
-            raise
-        raise InputError(f"{scene}: {error}") from error
 
 
 def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
@@ -86,37 +76,29 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
 
     def measure() -> Description:
         with until(scene.deadline(), scene, "K*"):
-            return describe(contacts, speed.value, speed.chosen)
+            return describe(contacts, speed)
 
     found = on_root(comm, measure)
     if "critical_spring" not in found.numbers:
         raise InputError("; ".join(found.notes))
     numbers = {}
-    for name in ("onset_power", "kinetic_force", *PROPENSITY, "friction_coefficient"):
+    for name in _SHOWN:
         if (own := found.numbers.get(name)) is not None:
             scale = unit if own.unit else 1.0
             numbers[name] = Number(own.value / scale, (own.error or 0.0) / scale, "")
-    held, apart = conditions(contacts, speed.value, speed.chosen), list[str]()
+    held = conditions(contacts, speed)
+    cautions = [note for note in found.notes if note not in held]
     try:
         if scene.given_drive is not None:
             scene.only_forward("the picture of forces")
     except InputError as error:
-        scene, apart = replace(scene, master=None, eq=None), [f"F(X) is left out: {error}"]
+        scene, cautions = (
+            replace(scene, master=None, eq=None),
+            [f"F(X) is left out: {error}", *cautions],
+        )
     result = solve(scene, comm, told=told)[0]
-    return Verdict(
-        name=scene.name,
-        title=scene.title or scene.name,
-        numbers=numbers,
-        mean_threshold=unit,
-        unit=result.thresholds.unit,
-        sampled=found.sampled,
-        cautions=(*apart, *(note for note in found.notes if note not in held)),
-        velocity=speed.value,
-        conditions=tuple(held),
-        run_time=found.run_time,
-        evidence=_evidence(result, numbers["kinetic_force"].value * unit),
-        result=result,
-    )
+    evidence = _evidence(result, numbers["kinetic_force"].value * unit)
+    return Verdict(scene.name, numbers, held, cautions, evidence, found, result)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
@@ -129,62 +111,36 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
         "static_to_kinetic_error": float(eq.force_standard_error[at] / kinetic),
         "expected": None if solved is None else float(solved.force[at] / kinetic),
         "worst_deviation": deviation(result).worst,
-        "not_compared": why_not_compared(result),
+        "not_compared": NOT_COMPARED if solved and deviation(result).worst is None else None,
         "run_time": eq.run_time,
         "contacts": eq.contacts,
     }
 
 
-_HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
-_WIDTHS = (15, 17, 17, 17, 17, 17, 7, 16, 8, 7, 7)
-_SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
-
-
 def table(verdicts: Sequence[Verdict]) -> list[str]:
-    """The comparison as lines of text, every number with its error, and run times."""
-    names = max([len("scene"), *(len(verdict.name) for verdict in verdicts)])
-
-    def line(begin: str, cells: Sequence[str]) -> str:
-        shown = (f"{cell:>{width}}" for cell, width in zip(cells, _WIDTHS, strict=False))
-        return "  ".join([begin, *shown]).rstrip()
-
-    head = line(f"   {'scene':{names}}", _HEADS.split(","))
-    lines = [head, "-" * len(head)]
+    """The comparison as lines of text, every number with its error, and run times; then the notes of each scene."""
+    rows, notes = [["", "scene", *_HEADS.split(",")]], list[str]()
     for rank, verdict in enumerate(verdicts, start=1):
-        cells = []
+        cells, own = [str(rank), verdict.name], [*verdict.conditions, *verdict.cautions]
         for name in _SHOWN:
-            own = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
-            told = with_error(own.value, own.error or 0.0, 4 if name == "onset_power" else 6)
+            number = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
+            told = with_error(number.value, number.error or 0.0, 4 if name == "onset_power" else 6)
             cells.append({"inf": "infinite", "nan": ""}.get(told, told))
-        cells.append(f"{verdict.run_time:.2g} s")
+        cells.append(f"{verdict.found.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
-            apart = "" if seen["not_compared"] is None else "none"
-            cells += [
-                with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6),
-                "" if seen["expected"] is None else f"{seen['expected']:.5f}",
-                apart if seen["worst_deviation"] is None else f"{seen['worst_deviation']:.1f}",
-                f"{seen['run_time']:.2g} s",
-            ]
-        lines.append(line(f"{rank:2d} {verdict.name:{names}}", cells))
-    return lines + _notes(verdicts)
-
-
-def _notes(verdicts: Sequence[Verdict]) -> list[str]:
-    """The meaning of the columns, and the notes of each scene."""
-    notes = []
-    if any(verdict.evidence is not None for verdict in verdicts):
-        notes.append(
-            "EQ at the peak, ME there: both solvers' F/F_k where the master's is largest on the path; max |z|: their "
-            "largest difference over the path in standard errors, about 3 by chance"
-        )
-    if any("friction_coefficient" in verdict.numbers for verdict in verdicts):
-        taken = "k and x taken as uncorrelated (paper, Eq. Q6), load and <k> as at rest"
-        notes.append(f"F_k/load: {taken}")
-    for verdict in verdicts:
-        own = [*verdict.conditions, *verdict.cautions]
-        if verdict.evidence is not None and verdict.evidence["not_compared"] is not None:
-            own.append(f"EQ and ME not compared: {verdict.evidence['not_compared']}")
-        if verdict.sampled:
+            worst, expected = seen["worst_deviation"], seen["expected"]
+            cells.append(with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6))
+            cells.append("" if expected is None else f"{expected:.5f}")
+            cells += ["" if worst is None else f"{worst:.1f}", f"{seen['run_time']:.2g} s"]
+            if seen["not_compared"] is not None:
+                own.append(f"EQ and ME not compared: {seen['not_compared']}")
+        if verdict.found.sampled:
             own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
+        rows.append(cells)
         notes += [f"{verdict.name}: {note}" for note in own]
-    return notes
+    widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
+    padded = (
+        [f"{cell:>{width}}" for cell, width in zip(row, widths, strict=False)] for row in rows
+    )
+    head, *lines = ("  ".join(row).rstrip() for row in padded)
+    return [head, "-" * len(head), *lines, *notes]

@@ -7,16 +7,13 @@ import numpy as np
 
 from origins import Contacts
 from origins.errors import InputError
+from origins.samples.bootstrap import bootstrap_laws, sampled_parts
+from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.law import Thresholds
-from toolkit.scene.interfaces import Number, of_interface, remarks, sampling_errors, why_infinite
+from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
-_NUMERICAL = (
-    1e-10  # relative error of moments and quantiles: 6e-11 is the largest seen, of a tail as x^-4.5
-)
-_ROUNDING = (
-    4.0 * np.finfo(float).eps
-)  # of <x^2>, of which the variance of a narrow law is a small part
+RESAMPLES = 20  # the relative error of the sampling error is then a sixth
 
 
 @dataclass(frozen=True)
@@ -30,9 +27,9 @@ class Description:
     run_time: float
 
 
-def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Description:
+def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
     """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; it matters only with rates or
-    a delay); `chosen` says in words where that speed comes from.
+    a delay).
 
     The errors of F_k and of the propensity are the master equation's. Where the thresholds come from samples, all
     include the sampling error. Contacts with laws that the master equation does not take have no F_k and no propensity
@@ -41,50 +38,74 @@ def describe(contacts: Contacts, velocity: float = 1.0, chosen: str = "") -> Des
     began = time.perf_counter()
     law = contacts.thresholds
     numbers = _of_law(law)
-    notes = conditions(contacts, velocity, chosen)
+    notes = conditions(contacts, velocity)
     if np.isfinite(law.moment(2)):
         try:
             notes += _slide(contacts, velocity, numbers)
         except InputError as refused:
             notes.append(f"P_c alone, without all of F_k, K*, F_s/F_k and X*: {refused}")
     else:
-        notes.append(
-            "<x_s^2> is infinite: there is no kinetic force, and nothing to compare K* and F_s with"
-        )
-    sampled: dict[str, float] = {}
+        notes.append("<x_s^2> is infinite: there is no kinetic force to compare K* and F_s with")
+    sampled = False
     if (spring := numbers.get("critical_spring")) is not None:
-        sampled = sampling_errors(contacts)
         notes += [why_infinite(contacts)] if np.isinf(spring.value) else []
-    for name, scatter in sampled.items():
-        both = float(np.hypot(numbers[name].error or 0.0, scatter))
-        numbers[name] = replace(numbers[name], error=both)
+        if isinstance(law, ContinuousMixture) and sampled_parts(law):
+            notes.append("sampling errors are missing: its laws may all be of the same samples")
+        elif sampled := bool(sampled_parts(law)):
+            _add_sampling_errors(contacts, numbers)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
     notes += remarks(law)
-    return Description(numbers, tuple(notes), bool(sampled), time.perf_counter() - began)
+    return Description(numbers, tuple(notes), sampled, time.perf_counter() - began)
 
 
 def _of_law(law: Thresholds) -> dict[str, Number]:
     """Moments, ends, quantiles and the onset of P_c."""
     unit, spread = "m" if law.interface is not None else "length", law.std()
+    # relative error of moments and quantiles: 6e-11 is the largest seen, of a tail as x^-4.5
+    numerical = 1e-10
     values = {"mean": law.mean(), "standard_deviation": spread}
     values |= {"second_moment": law.moment(2), "third_moment": law.moment(3)}
     values |= {"one_in_a_hundred_below": float(law.ppf(0.01)), "median": float(law.ppf(0.5))}
     values |= {"one_in_a_hundred_above": float(law.isf(0.01))}
     units = {"second_moment": f"{unit}^2", "third_moment": f"{unit}^3"}
     numbers = {
-        name: Number(value, _NUMERICAL * value if value < np.inf else None, units.get(name, unit))
+        name: Number(value, numerical * value if value < np.inf else None, units.get(name, unit))
         for name, value in values.items()
     }
     if 0.0 < spread < np.inf:
-        error = _NUMERICAL * spread + _ROUNDING * law.moment(2) / spread
+        # of <x^2> is rounded, of which the variance of a narrow law is a small part
+        error = numerical * spread + 4.0 * np.finfo(float).eps * law.moment(2) / spread
         numbers["standard_deviation"] = Number(spread, error, unit)
     for name, end in zip(("lower_end", "upper_end"), law.support(), strict=True):
         numbers[name] = Number(end, None, unit)
     return numbers | {"onset_power": Number(law.onset_power, law.onset_power_error, "")}
 
 
-def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> list[str]:
+def _add_sampling_errors(contacts: Contacts, numbers: dict[str, Number]) -> None:
+    """Add to the errors one standard error of what other samples would have given, bias of the smoothing included.
+
+    inf where a resampled law has an infinite value; for K* and F_s/F_k, too, where all of them have the least possible
+    value: then the error cannot be estimated.
+    """
+    again: list[dict[str, Number]] = []
+    for law in [contacts.thresholds, *bootstrap_laws(contacts.thresholds, RESAMPLES)]:
+        again.append(_of_law(law))
+        _slide(Contacts(law, start=contacts.start), 1.0, again[-1], tolerance=1e-4)
+    for name in {*numbers} - {"lower_end", "upper_end", "onset_power"}:
+        value, *others = (one[name].value for one in again)
+        with np.errstate(invalid="ignore"):
+            scatter = np.hypot(np.std(others, ddof=1), np.mean(others) - value)
+        unknown = name in PROPENSITY and scatter == 0.0
+        error = np.hypot(numbers[name].error or 0.0, scatter)
+        if unknown or not np.isfinite(error):
+            error = np.inf
+        numbers[name] = replace(numbers[name], error=float(error))
+
+
+def _slide(
+    contacts: Contacts, velocity: float, numbers: dict[str, Number], tolerance: float = 1e-8
+) -> list[str]:
     """Add F_k and the propensity to `numbers`; returns a note where they miss their tolerance."""
     import master
 
@@ -92,7 +113,7 @@ def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> l
     steady = master.steady_state(contacts, velocity=velocity)
     error = steady.force_error * contacts.mean_threshold
     numbers["kinetic_force"] = Number(steady.force, error, unit)
-    found = master.propensity(contacts, velocity=velocity)
+    found = master.propensity(contacts, velocity=velocity, tolerance=tolerance)
     for name, own in zip(PROPENSITY, ("", "", unit), strict=True):
         numbers[name] = Number(getattr(found, name), getattr(found, f"{name}_error"), own)
     if steady.success and found.success:
@@ -100,22 +121,12 @@ def _slide(contacts: Contacts, velocity: float, numbers: dict[str, Number]) -> l
     return [f"not as asked: {steady.message}; {found.message}"]
 
 
-def conditions(contacts: Contacts, velocity: float, chosen: str = "") -> list[str]:
-    """The speed, temperature and laws of contacts on which F_k and the propensity depend, in words."""
-    surface, thermal, said = contacts.interface, contacts.thermal, list[str]()
-    length, square, clock, per = (" m", " m²", " s", "/s") if surface is not None else ("",) * 4
-    if thermal is not None:
-        said.append(f"T = {thermal.temperature:.4g}{square}")
-        if surface is not None:
-            said[-1] += f" ({thermal.temperature / surface.temperature(kelvin=1.0):.4g} K)"
-        said.append(f"attempt frequency {thermal.attempt_frequency:.4g}{per and ' 1/s'}")
+def conditions(contacts: Contacts, velocity: float) -> list[str]:
+    """The speed and the laws of contacts on which F_k and the propensity depend, in words."""
+    laws = [str(own) for own in (contacts.thermal, contacts.delay) if own is not None]
     if contacts.ageing is not None:
-        said.append(f"D = {contacts.ageing.rate:.4g}{square}{per}")
-    if contacts.delay is not None:
-        said.append(f"delay {contacts.delay.time:.4g}{clock}")
+        laws.append(f"Ageing(rate={contacts.ageing.rate:.4g})")
     if contacts.grains is not None and contacts.grains.age is not None:
-        said.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
-    if not said:
-        return []
-    speed = f"v = {velocity:.4g}{length}{per}{f' ({chosen})' if chosen else ''}"
-    return [f"F_k, K*, F_s/F_k and X* at {', '.join([speed, *said])}; all else is P_c alone"]
+        laws.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
+    told = ", ".join([f"v = {velocity:.4g}", *laws])
+    return [f"F_k, K*, F_s/F_k and X* at {told}; all else is P_c alone"] if laws else []

@@ -1,4 +1,4 @@
-"""Pictures of judgements: scenes beside each other, and true error against run time."""
+"""The picture of scenes beside each other."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,22 +7,12 @@ from typing import Any
 import numpy as np
 
 from toolkit.judge.compare import Verdict
-from toolkit.judge.precision import Precision
-from toolkit.pictures.thresholds import highest, plain, some_of
-from toolkit.results.beside import deviation
+from toolkit.pictures.thresholds import highest, some_of
 
 # colours by Okabe and Ito, which the colour-blind can distinguish; dashes keep coinciding curves visible
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
 _DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
-_BARS = 33  # error bars of a curve
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
-_METHODS = {
-    "master": ("o", "#1f4e79", "master equation"),
-    "explicit": ("s", "#5dade2", "the paper's explicit scheme"),
-    "ensemble": ("^", "#c0392b", "EQ ensemble, one seed"),
-    "closest": ("v", "#e59866", "the paper's closest contact, one seed"),
-}
-_LEAST = 1e-17  # an error of 0 has no place on a logarithmic axis
 
 
 def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
@@ -31,21 +21,19 @@ def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
 
 
 def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
-    """P_c, springs that slip, forces, and the difference of both solvers, a colour and a dash for each scene."""
+    """P_c, springs that slip, and forces, a colour and a dash for each scene."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13, 9), layout="constrained")
-    rows: list[Any] = [["P", "S"], ["F", "F"], ["z", "z"]]
-    places = figure.subplot_mosaic(rows, height_ratios=[3, 3, 1.2])
-    places["z"].sharex(places["F"])
+    places = figure.subplot_mosaic([["P", "S"], ["F", "F"]])
     styled: list[tuple[dict[str, Any], Verdict]] = []
     for index, verdict in enumerate(verdicts):
         ink, dash = _INK[index % len(_INK)], _DASHES[index % len(_DASHES)]
-        style = {"color": ink, "ls": dash, "lw": 1.3, "label": plain(verdict.name)}
+        style = {"color": ink, "ls": dash, "lw": 1.3, "label": verdict.name.replace("$", r"\$")}
         styled.append((style, verdict))
     _thresholds(places["P"], styled)
     _springs(places["S"], styled)
-    _forces(places["F"], places["z"], styled)
+    _forces(places["F"], styled)
     # below all axes: inside them it would cover curves
     figure.legend(*places["F"].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure
@@ -55,7 +43,7 @@ def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None
     """P_c of each scene in units of its own mean threshold; exact values as spikes, on an axis for their weight."""
     reach, tops, own = 0.0, list[float](), None
     for style, verdict in styled:
-        curve, unit = verdict.result.thresholds, verdict.mean_threshold
+        curve, unit = verdict.result.thresholds, verdict.result.mean_threshold
         shown = np.isfinite(curve.density)
         axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, **style)
         if curve.density[shown].any():
@@ -73,35 +61,27 @@ def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None
         axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
 
 
-def _forces(axes: Any, below: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
-    """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error; and `below` their
-    difference in standard errors, where enough contacts have broken to tell."""
+def _forces(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
+    """F/F_k against X/<x_s>: master equation as lines, ensemble as error bars of one standard error."""
     reaches = []
     for style, verdict in styled:
-        unit, scale = (
-            verdict.mean_threshold,
-            verdict.value("kinetic_force") * verdict.mean_threshold,
-        )
-        solved, eq, apart = verdict.result.master, verdict.result.eq, deviation(verdict.result)
+        unit, solved, eq = verdict.result.mean_threshold, verdict.result.master, verdict.result.eq
+        scale = verdict.value("kinetic_force") * unit
         reaches += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
         if solved is not None:
             axes.plot(solved.path / unit, solved.force / scale, zorder=3, **style)
         if eq is not None:
-            some, ink = some_of(eq.path.size, _BARS), style["color"]
-            bars: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": ink, "capsize": 1.5}
-            bars["label"] = style["label"] if solved is None else None
+            some = some_of(eq.path.size, 33)
+            bars: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.8, "capsize": 1.5}
+            bars |= {"color": style["color"], "label": style["label"] if solved is None else None}
             error = eq.force_standard_error[some] / scale
             axes.errorbar(eq.path[some] / unit, eq.force[some] / scale, yerr=error, **bars)
-            told = some_of(apart.off.size, 60) if apart.off.size else apart.points
-            below.plot(eq.path[apart.points][told] / unit, apart.off[told], ".", ms=3.5, color=ink)
     axes.axhline(1.0, color="0.6", lw=0.8, zorder=0)
     axes.set(ylabel="$F/F_k$", ylim=(0.0, None), xlim=(0.0, 1.02 * max(reaches, default=1.0)))
     if reaches and max(reaches) > _APART * min(reaches):
         axes.set(xscale="log", xlim=(0.1 * min(1.0, *reaches), 1.05 * max(reaches)))
+    axes.set_xlabel(r"slider position $X/\langle x_s\rangle$")
     axes.set_title("force: master equation (lines), EQ ensemble (points, ±1 standard error)")
-    below.axhspan(-2.0, 2.0, color="0.92", zorder=0)
-    below.set(ylabel="EQ − ME\n(std. errors)", ylim=(-5.0, 5.0))
-    below.set_xlabel(r"slider position $X/\langle x_s\rangle$")
 
 
 def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
@@ -119,29 +99,3 @@ def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.set_title("stick-slip below this spring")
-
-
-def save_precision(measured: Precision, path: Path) -> None:
-    """True error in units of <x_s> against run time in s as a PNG, one marker per method, hollow for the error that it
-    claims."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9, 6), layout="constrained")
-    axes = figure.subplots()
-    for method, (marker, ink, label) in _METHODS.items():
-        points = [point for point in measured.points if point.method == method]
-        run_time = [point.run_time for point in points]
-        claimed = [point.claimed_error or np.nan for point in points]
-        hollow: dict[str, Any] = {"mfc": "none", "mec": ink, "label": f"{label}: its claim"}
-        if points:
-            error = np.maximum([point.error for point in points], _LEAST)
-            axes.plot(run_time, error, marker + "-", color=ink, lw=1, label=label)
-        if np.isfinite(claimed).any():
-            axes.plot(run_time, claimed, marker, **hollow)
-    axes.set(xscale="log", yscale="log", xlabel="run time (s)")
-    axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
-    axes.grid(alpha=0.3)
-    against = f"against the closed form, good to {measured.reference_error:.0e}"
-    axes.set_title(f"{plain(measured.title)}\n{against}", fontsize="medium")
-    axes.legend(fontsize="small")
-    figure.savefig(path, dpi=130, format="png")

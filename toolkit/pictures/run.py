@@ -11,29 +11,17 @@ import numpy as np
 
 from toolkit.pictures.thresholds import (
     INK,
-    Array,
     along,
     curves,
     name_lengths,
-    plain,
     plot_density,
     some_of,
     write_along,
 )
-from toolkit.results.beside import deviation, why_not_compared
-from toolkit.results.records import AgeingRecord, Result, SoftRecord, is_coupled
+from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled
 
-_HELD = 1.0 - 1e-9  # share that holds below which it is drawn
-_LEGEND = 0.13  # of the height, room for each row of the legend above the curve
 _BARS = 61  # error bars; with more the line would be hidden
-_REPLICAS, _LINES = 5, 8  # numbers of curves that can be distinguished
-_SWEPT = {
-    "velocity": ("speed", "v", "m/s"),
-    "temperature": ("temperature", r"k_BT/\langle k\rangle", "m²"),
-    "kelvin": ("temperature", "T", "K"),
-    "rate": ("rate of ageing", "D", "m²/s"),
-    "delay": ("delay", r"\tau_m", "s"),
-}
+_UNITS = {"velocity": "m/s", "temperature": "m²", "kelvin": "K", "rate": "m²/s", "delay": "s"}
 
 
 def plot(result: Result, axes: Any = None) -> Any:
@@ -49,6 +37,7 @@ def plot(result: Result, axes: Any = None) -> Any:
         size: dict[str, Any] = {"figsize": (10, 4), "width_ratios": (2.2, 1)}
         _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
     (plot_force if curves(result) else plot_sweep)(axes[0], result)
+    axes[0].set_title(result.title or result.name, parse_math=False)
     plot_density(axes[1], result.thresholds)
     return axes
 
@@ -61,7 +50,7 @@ def plot_force(axes: Any, result: Result) -> Any:
         path, force, label = along(result, solved), solved.force, "master equation"
         if not solved.success:
             label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
-        if isinstance(solved, SoftRecord) and (np.diff(solved.path) > 0.0).all():
+        if solved.slips is not None and (np.diff(solved.path) > 0.0).all():
             # the ends of each slip where it happens, between points of the path
             slips = solved.slips
             at = np.searchsorted(solved.path, slips.drive).repeat(2)
@@ -70,28 +59,23 @@ def plot_force(axes: Any, result: Result) -> Any:
             path, force = np.insert(path, at, there), np.insert(force, at, ends)
         style = _style("master", ls="-" if solved.success else "--", lw=1.4, zorder=3, label=label)
         axes.plot(path, force, **style)
-        if isinstance(solved, AgeingRecord) and solved.outrun < path[-1]:
+        if solved.outrun is not None and solved.outrun < path[-1]:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):
-        number, style = min(_REPLICAS, len(eq.forces)), _style("eq", lw=0.7, alpha=0.7, zorder=2)
+        number = min(5, len(eq.forces))  # as can be distinguished
+        style = _style("eq", lw=0.7, alpha=0.7, zorder=2)
         lines = axes.plot(along(result, eq), eq.forces[:number].T, **style)
         each = f"{eq.contacts // len(eq.forces):,} contacts"
         lines[0].set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
-        style = _style(
-            "eq", fmt="o", ms=3, capsize=2, lw=1, zorder=2, label="EQ, ±1 standard error"
-        )
+        style = _style("eq", fmt="o", ms=3, capsize=2, lw=1, label="EQ, ±1 standard error")
         error = eq.force_standard_error[some]
         axes.errorbar(along(result, eq)[some], eq.force[some], yerr=error, **style)
     write_along(axes, result)
     name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.in_metres)
-    axes.set_title(plain(result.title or result.name))
-    # slips and cycles leave no corner free
-    rows = -(-len(axes.get_legend_handles_labels()[0]) // 2)
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, top + _LEGEND * rows * (top - bottom))
+    axes.margins(y=0.15)  # slips and cycles leave no corner free
     axes.legend(loc="upper right", ncols=2, fontsize="small")
     return axes
 
@@ -104,7 +88,7 @@ def plot_position(axes: Any, result: Result) -> Any:
     """Positions of the drive, or of the rigid slider, and of a soft slider against time."""
     curve = curves(result)[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
-    if isinstance(curve, SoftRecord) or is_coupled(curve):
+    if getattr(curve, "position", None) is not None:
         axes.plot(along(result, curve), curve.position, **_style("master", lw=1.2, label="slider"))
         axes.legend(fontsize="small")
     write_along(axes, result)
@@ -127,9 +111,9 @@ def plot_holding(axes: Any, result: Result) -> Any:
 def plot_deviation(axes: Any, result: Result) -> Any:
     """Ensemble minus master equation in standard errors, where enough contacts have broken for a comparison."""
     apart = deviation(result)
-    if (reason := why_not_compared(result)) is not None:
+    if apart.worst is None:
         middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
-        axes.text(0.5, 0.5, f"not compared: {reason}", **middle)
+        axes.text(0.5, 0.5, f"not compared: {NOT_COMPARED}", **middle)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
         axes.plot(along(result, result.eq)[apart.points], apart.off, ".", **_style("eq", ms=3.5))
@@ -139,49 +123,39 @@ def plot_deviation(axes: Any, result: Result) -> Any:
     return axes
 
 
-def plot_sweep(axes: Any, result: Result) -> Any:
-    """F_k/(N_c<k>) along the sweep, a line for each value of its second quantity."""
-    sweep: Any = result.sweep
-    _along_sweep(axes, result, sweep.force)
-    name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
-    if not curves(result):
-        axes.set_title(plain(result.title or result.name))
-    if len(sweep.along) > 1:
-        axes.legend(fontsize="small")
-    return axes
-
-
-def plot_critical_spring(axes: Any, result: Result) -> Any:
-    """K*/(N_c<k>) along the sweep, from 0: below it stick-slip. What is infinite is not drawn."""
-    spring: Any = result.sweep.critical_spring  # type: ignore[union-attr]
-    _along_sweep(axes, result, np.where(np.isfinite(spring), spring, np.nan))
-    axes.set_ylabel(r"$K^*/(N_c\langle k\rangle)$")
-    axes.set_ylim(bottom=0.0)
-    return axes
-
-
-def _along_sweep(axes: Any, result: Result, values: Array) -> None:
-    """Lines against the sweep's first quantity, named by its second; with SI units where lengths are metres."""
+def plot_sweep(axes: Any, result: Result, name: str = "force") -> Any:
+    """F_k/(N_c<k>), or the `critical_spring` K*/(N_c<k>) where it is finite, along the sweep's first quantity, a line
+    for each value of its second one."""
     from matplotlib import colormaps
 
     sweep: Any = result.sweep
     first, *second = sweep.along
-    x = getattr(sweep, first)
-    rows = x.reshape(x.shape[0], -1)[:, 0]
-    table = values.reshape(rows.size, -1)
-    some = some_of(table.shape[1], _LINES)
-    units = {name: unit for name, (*_, unit) in _SWEPT.items() if result.in_metres or unit == "K"}
-    style = _style("master", lw=1.4, marker="." if rows.size < 2 * _LINES else "")
+    values, x = getattr(sweep, name), getattr(sweep, first)
+    table = np.where(np.isfinite(values), values, np.nan).reshape(x.shape[0], -1)
+    rows, some = x.reshape(table.shape)[:, 0], some_of(table.shape[1], 8)  # as can be distinguished
     for k, column in enumerate(some):
-        for name in second:
-            here = float(getattr(sweep, name)[0, column])
-            style["label"] = f"${_SWEPT[name][1]}$ = {here:.3g} {units.get(name, '')}".rstrip()
+        style = _style("master", lw=1.4, marker="." if rows.size < 16 else "")
+        for other in second:
+            here = getattr(sweep, other).reshape(table.shape)[0, column]
+            style["label"] = f"{other} = {here:.3g}"
             style["color"] = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
         axes.plot(rows, table[:, column], **style)
-    name, symbol, _ = _SWEPT[first]
-    axes.set_xlabel(f"{name} ${symbol}$ ({units.get(first, '')})".removesuffix(" ()"))
+    units = _UNITS if result.in_metres else {}
+    axes.set_xlabel(f"{first} ({units.get(first, '')})".removesuffix(" ()"))
     if rows.min() > 0.0 and rows.max() > 30.0 * rows.min():
         axes.set_xscale("log")
+    if second:
+        axes.legend(fontsize="small")
+    if name == "force":
+        name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
+    else:
+        axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, None))
+    return axes
+
+
+def plot_critical_spring(axes: Any, result: Result) -> Any:
+    """K* along the sweep, from 0: below it stick-slip."""
+    return plot_sweep(axes, result, "critical_spring")
 
 
 def save_picture(result: Result, path: Path) -> None:
@@ -191,11 +165,13 @@ def save_picture(result: Result, path: Path) -> None:
     solved, below = result.master, list[Callable[[Any, Result], Any]]()
     if curves(result) and result.timed:
         below.append(plot_position)
-    if any((curve.holding < _HELD).any() for curve in curves(result)):
+    if any((curve.holding < 1.0 - 1e-9).any() for curve in curves(result)):
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    swept = [plot_sweep] if curves(result) and result.sweep is not None else []  # else it is above
+    swept: list[Any] = (
+        [plot_sweep] if curves(result) and result.sweep is not None else []
+    )  # else it is above
     if result.sweep is not None and result.sweep.critical_spring is not None:
         swept.append(plot_critical_spring)
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]

@@ -19,17 +19,6 @@ _STEPS, _ISLANDS = 2000, 20_000  # most points that a picture shows
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
-def plain(text: str) -> str:
-    """`text` for matplotlib; dollars are escaped where they do not enclose a valid formula."""
-    from matplotlib.mathtext import MathTextParser
-
-    try:
-        MathTextParser("agg").parse(text)
-    except ValueError:
-        return text.replace("\\$", "$").replace("$", r"\$")
-    return text
-
-
 def name_lengths(axis: Any, name: str, metres: bool) -> None:
     """Label an axis of lengths; ticks in metres have a prefix, such as 25 nm."""
     from matplotlib.ticker import EngFormatter
@@ -84,8 +73,8 @@ def write_along(axes: Any, result: Result) -> None:
         turns = turns[some_of(turns.size, 8)]
         axes.set_xticks(turns, [f"{time:.9g}" for time in turns])
         axes.set_xlim(times[0], times[-1])
-        how = f"logarithmic in holds, even in ln(1 + t/{drive.hold_scale:.3g}) since each began"
-        axes.set_xlabel(f"{axes.get_xlabel()}, {how}")
+        scale = f"even in ln(1 + t/{drive.hold_scale:.3g}) since each hold began"
+        axes.set_xlabel(f"{axes.get_xlabel()}, {scale}")
 
 
 def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
@@ -93,9 +82,8 @@ def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     finite = np.isfinite(curve.density)
     smooth = curve.density[finite].any()
     if smooth:
-        axes.fill_between(
-            curve.x[finite], curve.density[finite], alpha=0.25, lw=0, color=INK["thresholds"]
-        )
+        filled = {"alpha": 0.25, "lw": 0, "color": INK["thresholds"]}
+        axes.fill_between(curve.x[finite], curve.density[finite], **filled)
         _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x)$")
     _label(axes, curve, "thresholds", "threshold $x$")
     if curve.atoms.size:
@@ -120,9 +108,8 @@ def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
 def _draw(axes: Any, curve: ThresholdCurve, values: Array, name: str) -> None:
     """A quantity per length, within limits that show it."""
     axes.plot(curve.x, values, **_STYLE)
-    axes.set(
-        ylabel=f"{name} (1/m)" if curve.in_metres else name, ylim=(0.0, highest(curve, values))
-    )
+    label = f"{name} (1/m)" if curve.in_metres else name
+    axes.set(ylabel=label, ylim=(0.0, highest(curve, values)))
 
 
 def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
@@ -153,7 +140,7 @@ def save_thresholds_picture(
     values = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
     _draw(hazard, curve, values, "$P_c(x)/S(x)$")
     _label(hazard, curve, "hazard", "stretch $x$")
-    figure.suptitle(plain(title))
+    figure.suptitle(title, parse_math=False)
     figure.savefig(path, dpi=150, format="png")
 
 

@@ -14,16 +14,8 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError, refuse
-from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_folder, write_sealed
-from toolkit.results.records import (
-    AgeingRecord,
-    Result,
-    SoftRecord,
-    SolvedRecord,
-    ThresholdCurve,
-    is_coupled,
-)
+from toolkit.results.records import Result, SolvedRecord, ThresholdCurve, is_coupled, slips_beside
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
@@ -74,12 +66,10 @@ def load(folder: str | os.PathLike[str]) -> Result:
         rule = f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one"
         refuse("folder", str(folder), rule)
     with opened(file) as store:
-        return Result(
-            name=str(store.attrs["name"]),
-            title=str(store.attrs["title"]),
-            version=str(store.attrs["version"]),
+        return _read(
+            store,
+            Result,
             text=str(store.attrs["scene"]),
-            mean_threshold=float(store.attrs["mean_threshold"]),
             thresholds=_read(store["thresholds"], ThresholdCurve),
             master=_read_master(store["master"]) if "master" in store else None,
             eq=_read_eq(store["eq"]) if "eq" in store else None,
@@ -118,7 +108,7 @@ def summary(result: Result) -> dict[str, Any]:
     content |= {"success": result.success, "unit": result.thresholds.unit}
     if solved is not None and asked.master is not None:
         content["master"] = {"tolerance": asked.master.tolerance, **_numbers(solved)}
-        if isinstance(solved, SoftRecord):
+        if solved.slips is not None:
             content["master"]["period_error"] = 2.0 * float(solved.slips.drive_error)
     if eq is not None and asked.eq is not None:
         own = _numbers(eq) | {"followed": int(eq.contacts)}
@@ -127,7 +117,7 @@ def summary(result: Result) -> dict[str, Any]:
             own[name] = getattr(asked.eq, name)
         if is_coupled(eq):
             own["slips"] = eq.slips.number.size
-            own["slips_beside"] = [slip._asdict() for slip in slips_beside(result)]
+            own["slips_beside"] = slips_beside(result)
         content["eq"] = own
     if sweep is not None:
         content["sweep"] = _numbers(sweep) | {"points": sweep.force.size}
@@ -142,7 +132,7 @@ def _flat(answer: Any) -> dict[str, Any]:
     for name, prefix in (("slips", "slip_"), ("regime", "")):
         if is_dataclass(part := values.pop(name, None)):
             values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
-    return values
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _numbers(answer: Any) -> dict[str, Any]:
@@ -237,28 +227,28 @@ def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
         if isinstance(value, np.ndarray) or name == _PER_RANK:
             group.create_dataset(name, data=value, **how)
             group[name].attrs["units"] = units.get(name, "1")
-        elif name != _HISTOGRAMS and value is not None:
+        elif name != _HISTOGRAMS:
             group.attrs[name] = value
 
 
 def _read_interface(group: Any) -> dict[str, Number]:
     numbers = {}
     for name, data in group.items():
-        error, unit = data.attrs.get("error"), str(data.attrs["units"])
-        error, unit = None if error is None else float(error), "" if unit == "1" else unit
-        numbers[name] = Number(float(data[()]), error, unit)
+        error = float(data.attrs["error"]) if "error" in data.attrs else None
+        unit = str(data.attrs["units"])
+        numbers[name] = Number(float(data[()]), error, "" if unit == "1" else unit)
     return numbers
 
 
 def _read_master(group: Any) -> SolvedRecord:
     if "position" not in group:
-        return _read(group, AgeingRecord if "mass_defect" in group else SolvedRecord)
+        return _read(group, SolvedRecord)
     from master.soft.regime import Regime
     from master.soft.slips import Slips
 
     slips = _read(group, Slips, "slip_")
     regime = _read(group, Regime, slips=int(slips.drive.size), trend=group.attrs.get("trend"))
-    return _read(group, SoftRecord, slips=slips, regime=regime)
+    return _read(group, SolvedRecord, slips=slips, regime=regime)
 
 
 def _read_eq(group: Any) -> Any:

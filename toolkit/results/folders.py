@@ -3,8 +3,9 @@
 HDF5 skips such a header, so that any HDF5 program reads a sealed result file.
 """
 
-import fcntl
 import os
+import socket
+import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -31,18 +32,17 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
 def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
     """Lock `folder` against this user's other runs on this machine, which could overwrite the result.
 
-    Raises InputError where another run holds it. The lock is a file in the system's folder for temporary files, since
-    the output folder need not exist yet; it ends with the process, however that ends.
+    Raises InputError where another run holds it. The lock is a name of Linux's that no file bears, so that it ends with
+    the process, however that ends; other systems have no such names, and there is no lock on them.
     """
     name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
-    file = Path(tempfile.gettempdir()) / f"mesofriction-{os.getuid()}-{name}.lock"
-    try:
-        lock = file.open("a")
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        rule = f"another run is writing there, or {file} cannot be locked; choose another folder, or wait"
-        raise InputError(f"out = {str(folder)!r}: {rule}") from error
-    with lock:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as lock:
+        try:
+            if sys.platform == "linux":
+                lock.bind(f"\0mesofriction-{os.getuid()}-{name}")
+        except OSError as error:
+            rule = "another run is writing there; choose another folder, or wait"
+            raise InputError(f"out = {str(folder)!r}: {rule}") from error
         yield
 
 

@@ -1,8 +1,8 @@
-"""The records of each solver's answer, and of a whole run."""
+"""The records of each solver's answer, and of a whole run; the two solvers beside each other."""
 
 import tomllib
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,12 +20,20 @@ Array = npt.NDArray[np.float64]
 
 OWN_UNIT = "length unit of the thresholds"
 _PER_PANEL = 24
+_FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
 
 
 @dataclass(frozen=True)
 class SolvedRecord:
     """A master equation's answer: F = `force` over `path` (lengths, shape (n,)), `holding`, the fraction of contacts
-    that hold, `force_error` in mean thresholds, `run_time` in s."""
+    that hold, `force_error` in mean thresholds, `run_time` in s.
+
+    A soft slider's `path` is the drive's; `position` (n,) the slider's, `balance` the drive's position at t = 0,
+    `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve.
+
+    The paper's closure of ageing (Q15) has defects at each X of `path`, which may end early: the mass of P_c minus 1
+    and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do.
+    """
 
     path: Array
     force: Array
@@ -34,42 +42,26 @@ class SolvedRecord:
     run_time: float
     success: bool
     message: str
+    balance: float | None = None
+    position: Array | None = None
+    period: float | None = None
+    slips: Any = None
+    regime: Any = None
+    mass_defect: Any = None
+    positivity_defect: Any = None
+    outrun: float | None = None
 
     __repr__ = brief
 
 
-@dataclass(frozen=True)
-class SoftRecord(SolvedRecord):
-    """A soft slider's: `path` is the drive's, `position` (n,) the slider's, `balance` the drive's position at t = 0,
-    `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve."""
-
-    balance: float
-    position: Array
-    period: float
-    slips: Any
-    regime: Any
-
-    __repr__ = brief
-
-
-@dataclass(frozen=True)
-class AgeingRecord(SolvedRecord):
-    """That of the paper's closure of ageing (Q15), with its defects at each X of `path`, which may end early: the mass
-    of P_c minus 1 and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do."""
-
-    mass_defect: Array
-    positivity_defect: Array
-    outrun: float
-
-    __repr__ = brief
-
-
-def record_of(answer: Any) -> Any:
+def record_of(answer: Any) -> SolvedRecord:
     """The record of the master equation's answer."""
-    kind: Any = SoftRecord if hasattr(answer, "regime") else SolvedRecord
-    kind = AgeingRecord if hasattr(answer, "mass_defect") else kind
-    values = {field.name: getattr(answer, field.name) for field in fields(kind)}
-    return kind(**{name: np.nan if value is None else value for name, value in values.items()})
+    values: dict[str, Any] = {
+        field.name: getattr(answer, field.name, None) for field in fields(SolvedRecord)
+    }
+    if values["slips"] is not None and values["period"] is None:
+        values["period"] = np.nan
+    return SolvedRecord(**values)
 
 
 def is_coupled(eq: object) -> bool:
@@ -104,9 +96,9 @@ class Result:
 
     `text` is the scene's TOML text, `version` this package's, `mean_threshold` <x_s>, `thresholds` P_c as drawn.
 
-    `master`, `eq` and `sweep` are each solver's answer, None where it was not requested. Where a spring pulls they are
-    a SoftRecord and an eq_model.CoupledResult; in the paper's closure of ageing `master` is an AgeingRecord. For a run
-    that continued from a checkpoint `run_time` is that of all launches, and rank 0 counts the breaks of earlier ones.
+    `master`, `eq` and `sweep` are each solver's answer, None where it was not requested; where a spring pulls `eq` is
+    an eq_model.CoupledResult. For a run that continued from a checkpoint `run_time` is that of all launches, and rank 0
+    counts the breaks of earlier ones.
 
     `notes` are warnings: where samples, surface or load are at the limits of the theory, what makes a run useless,
     that it continued from a checkpoint. `interface` has, for a rough surface, its contacts in SI units: a Number
@@ -158,8 +150,7 @@ class Result:
         drive = make_drive(self.asked.drive)
         if drive.time is not None:
             return drive.time
-        pulled = next((one for one in (self.master, self.eq) if hasattr(one, "balance")), None)
-        begin = 0.0 if pulled is None else pulled.balance
+        begin = getattr(self.master or self.eq, "balance", None) or 0.0
         return np.abs(np.diff(drive.path, prepend=begin)).cumsum() / drive.velocity
 
     @property
@@ -179,3 +170,70 @@ def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
     unit = "m" if thresholds.interface is not None else OWN_UNIT
     return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)
+
+
+class Deviation(NamedTuple):
+    """Ensemble minus master equation, `off`, in standard errors, at the `points` (indices) that can be compared."""
+
+    points: npt.NDArray[np.intp]
+    off: npt.NDArray[np.float64]
+
+    @property
+    def worst(self) -> float | None:
+        """The largest in size; None where there are no points."""
+        return float(np.abs(self.off).max()) if self.off.size else None
+
+
+def deviation(result: Result) -> Deviation:
+    """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing.
+
+    The standard errors include the master equation's error and that of the ensemble's steps.
+    """
+    solved, eq = result.master, result.eq
+    if solved is None or eq is None or is_coupled(eq):
+        # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
+        return Deviation(np.empty(0, np.intp), np.empty(0))
+    of_one_contact = np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
+    enough = eq.force_standard_error > np.sqrt(_FEWEST) * of_one_contact
+    enough[solved.path.size :] = False  # the paper's closure of ageing may end before the path does
+    tell = np.flatnonzero(np.isfinite(eq.force_standard_error) & enough)
+    own = solved.force_error * result.mean_threshold
+    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + own
+    return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
+
+
+NOT_COMPARED = "too few contacts or breaks, all at once, or a soft slider, whose slips are compared"
+
+
+def slips_beside(result: Result) -> list[dict[str, Any]]:
+    """The master equation's slips in order, for a result of both solvers on a soft slider; else none.
+
+    drive, drop : X_T and the fall of the force, lengths; mean_drive, drive_error and so on : mean and standard error of
+    the same slip in the replicas, of which so many `have` it.
+    """
+    solved, eq = result.master, result.eq
+    if solved is None or solved.slips is None or not is_coupled(eq):
+        return []
+    found = []
+    for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
+        if have := int((eq.slips.number == number).sum()):
+            slip = {"number": number, "drive": float(drive), "drop": float(drop), "have": have}
+            for own in ("drive", "drop"):
+                slip[f"mean_{own}"], slip[f"{own}_error"] = eq.slips.mean(own, number)
+            found.append(slip)
+    return found
+
+
+def slip_line(result: Result) -> str:
+    """The comparison slip by slip, as a line of text."""
+    solved, eq = result.master, result.eq
+    told = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
+    if solved is not None and solved.slips is not None:
+        told += f", {solved.slips.drive.size} of the master equation"
+    late = [
+        (slip["mean_drive"] - slip["drive"]) / result.mean_threshold
+        for slip in slips_beside(result)
+    ]
+    if late:
+        told += f"; of eq the first are late by {', '.join(f'{x:.1e}' for x in late[:10])} of <x_s>"
+    return told + "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"

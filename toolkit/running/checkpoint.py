@@ -29,10 +29,7 @@ from toolkit.scene.tables import read_table
 from toolkit.version import __version__
 
 EVERY = 60.0  # seconds: little is lost, and the disk is not overloaded
-BLOCKS = "eq.blocks"  # how contacts are divided
 _BESIDE = ("title", "master", "eq.wall_time", "wall_time")  # without effect on eq's numbers
-_LONG = 60  # letters: longer values are shown by their beginning and a digest
-_QUANTILES = np.linspace(0.0, 1.0, 66)[1:-1]
 
 
 class Checkpoint:
@@ -118,7 +115,7 @@ class Checkpoint:
             own, other = self._identity, read[1]
             for key in {**own, **other}:
                 if own.get(key) != other.get(key):
-                    there, here = other.get(key, "left out"), own.get(key, "left out")
+                    there, here = (one.get(key, "left out")[:60] for one in (other, own))
                     raise InputError(
                         f"out = {str(self.folder)!r}: holds the checkpoint of another run, {key} = {there} there and "
                         f"{here} here; choose another folder, or remove {self._home}"
@@ -127,9 +124,8 @@ class Checkpoint:
         found: Any = None
         # rank 0's file may already include others that were not yet removed
         for state in sorted(states, key=lambda state: -state.contacts):
-            blocks = sorted(
-                [*(found.done if found else ()), *state.done], key=lambda one: one.start
-            )
+            blocks = [*(found.done if found else ()), *state.done]
+            blocks.sort(key=lambda block: block.start)
             if all(before.stop <= after.start for before, after in pairwise(blocks)):
                 found = state if found is None else found.joined(state)
         return found
@@ -143,17 +139,11 @@ def write_state(file: Path, state: Any, told: dict[str, str]) -> None:
 
 
 def read_state(file: Path) -> Any:
-    """State, and the identity of its run; None for a damaged file.
-
-    Raises InputError for one of an older version, which is a bare zip file or divides contacts otherwise.
-    """
+    """State, and the identity of its run; None for a damaged file. Raises InputError for one of an older version."""
     from eq_model.state import State
 
     try:
-        contents = read_sealed(file)
-        if contents is None:
-            if file.read_bytes().startswith(b"PK"):
-                raise KeyError
+        if (contents := read_sealed(file)) is None:
             return None
         arrays = dict(np.load(BytesIO(contents), allow_pickle=False))
         told = json.loads(str(arrays.pop("told_of")))
@@ -172,7 +162,7 @@ def identity(scene: Scene) -> dict[str, str]:
     told["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         told["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
-    return {**told, BLOCKS: "philox-7, 2^14", "version": __version__}
+    return {**told, "eq.blocks": "philox-7, 2^14", "version": __version__}
 
 
 def say(line: str) -> None:
@@ -181,20 +171,16 @@ def say(line: str) -> None:
 
 
 def _flat(value: Any, where: str) -> Iterator[tuple[str, str]]:
-    """Keys of nested tables as one, such as eq.seed, with their values as short text."""
+    """Keys of nested tables as one, such as eq.seed, with their values as text."""
     if isinstance(value, dict):
         for key, item in value.items():
             yield from _flat(item, f"{where}.{key}".lstrip("."))
     elif value is not None:
-        text = json.dumps(value)
-        yield where, text if len(text) <= _LONG else f"{text[:_LONG]}... {_digest(text)}"
+        yield where, json.dumps(value)
 
 
 def _drawn(law: Thresholds) -> str:
     """Twelve letters that identify a law, as the scene may only name a file."""
-    numbers = [*law.ppf(_QUANTILES), law.mean(), law.moment(2), *law.support()]
-    return _digest(" ".join(f"{x:.10g}" for x in numbers))
-
-
-def _digest(text: str) -> str:
-    return sha256(text.encode()).hexdigest()[:12]
+    quantiles = law.ppf(np.linspace(0.0, 1.0, 66)[1:-1])
+    numbers = [*quantiles, law.mean(), law.moment(2), *law.support()]
+    return sha256(" ".join(f"{x:.10g}" for x in numbers).encode()).hexdigest()[:12]

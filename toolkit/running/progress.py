@@ -1,13 +1,11 @@
-"""Progress of long work on stderr: in a log file a line now and then, in a terminal one line that changes."""
+"""Progress of long work on stderr: a line now and then."""
 
 import sys
 import threading
 import time
+from datetime import timedelta
 
-_PATIENCE, _LOG_PATIENCE = 1.0, 10.0  # s before anything is shown, in a terminal and in a log file
-_PACE, _LOG_PACE = 1.0, 30.0  # s from line to line
-_EARLY = 2.0  # s after which long work is announced
-_LONG = 60.0  # s of remaining time above which work is long
+PATIENCE = 10.0  # s before anything is said of work that seems short
 
 
 class Progress:
@@ -39,32 +37,21 @@ class Progress:
         self._best = min(self._best, error)
         self._said = f"error {self._best:.1e} of <x_s> so far"
 
-    def expect(self, seconds: float) -> None:
-        """The work will take about so long in all."""
-        self._left, self._said = seconds, f"will take about {_clock(seconds)}"
-
     def close(self) -> None:
         self._done.set()
         self._ticking.join()
 
     def _tick(self) -> None:
-        patience, pace, begin, end = _LOG_PATIENCE, _LOG_PACE, "", "\n"
-        if terminal := sys.stderr.isatty():  # from the line's beginning, erased
-            patience, pace, begin, end = _PATIENCE, _PACE, "\r\033[K", ""
-        wait, shown = min(_EARLY, patience), False
+        wait = 2.0  # s, after which work that takes over a minute is announced
         while not self._done.wait(wait):
             since = time.monotonic() - self._begun
-            if since < patience and self._left < _LONG:
-                wait = patience - since
+            if since < PATIENCE and self._left < 60.0:
+                wait = PATIENCE - since
                 continue
-            line = f"{begin}mesofriction: {self._what}: {self._said}, after {_clock(since)}"
-            print(line, end=end, file=sys.stderr, flush=True)
-            wait, shown = pace, True
-        if shown and terminal:
-            print(begin, end="", file=sys.stderr, flush=True)
+            line = f"mesofriction: {self._what}: {self._said}, after {_clock(since)}"
+            print(line, file=sys.stderr, flush=True)
+            wait = 30.0
 
 
 def _clock(seconds: float) -> str:
-    """Hours, minutes and seconds."""
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
+    return str(timedelta(seconds=round(min(seconds, 8e13))))

@@ -28,7 +28,7 @@ def communicator(launch: Launch) -> Any:
     """
     if launch.size == 1:
         return None
-    started = f"{launch.by}: started {launch.size} ranks, but mpi4py"
+    started = f"mpirun or srun: started {launch.size} ranks, but mpi4py"
     try:
         with warnings.catch_warnings():
             # that a launcher of another MPI was used is said below, in one line
@@ -37,15 +37,13 @@ def communicator(launch: Launch) -> Any:
     except (ImportError, RuntimeError, OSError) as error:
         raise InputError(
             f"{started} cannot be imported ({error}); install it against the MPI that is there (docs/clusters.md), or "
-            f"the extra [mpi], or run without {launch.by}"
+            f"the extra [mpi], or run one process"
         ) from error
     if (there := MPI.COMM_WORLD.Get_size()) < launch.size:
-        cure = "use the mpirun that belongs to mpi4py's MPI, or build mpi4py against this one"
-        if launch.by == "srun":
-            cure = (
-                "say how Slurm is to connect them, srun --mpi=pmix or --mpi=pmi2 (docs/clusters.md)"
-            )
-        raise InputError(f"{started}'s MPI connects {there}; {cure}")
+        raise InputError(
+            f"{started}'s MPI connects {there}; use the mpirun that belongs to mpi4py's MPI, srun --mpi=pmix or "
+            "--mpi=pmi2, or build mpi4py against this one (docs/clusters.md)"
+        )
     return MPI.COMM_WORLD
 
 

@@ -8,26 +8,27 @@ from os import PathLike
 from typing import Any
 
 from origins.errors import InputError, refuse
-from toolkit.results.beside import resets_apart
+from origins.samples.bootstrap import sampled_parts
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.records import Result, SoftRecord, SolvedRecord, record_of, sample_curve
+from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.running.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.scene import laws
-from toolkit.scene.interfaces import foreseen, numerical_only, of_interface, remarks
+from toolkit.scene.interfaces import foreseen, of_interface, remarks
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.tables import EqTable
 from toolkit.version import __version__
 
-_GOOD_ENOUGH = 1e-3  # of <x_s>: an error that is hardly visible in a picture
 _STOP = 7117  # tag of the message by which a rank passes a signal on to the others
-_OWN_NAMES = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
-_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {
-    name: name for name in _OWN_NAMES
+_OWN = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
+_EQ_KEYS = {
+    "n_contacts": "contacts",
+    "n_replicas": "replicas",
+    **dict(zip(_OWN, _OWN, strict=True)),
 }
 
 
@@ -112,20 +113,21 @@ def solve(
         del earlier  # the ensemble has a copy of these sums; free the memory
     if scene.master is not None:
         with shown("master equation") as bar, until(deadline, scene, "[master]"):
-            solved = solve_master(scene, scene.master.tolerance, bar and bar.refine)
-            master = _as_good_as_asked(solved, scene)
+            master = solve_master(scene, scene.master.tolerance, bar and bar.refine)
     if scene.sweep is not None:
-        with shown("sweep") as bar, until(deadline, scene, "[sweep]"):
-            sweep = solve_sweep(scene.contacts, scene.sweep, bar and bar.expect)
+        with shown("sweep"), until(deadline, scene, "[sweep]"):
+            sweep = solve_sweep(scene.contacts, scene.sweep)
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
             eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
-    notes = [*remarks(law), *numerical_only(law), *foreseen(scene)]
-    if (
-        isinstance(master, SoftRecord)
-        and master.regime.verdict == "undecided"
-        and not master.slips.drive.size
-    ):
+    notes = [*remarks(law), *foreseen(scene)]
+    if sampled_parts(law):
+        notes.append(
+            "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
+            "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
+        )
+    soft: Any = master if master is not None and master.regime is not None else None
+    if soft is not None and soft.regime.verdict == "undecided" and not soft.slips.drive.size:
         far = float(law.isf(1e-3)) + scene.contacts.mean_threshold / (scene.drive.spring or 1.0)
         notes.append(f"a first slip is to be expected before X_T = {far:.3g}; drive as far")
     if before:
@@ -145,8 +147,8 @@ def solve(
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
         domains=law.domains,
+        notes=tuple(notes),
     )
-    result = replace(result, notes=(*notes, *resets_apart(result)))
     finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
     if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):
         say(f"stopped by the wall time; run it again with --out {kept.folder} to go on")
@@ -204,15 +206,6 @@ def until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
         refuse("wall_time", scene.wall_time, rule)
 
 
-def _as_good_as_asked(solved: SolvedRecord, scene: Scene) -> SolvedRecord:
-    """The answer; also a success where it misses only the default tolerance and its error is at most _GOOD_ENOUGH."""
-    missed = scene.tolerance_given or solved.path.size != scene.path.size
-    if solved.success or missed or not solved.force_error <= _GOOD_ENOUGH:
-        return solved
-    said = f"error {solved.force_error:.1e} of <x_s>; no tolerance was asked for"
-    return replace(solved, success=True, message=said)
-
-
 def solve_master(
     scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None
 ) -> SolvedRecord:
@@ -231,11 +224,17 @@ def solve_master(
             solved: Any = master.solve(contacts, scene.path, tolerance, **asked)
             if not solved.path.size:
                 raise InputError(solved.message)
-            return record_of(solved)
     except InputError as error:
         if scene.eq is None or contacts.each_by_itself() is not contacts:
             raise
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
+    found = record_of(solved)
+    # without a tolerance an error that is hardly visible in a picture will do
+    as_asked = scene.tolerance_given or found.success or found.path.size != scene.path.size
+    if as_asked or not found.force_error <= 1e-3:
+        return found
+    said = f"error {found.force_error:.1e} of <x_s>; no tolerance was asked for"
+    return replace(found, success=True, message=said)
 
 
 def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:

@@ -8,23 +8,21 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple, NoReturn
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
-_STEP = "SLURM_STEP_NUM_TASKS"
 # (number of ranks, own rank) as each launcher's processes see them. SLURM_NTASKS is not among them: a batch script
 # sees it too, alone. PMI: mpich, Intel MPI, srun --mpi=pmi2; MV2: mvapich; the step's variables: any srun.
 _VARIABLES = (
     ("PMI_SIZE", "PMI_RANK"),
     ("OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"),
     ("MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"),
-    (_STEP, "SLURM_PROCID"),
+    ("SLURM_STEP_NUM_TASKS", "SLURM_PROCID"),
 )
 
 
 class Launch(NamedTuple):
-    """Number of ranks and own rank by the launcher's environment; `by` is the launcher's name."""
+    """Number of ranks and own rank by the launcher's environment."""
 
     size: int = 1
     rank: int = 0
-    by: str = "mpirun"
 
 
 def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
@@ -34,10 +32,6 @@ def read_environment(environment: Mapping[str, str] = os.environ) -> Launch:
         numbers = [environment.get(size, ""), environment.get(rank, "")]
         if all(map(str.isdecimal, numbers)) and int(numbers[0]) > found.size:
             found = Launch(int(numbers[0]), int(numbers[1]))
-    # an mpirun within a step of Slurm's sets its own variables beside the step's
-    outer = {size for size, _ in _VARIABLES[1:3]} & environment.keys()
-    if found.size > 1 and environment.get(_STEP) == str(found.size) and not outer:
-        return found._replace(by="srun")
     return found
 
 

@@ -5,35 +5,17 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from origins import Contacts, bootstrap
-from origins.contacts import too_hot
+from origins.contacts import Contacts, too_hot
 from origins.roughness.interface import Interface
 from origins.samples.bootstrap import sampled_parts
 from origins.samples.from_samples import Sampled
-from origins.samples.repeats import OFTEN
-from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.gaussian import CutGaussian
-from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.law import Thresholds
 from toolkit.scene.scene import Scene
 
-_HEIGHT_INTEGRALS = 1e-8  # relative error of numbers from a surface's heights, checked by tests
-_FAR = 1e6  # mean thresholds: a longer drive is probably a mistake
-_RARE = 1e-6  # share of the thresholds
-_SPRINGS = (1.0, 10.0, 100.0)  # K/(N<k>) whose slips are reported
-_NEAREST, _PLACES = 1e-14, 6000  # of a peak's place; places on either side of a peak
-_UNITS = dict.fromkeys(("pressure", "kinetic_stress"), "Pa")
-_UNITS |= dict.fromkeys(("separation", "mean_radius", "mean_plane_separation"), "m")
-_UNITS |= dict.fromkeys(("patch_area", "mean_area"), "m2")
-_UNITS |= dict.fromkeys(("mean_load", "mean_force_threshold"), "N")
-_UNITS |= {"contact_density": "1/m2", "mean_stiffness": "N/m"}
-FEW = 30  # effective samples
-RESAMPLES = 20  # the relative error of the sampling error is then a sixth
-_TOLERANCE = 1e-4  # far below any sampling error
-NAMES = (
-    *("mean", "standard_deviation", "second_moment", "third_moment"),
-    *("one_in_a_hundred_below", "median", "one_in_a_hundred_above"),
-    *("kinetic_force", "critical_spring", "static_to_kinetic", "decoherence_length"),
-)
+_UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
+_UNITS |= {"mean_plane_separation": "m", "patch_area": "m2", "mean_area": "m2", "mean_load": "N"}
+_UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffness": "N/m"}
 
 
 @dataclass(frozen=True)
@@ -48,12 +30,11 @@ class Number:
 def with_error(value: float, error: float, digits: int) -> str:
     """Value and error as text, the value to `digits` or to the first digit of the error; without an error that is 0 or
     not finite."""
-    if not np.isfinite(value) or not np.isfinite(error) or error == 0.0:
+    if not (np.isfinite(value) and 0.0 < error < np.inf):
         return f"{value:.{digits}g}"
     told = f"{error:.1g}"
-    decades = (int(f"{number:e}".partition("e")[2]) for number in (value, float(told)))
-    known = next(decades) - next(decades) + 1
-    if value == 0.0 or known >= digits:
+    known = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(told)))) + 1
+    if known >= digits:
         return f"{value:.{digits}g} ± {told}"
     # with its last zeros
     return f"{value:#.{max(known, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {told}"
@@ -61,16 +42,19 @@ def with_error(value: float, error: float, digits: int) -> str:
 
 def of_interface(interface: Interface) -> dict[str, Number]:
     """The numbers of the interface in SI units, its fields and properties, without the law's mean."""
-    names = [field.name for field in fields(interface)]
+    names = [field.name for field in fields(interface) if field.name != "mean_threshold"]
     names += [name for name, value in vars(type(interface)).items() if isinstance(value, property)]
-    numbers = {}
-    for name in names:
-        value = getattr(interface, name)
-        if isinstance(value, float) and name != "mean_threshold":
-            given = name in ("pressure", "patch_area")
-            error = None if given else abs(value) * _HEIGHT_INTEGRALS
-            numbers[name] = Number(value, error, _UNITS.get(name, ""))
-    return numbers
+    values = {name: getattr(interface, name) for name in names}
+    return {
+        # height integrals are good to 1e-8, as tests check; these two are given
+        name: Number(
+            value,
+            None if name in ("pressure", "patch_area") else abs(value) * 1e-8,
+            _UNITS.get(name, ""),
+        )
+        for name, value in values.items()
+        if isinstance(value, float)
+    }
 
 
 def in_a_line(numbers: Mapping[str, Number]) -> str:
@@ -86,7 +70,7 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
 def remarks(law: Thresholds) -> list[str]:
     """Warnings where samples, surface, load or a mean below 0 are at the limits of the law, and about errors that are
     not included; may be empty."""
-    said = misfit(law) + of_islands(law)
+    said = of_samples(law) + of_islands(law)
     if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
         said.append(
             f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
@@ -114,7 +98,7 @@ def foreseen(scene: Scene) -> list[str]:
     contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
     surface, mean = contacts.interface, contacts.mean_threshold
     reach = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
-    if reach > _FAR:
+    if reach > 1e6:  # probably a mistake
         unit = "" if surface is None else " m"
         far = f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}"
         said.append(f"{far}; is it meant in that unit?")
@@ -124,7 +108,7 @@ def foreseen(scene: Scene) -> list[str]:
     for own, they in [(contacts.start, "start"), *again]:
         middle = own.mean() if own.is_single else float(own.ppf(0.5))
         exceed = float(law.sf(abs(middle)))
-        if exceed < _RARE:
+        if exceed < 1e-6:
             said.append(
                 f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
                 "they have the thresholds of that tail, and break at once"
@@ -155,8 +139,7 @@ def why_infinite(contacts: Contacts) -> str:
     share = weight / float(law.sf(furthest)) if furthest > 0.0 else weight
     drop = share * x / (law.moment(2) / (2.0 * law.mean()))
     many = "all" if share > 1.0 - 1e-12 else f"{100.0 * share:.3g} % of the"
-    unit = " m" if contacts.interface is not None else ""
-    return f"K* is infinite: {many} contacts break at one value, x = {x:.4g}{unit}, where F drops by {drop:.2g} F_k"
+    return f"K* is infinite: {many} contacts break at one value, x = {x:.4g}, where F drops by {drop:.2g} F_k"
 
 
 def of_islands(law: Thresholds) -> list[str]:
@@ -174,14 +157,14 @@ def of_islands(law: Thresholds) -> list[str]:
         peaks = law.breakpoints[np.isinf(law.pdf(law.breakpoints))]
     if not peaks.size:
         return []
-    slips = {spring: longest_slip(law, peaks, spring) / law.mean() for spring in _SPRINGS}
-    told = ", ".join(
-        f"{spring * slip:.2g} <x_s> in a slip of {slip:.2g} <x_s> at K = {spring:g} N<k>"
-        for spring, slip in slips.items()
-    )
+    told = []
+    for spring in (1.0, 10.0, 100.0):
+        slip = longest_slip(law, peaks, spring) / law.mean()
+        at = f"a slip of {slip:.2g} <x_s> at K = {spring:g} N<k>"
+        told.append(f"{spring * slip:.2g} <x_s> in {at}")
     return [
         "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle; as relaxed "
-        f"contacts break for the first time, F/(N<k>) drops at most by about {told}"
+        f"contacts break for the first time, F/(N<k>) drops at most by about {', '.join(told)}"
     ]
 
 
@@ -192,7 +175,7 @@ def longest_slip(law: Thresholds, peaks: np.ndarray, spring: float) -> float:
     rising to where it is as high again.
     """
     lower, upper = law.support()
-    away = np.geomspace(_NEAREST, 1.0, _PLACES)
+    away = np.geomspace(1e-14, 1.0, 6000)  # of a peak's place
     x = np.concatenate([peaks, *(peak * (1.0 + s * away) for peak in peaks for s in (-1, 1))])
     x = np.unique(np.append(x[(x > lower) & (x < 2.0 * upper)], [lower, upper]))
     below, above = law.cdf(x), law.sf(x)
@@ -204,62 +187,14 @@ def longest_slip(law: Thresholds, peaks: np.ndarray, spring: float) -> float:
     return float((x - x[last]).max())
 
 
-def sampling_errors(contacts: Contacts) -> dict[str, float]:
-    """One standard error of each of NAMES, bias of the smoothing included; lengths in the unit of the thresholds.
-
-    inf for K* and F_s/F_k where all resampled laws have the least possible value, 0 and 1: then the error cannot be
-    estimated. Empty where the thresholds do not come from samples.
-    """
-    if not sampled_parts(contacts.thresholds) or isinstance(contacts.thresholds, ContinuousMixture):
-        return {}
-
-    def statistic(law: Thresholds) -> Array:
-        import master
-
-        found = master.propensity(Contacts(law, start=contacts.start), tolerance=_TOLERANCE)
-        numbers = [law.mean(), law.std(), law.moment(2), law.moment(3)]
-        numbers += [float(law.ppf(0.01)), float(law.ppf(0.5)), float(law.isf(0.01))]
-        # K* and X* may be infinite: their inverses are not
-        numbers += [law.moment(2) / (2.0 * law.mean()), 1.0 / (1.0 + found.critical_spring)]
-        return np.array([*numbers, found.static_to_kinetic, 1.0 / found.decoherence_length])
-
-    spread = bootstrap(contacts.thresholds, statistic, resamples=RESAMPLES)
-    errors = {}
-    for name, value, error in zip(NAMES, spread.value, np.array(spread.error), strict=True):
-        if name in ("critical_spring", "decoherence_length") and error > 0.0:
-            error = error / value**2 if value > 0.0 else np.inf
-        if name in ("critical_spring", "static_to_kinetic") and value == 1.0 and error == 0.0:
-            error = np.inf
-        errors[name] = float(error)
-    return errors
-
-
-def numerical_only(law: Thresholds) -> list[str]:
-    """A note that errors of a run do not include sampling errors, for thresholds from samples."""
-    told = (
-        "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
-        "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
-    )
-    return [told] if sampled_parts(law) else []
-
-
-def misfit(law: Thresholds) -> list[str]:
-    """A note for each law of few samples, or that lies further from its samples than these can be from their own law,
-    and one where sampling errors are missing; else nothing."""
+def of_samples(law: Thresholds) -> list[str]:
+    """A note for each law of few samples, or further from its samples than these can be from their own law."""
     notes = []
     for part in sampled_parts(law):
-        few, misses = round(part.effective_samples) < FEW, part.cdf_misfit > part.cdf_error
-        alike = part.effective_samples > 0.99 * part.n_samples
-        count = "" if alike else f", which their weights make {part.effective_samples:.2g}"
-        told = f"few thresholds, {part.n_samples} samples{count}: " if few else ""
-        told += f"the smooth law's cdf lies {part.cdf_misfit:.2g} from that of the samples, sampling allows "
-        told += f"{min(part.cdf_error, 1.0):.2g}{'; take more samples' if few else ''}"
-        if misses:
-            told += "; they are rounded coarsely, or hold structure that it misses; give that apart, in a mixture"
-        if alike and part.smooth_part is not None and part.samples.size < part.n_samples:
-            told += f"; values that repeat are exact from {OFTEN} times on; those you know to be exact are `identical`"
-        notes += [told] if few or misses else []
-    if sampled_parts(law) and isinstance(law, ContinuousMixture):
-        missing = "the laws of this continuous mixture may all be of the same samples"
-        notes.append(f"sampling errors are missing: {missing}")
+        if part.effective_samples < 29.5 or part.cdf_misfit > part.cdf_error:
+            told = f"few thresholds, or structure that their smooth law misses: {part.n_samples} samples, worth "
+            told += f"{part.effective_samples:.3g}; its cdf lies {part.cdf_misfit:.2g} from theirs, sampling allows "
+            notes.append(
+                f"{told}{part.cdf_error:.2g}; take more samples, or give peaks apart, in a mixture"
+            )
     return notes

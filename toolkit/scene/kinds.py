@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +10,7 @@ import numpy.typing as npt
 
 import origins
 from origins.errors import InputError, finite, finite_array, one_of, refuse, whole
-from origins.roughness.topography import METRES, Topography, as_topography
+from origins.roughness.surface import METRES, Topography, as_topography
 from toolkit.scene.laws import read_file, read_text
 
 
@@ -36,49 +35,41 @@ def from_samples(
     first line may be a header of text. Raises InputError.
     """
     given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
-    if file is not None:
+    if file is None:
+        if (column, weight_column, quantity) != (None, None, "x_s"):
+            rule = "quantity, column and weight_column say what a file holds; leave them out without one"
+            raise InputError(f"from_samples: {rule}")
+    else:
         if any(values is not None for values in given.values()):
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
         one_of("quantity", quantity, ("x_s", "f_s"))
         lines = read_file("file", file, folder, comm, read_text).splitlines()
-        places = {quantity: column, "weights": weight_column}
-        if weight_column is None:
-            del places["weights"]
-        given |= _read(file, lines, places)
-    elif (column, weight_column, quantity) != (None, None, "x_s"):
-        told = {"quantity": quantity if quantity != "x_s" else None, "column": column}
-        name = next((name for name, value in told.items() if value), "weight_column")
-        refuse(
-            name, told.get(name, weight_column), "says what a file holds; leave it out without one"
-        )
+        given[quantity] = _column(file, lines, quantity, column)
+        if weight_column is not None:
+            given["weights"] = _column(file, lines, "weights", weight_column)
     return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
 
 
-def _read(file: str, lines: list[str], places: dict[str, int | None]) -> dict[str, list[float]]:
-    """The values of these columns by name, counted from 1 (None: of the only one)."""
-    rows = {number: _words(line.partition("#")[0]) for number, line in enumerate(lines, start=1)}
-    rows = {number: row for number, row in rows.items() if row}
-    first = next(iter(rows), 0)
-    if rows and np.isnan(rows[first]).all():
-        del rows[first]  # a header
-    width = len(next(iter(rows.values()), []))
-    if not width:
+def _column(file: str, lines: list[str], name: str, place: int | None) -> list[float]:
+    """The values of this column, counted from 1 (None: of the only one)."""
+    numbered = enumerate((_words(line.partition("#")[0]) for line in lines), start=1)
+    rows = [(number, row) for number, row in numbered if row]
+    if rows and np.isnan(rows[0][1]).all():
+        del rows[0]  # a header
+    if not rows:
         refuse("file", file, "holds no numbers; write one value a line")
-    found: dict[str, list[float]] = {}
-    for name, place in places.items():
-        if place is None and width > 1:
-            rule = f"say which of the {width} columns holds {name}, such as column = {width}"
-            refuse("file", file, f"holds several columns; {rule}")
-        if (column := whole("column", 1 if place is None else place, 1)) > width:
-            refuse("file", file, f"there is no column {place}")
-        found[name] = [row[column - 1] if len(row) == width else np.nan for row in rows.values()]
-        for number, value in zip(rows, found[name], strict=True):
-            if not 0.0 < value < np.inf:
-                # do not show the line itself: the file may be private
-                many = f"{width} columns, as many as the first" if width > 1 else "one number"
-                rule = f"line {number} must hold {many}, {name} finite and above zero"
-                refuse("file", file, rule)
-    return found
+    width = len(rows[0][1])
+    if place is None and width > 1:
+        rule = f"say which of the {width} columns holds {name}, such as column = {width}"
+        refuse("file", file, f"holds several columns; {rule}")
+    if (column := whole("column", 1 if place is None else place, 1)) > width:
+        refuse("file", file, f"there is no column {place}")
+    for number, row in rows:
+        if len(row) != width or not 0.0 < row[column - 1] < np.inf:
+            # do not show the line itself: the file may be private
+            many = f"{width} columns, as many as the first" if width > 1 else "one number"
+            refuse("file", file, f"line {number} must hold {many}, {name} finite and above zero")
+    return [row[column - 1] for _, row in rows]
 
 
 def _words(line: str) -> list[float]:
@@ -86,19 +77,14 @@ def _words(line: str) -> list[float]:
 
     A comma between two digits is a decimal comma where something else separates the columns.
     """
-    decimal = re.search(r"\d,\d", line) is not None
-    if ";" in line:
-        line = line.replace(",", "." if decimal else ",").replace(";", " ")
-    elif decimal and len(line.split()) > 1 and ", " not in line:
+    if re.search(r"\d,\d", line) and (";" in line or (len(line.split()) > 1 and ", " not in line)):
         line = line.replace(",", ".")
-    else:
-        line = line.replace(",", " ")
     found = []
-    for word in line.split():
-        with suppress(ValueError):
+    for word in re.split(r"[;,\s]+", line.strip()):
+        try:
             found.append(float(word))
-            continue
-        found.append(np.nan)
+        except ValueError:
+            found += [np.nan] if word else []
     return found
 
 
@@ -215,13 +201,15 @@ def open_scan(
     Rank 0 of `comm` reads it for all. `physical_sizes`, `unit` and `height_scale_factor` are for files without them.
     Raises InputError where the file is missing, is no scan, or contradicts them.
     """
-    channel, given = whole("channel", channel, least=0), dict[str, Any](unit=unit)
-    given |= {"height_scale_factor": height_scale_factor, "physical_sizes": None}
+    given: dict[str, Any] = {"unit": unit, "height_scale_factor": height_scale_factor}
     if physical_sizes is not None:
-        given["physical_sizes"] = tuple(finite_array("physical_sizes", physical_sizes).tolist())
-        if len(given["physical_sizes"]) != 2 or min(given["physical_sizes"]) <= 0.0:
+        sizes = finite_array("physical_sizes", physical_sizes).tolist()
+        if len(sizes) != 2 or min(sizes) <= 0.0:
             rule = "must be a pair of lengths above zero, such as [1.0, 1.0]"
             refuse("physical_sizes", physical_sizes, rule)
+        given["physical_sizes"] = tuple(sizes)
+    said = {name: value for name, value in given.items() if value is not None}
+    channel = whole("channel", channel, least=0)
 
     def read(path: Path) -> Topography:
         try:
@@ -231,25 +219,18 @@ def open_scan(
                 if channel >= len(reader.channels):
                     rule = f"the file has {len(reader.channels)} channels, counted from 0"
                     refuse("channel", channel, rule)
-                said = {name: value for name, value in given.items() if value is not None}
                 scan = reader.topography(channel_index=channel, **said)
             if getattr(scan, "unit", None) not in METRES:
-                rule = (
-                    'lengths need one unit, and the file holds none; write one, such as unit = "nm"'
-                )
-                refuse("unit", unit, rule)
+                rule = "lengths need one unit, and the file holds none; write one, such as"
+                refuse("unit", unit, f'{rule} unit = "nm"')
             return as_topography(scan)
         except ImportError:
             refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")
         except InputError:
             raise
         except Exception as error:  # readers raise whatever their parsing does
-            why = " ".join(str(error).split())[:200] or type(error).__name__
-            if (
-                type(error).__name__ == "CannotDetectFileFormat"
-            ):  # which repeats what all readers say
-                why = "it is in no format that SurfaceTopography knows, or cut short"
-            refuse("file", file, f"cannot be read as a scan: {why}")
+            why = " ".join(str(error).split())[:200]
+            refuse("file", file, f"cannot be read as a scan: {why or type(error).__name__}")
 
     return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
 

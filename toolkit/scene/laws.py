@@ -5,7 +5,6 @@ A kind is one entry here. Its keys are the function's parameters, so scenes and 
 
 import inspect
 import re
-import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
@@ -55,8 +54,6 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "substrate": SUBSTRATES,
 }
 
-_MOST = 1 << 30  # bytes of a file
-_COLD, _HOT = 1.0, 1e4  # K: limits of plausible temperatures
 # Python's values in messages, and their forms in TOML
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
 _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
@@ -99,9 +96,7 @@ def build(
                 arguments[key] = build(_TABLES[key], value, key, folder, comm)
             elif key == "components":
                 if not isinstance(value, list) or not value or not isinstance(value[0], Mapping):
-                    rule = (
-                        'must be a list of tables, such as [{kind = "identical", value = 0.9}, ...]'
-                    )
+                    rule = 'must be a list of tables, such as [{kind = "identical", value = 0.9}]'
                     refuse(key, value, rule)
                 arguments[key] = [
                     build(THRESHOLDS, part, f"{key}[{k}]", folder, comm)
@@ -123,7 +118,7 @@ def without_kelvin(
     given, surface, where = table.get("temperature"), thresholds.interface, f"{where}.temperature"
     if isinstance(given, float) and surface is not None:
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
-        if _COLD < joules < _HOT < kelvin:
+        if 1.0 < joules < 1e4 < kelvin:  # plausible temperatures, in K
             rule = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; if joules are meant, write temperature ="
             refuse(where, given, f"{rule} {{ kelvin = {joules:.4g} }}")
     if not isinstance(given, Mapping):
@@ -169,19 +164,14 @@ def read_file(
     def checked() -> T:
         path = folder / file
         try:
-            status = path.stat()
-            if stat.S_ISREG(status.st_mode) and status.st_size <= _MOST:
+            if path.is_file() and path.stat().st_size <= 1 << 30:
                 return read(path)
-        except FileNotFoundError:
-            refuse(key, file, f"no such file in {path.parent.resolve()}")
         except InputError:
             raise
-        except (
-            OSError,
-            ValueError,
-        ) as error:  # a name too long for the disk, or with a NUL; no text
+        except (OSError, ValueError) as error:  # a name too long for the disk, or no text
             refuse(key, file, f"cannot be read: {getattr(error, 'strerror', None) or error}")
-        refuse(key, file, f"must be a plain {what} of at most {_MOST:.0e} bytes")
+        rule = f"no such file in {path.parent.resolve()}, or no plain {what} of at most a gigabyte"
+        refuse(key, file, rule)
 
     return on_root(comm, checked)
 

@@ -15,15 +15,14 @@ import numpy.typing as npt
 
 from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
-from origins.errors import InputError, check_tolerance, positive, refuse, shown, whole
+from origins.errors import InputError, refuse, shown
 from toolkit.running.ranks import on_root
 from toolkit.scene import laws, tables
-from toolkit.scene.drive import Speed, histogram_points, make_drive, sliding_speed, spring_number
+from toolkit.scene.drive import histogram_points, make_drive, sliding_speed, spring_number
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
-_FURTHEST = 1e6  # mean thresholds: beyond, the ensemble's contacts would break for hours
 
 
 @dataclass(frozen=True)
@@ -66,15 +65,17 @@ class Scene:
         return None if self.wall_time is None else time.monotonic() + self.wall_time
 
     @property
-    def sliding(self) -> Speed:
+    def sliding(self) -> float:
         """The speed for F_k and other quantities that depend on it."""
-        return sliding_speed(self.given_drive, None if self.sweep is None else self.sweep.velocity)
+        return sliding_speed(
+            self.given_drive, None if self.sweep is None else self.sweep.at["velocity"]
+        )
 
     def histogram_points(self) -> npt.NDArray[np.intp]:
         """Indices of the path's points that eq.histograms and eq.histogram_times name. Raises InputError for others."""
         if self.eq is None:
             return np.empty(0, np.intp)
-        return histogram_points(self.drive, self.eq.histograms, self.eq.histogram_times)
+        return histogram_points(self.drive, self.eq)
 
     def only_forward(self, what: str) -> "Scene":
         """`self` if its slider is rigid and moves forward; else InputError, which says that `what` takes only that."""
@@ -140,13 +141,17 @@ def _checked(
 ) -> Scene:
     """The scene of these tables, with all that they say checked."""
     table = tables.read_table(given)
-    _check_numbers(name, table, solved)
+    if not name.isprintable():
+        refuse("scene", name, "holds a letter that no picture can show; leave it out")
+    if solved and table.master is None and table.eq is None and table.sweep is None:
+        rule = "so nothing would be computed; add one"
+        raise InputError(f"scene: has neither [master] nor [eq] nor [sweep], {rule}")
     contacts = _contacts(table.contacts, folder, comm)
     drive = sweep = None
     if table.drive is not None:
         drive = make_drive(table.drive, spring_number(table.drive, contacts))
     if table.sweep is not None:
-        sweep = make_sweep(table.sweep, contacts, sliding_speed(drive).value)
+        sweep = make_sweep(table.sweep, contacts, sliding_speed(drive))
     scene = Scene(
         *(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep),
         wall_time=table.wall_time,
@@ -157,7 +162,7 @@ def _checked(
         _ = scene.drive  # which it needs
     if table.eq is not None:
         far = float(np.abs(scene.path).max()) / contacts.mean_threshold
-        if solved and far > _FURTHEST:
+        if solved and far > 1e6:  # contacts would break for hours
             rule = f"goes as far as {far:.1g} mean thresholds of {contacts.mean_threshold:.3g}; is that its unit?"
             raise InputError(f"drive: {rule} 1e6 mean thresholds at most, or leave [eq] out")
         if scene.drive.spring is not None and (np.diff(scene.path) < 0.0).any():
@@ -165,26 +170,6 @@ def _checked(
             raise InputError(f"drive.turns: {rule}")
         scene.histogram_points()
     return scene
-
-
-def _check_numbers(name: str, table: tables.SceneTable, solved: bool) -> None:
-    """Raise InputError for a name or a title that no result file could hold, and for numbers that mean nothing."""
-    if not name.isprintable() or not table.title.replace("\n", "").replace("\t", "").isprintable():
-        key, value = ("title", table.title) if name.isprintable() else ("scene", name)
-        refuse(key, value, "holds a letter that no picture can show; leave it out")
-    if solved and table.master is None and table.eq is None and table.sweep is None:
-        rule = "so nothing would be computed; add one"
-        raise InputError(f"scene: has neither [master] nor [eq] nor [sweep], {rule}")
-    if table.master is not None:
-        check_tolerance("master.tolerance", table.master.tolerance)
-    times = {"wall_time": table.wall_time}
-    if table.eq is not None:
-        times |= {"eq.wall_time": table.eq.wall_time, "eq.tolerance": table.eq.tolerance}
-        for key, least in (("contacts", 1), ("replicas", 1), ("seed", 0)):
-            whole(f"eq.{key}", getattr(table.eq, key), least=least)
-    for key, given in times.items():
-        if given is not None:
-            positive(key, given, "such as 1e-4" if "tolerance" in key else "such as 3600.0")
 
 
 def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:

@@ -1,7 +1,6 @@
 """A scene's [sweep]: F_k, the fraction that holds, and K* at many speeds, temperatures, rates of ageing or delays."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy.typing as npt
 
 from origins.brief import brief
 from origins.contacts import Contacts
-from origins.errors import InputError, non_negative, one_of, positive, refuse, whole
+from origins.errors import InputError
 from toolkit.scene import laws
 from toolkit.scene.tables import RangeTable, SweepTable
 
@@ -18,26 +17,16 @@ Array = npt.NDArray[np.float64]
 
 QUANTITIES = ("velocity", "temperature", "rate", "delay")
 _SPRINGS = ("critical_spring", "critical_spring_error")
-_MOST_POINTS = 100_000
-_GOOD_ENOUGH = 1e-3  # relative error: less than a picture shows
-_TINY = 1e-300
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """The points of a sweep: arrays of one shape, (n,) or (n, m), the quantity with most values first.
-
-    `temperature`, `rate` and `delay` are None where the contacts' own value is used, `kelvin` is the temperature as
-    given, None if it was not given in K; `along` names the quantities with several values, the longest first.
-    """
+    """The points of a sweep: `at`, arrays of one shape, (n,) or (n, m), by velocity, temperature, kelvin, rate, delay,
+    those that the scene gives; `along` names the quantities with several values, the longest first."""
 
     along: tuple[str, ...]
     critical_spring: bool
-    velocity: Array
-    temperature: Array | None = None
-    kelvin: Array | None = None
-    rate: Array | None = None
-    delay: Array | None = None
+    at: dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -72,7 +61,7 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
     """The checked sweep of a scene, at `velocity` where it names none. Raises InputError with the path of a bad key."""
     asked = {name: getattr(table, name) for name in (*QUANTITIES, "kelvin")}
     asked["velocity"] = velocity if table.velocity is None else table.velocity
-    given = {name: _values(f"sweep.{name}", one) for name, one in asked.items() if one is not None}
+    given = {name: _values(name, one) for name, one in asked.items() if one is not None}
     if given.keys() >= {"temperature", "kelvin"}:
         raise InputError("sweep: has temperature and kelvin; give one of them")
     for name, law in (("temperature", "thermal"), ("kelvin", "thermal"), ("rate", "ageing")):
@@ -81,15 +70,11 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
             raise InputError(f"sweep.{name}: {rule}")
     along = [name for name in given if given[name].size > 1]
     along.sort(key=lambda name: -given[name].size)
-    if not along:
-        rule = "give velocity = { from = 1e-2, to = 1e2, points = 50 }, or a list"
-        raise InputError(f"sweep: goes along nothing; {rule}")
-    if len(along) > 2:
-        told = ", ".join(along)
-        raise InputError(f"sweep: {told} have several values each; give two of them at most")
-    points = int(np.prod([given[name].size for name in along]))
-    if points > _MOST_POINTS:
-        raise InputError(f"sweep: has {points:,} points; take {_MOST_POINTS:,} at most")
+    if not 1 <= len(along) <= 2:
+        rule = "one or two of the keys must have several values, as velocity = { from = 1e-2, to = 1e2, points = 50 }"
+        raise InputError(f"sweep: goes along {', '.join(along) or 'nothing'}; {rule}")
+    if (points := int(np.prod([given[name].size for name in along]))) > 100_000:
+        raise InputError(f"sweep: has {points:,} points; take 100,000 at most")
     axes = np.meshgrid(*(given[name] for name in along), indexing="ij")
     made = {name: np.full(axes[0].shape, values[0]) for name, values in given.items()}
     made |= dict(zip(along, axes, strict=True))
@@ -98,68 +83,48 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
             rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
             raise InputError(f"sweep.kelvin: {rule}")
         made["temperature"] = made["kelvin"] * contacts.interface.temperature(kelvin=1.0)
-    return Sweep(tuple(along), table.critical_spring, **made)
+    return Sweep(tuple(along), table.critical_spring, made)
 
 
 def _values(name: str, value: float | list[float] | RangeTable) -> Array:
-    """One value, those of a list, or those of a range, all of them checked."""
-    check = positive if name == "sweep.velocity" else non_negative
-    if isinstance(value, int | float):
-        return np.array([check(name, value)])
-    if isinstance(value, list):
-        if not value:
-            refuse(name, value, "must hold a value at least")
-        return np.array([check(f"{name}[{k}]", one) for k, one in enumerate(value)])
-    points = whole(f"{name}.points", value.points, least=2)
-    if points > _MOST_POINTS:
-        refuse(f"{name}.points", points, f"must be at most {_MOST_POINTS:,}")
-    begin, end = check(f"{name}.from", value.begin), check(f"{name}.to", value.to)
-    if begin == end:
-        rule = f"is where {name} begins; put it elsewhere, or give one number"
-        refuse(f"{name}.to", value.to, rule)
-    if one_of(f"{name}.spacing", value.spacing, ("log", "even")) == "even":
-        return np.linspace(begin, end, points)
-    if begin == 0.0 or end == 0.0:
-        key = "from" if begin == 0.0 else "to"
-        refuse(f"{name}.{key}", 0.0, 'has no logarithm; write spacing = "even"')
-    return np.geomspace(begin, end, points)
+    """One value, those of a list, or those of a range."""
+    if not isinstance(value, RangeTable):
+        return np.atleast_1d(np.asarray(value, float))
+    if value.spacing == "even":
+        return np.linspace(value.begin, value.to, value.points)
+    if not min(value.begin, value.to) > 0.0:
+        raise InputError(f'sweep.{name}: 0 has no logarithm; write spacing = "even"')
+    return np.geomspace(value.begin, value.to, value.points)
 
 
-def solve_sweep(
-    contacts: Contacts, asked: Sweep, expect: Callable[[float], None] | None = None
-) -> SweepRecord:
-    """F_k and the fraction that holds at all points in one call, and if requested K* in another, for which `expect` is
-    called with an estimate of its time in seconds."""
+def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
+    """F_k and the fraction that holds at all points in one call, and if requested K* in another."""
     import master
 
     began = time.perf_counter()
-    laws_at: dict[str, Any] = {name: getattr(asked, name) for name in QUANTITIES[1:]}
+    velocity: Any = asked.at["velocity"]
+    laws_at: dict[str, Any] = {name: asked.at[name] for name in QUANTITIES[1:] if name in asked.at}
     with laws.inside("sweep", {name: name for name in QUANTITIES}):
-        curve = master.kinetic_curve(contacts, asked.velocity, **laws_at)
+        curve = master.kinetic_curve(contacts, velocity, **laws_at)
         success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
         message, springs = curve.message, dict[str, Array]()
         if asked.critical_spring:
-            if expect is not None:
-                one = {name: own.flat[:1] for name, own in laws_at.items() if own is not None}
-                alone = time.perf_counter()
-                master.phase_line(contacts, asked.velocity.flat[:1], **one)
-                expect((time.perf_counter() - alone) * asked.velocity.size)
-            line = master.phase_line(contacts, asked.velocity, **laws_at)
+            line = master.phase_line(contacts, velocity, **laws_at)
             springs = {name: getattr(line, name) for name in _SPRINGS}
             success = success and _good(line.success, *reversed(springs.values()))
             message += f"; {line.message}"
-    same = "velocity force force_error holding holding_error temperature rate delay"
+    same = (*QUANTITIES, "force", "force_error", "holding", "holding_error")
     return SweepRecord(
         along=asked.along,
         run_time=time.perf_counter() - began,
-        kelvin=asked.kelvin,
+        kelvin=asked.at.get("kelvin"),
         success=success,
         message=message,
         **springs,
-        **{name: getattr(curve, name) for name in same.split()},
+        **{name: getattr(curve, name) for name in same},
     )
 
 
 def _good(success: npt.NDArray[np.bool_], error: Array, value: Array) -> bool:
-    """Whether each point reaches its tolerance, or at least _GOOD_ENOUGH, as a scene states none for a sweep."""
-    return bool((success | (error <= _GOOD_ENOUGH * np.maximum(value, _TINY))).all())
+    """Whether each point reaches its tolerance, or at least a relative error of 1e-3, less than a picture shows."""
+    return bool((success | (error <= 1e-3 * np.maximum(value, 1e-300))).all())

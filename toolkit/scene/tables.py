@@ -1,13 +1,21 @@
 """The tables of a scene file: their keys, types and defaults; and a scene given as a dict, written as TOML text."""
 
 import json
+import sys
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 import numpy as np
+from msgspec import Meta
 
 from origins.errors import InputError, refuse
+
+# nan and infinities lie outside of these
+Finite = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
+Positive = Annotated[float, Meta(gt=0.0, le=sys.float_info.max)]
+NonNegative = Annotated[float, Meta(ge=0.0, le=sys.float_info.max)]
+Count = Annotated[int, Meta(ge=1)]
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -25,45 +33,45 @@ class ContactsTable(Table, frozen=True):
 
 
 class DriveTable(Table, frozen=True):
-    points: int
-    to: float | None = None
-    begin: float | None = msgspec.field(default=None, name="from")
-    turns: list[float] | None = None
-    times: list[float] | None = None
-    hold_scale: float | None = None
-    velocity: float = 1.0
-    spring: float | str | None = None
+    points: Annotated[int, Meta(ge=2, le=10_000_000)]
+    to: Positive | None = None
+    begin: Finite | None = msgspec.field(default=None, name="from")
+    turns: list[Finite] | None = None
+    times: list[Finite] | None = None
+    hold_scale: Positive | None = None
+    velocity: Positive = 1.0
+    spring: Positive | str | None = None
     slip: str | None = None
-    area: float | None = None
+    area: Positive | None = None
 
 
 class MasterTable(Table, frozen=True):
-    tolerance: float = 1e-8
+    tolerance: Annotated[float, Meta(gt=0.0, lt=1.0)] = 1e-8
 
 
 class EqTable(Table, frozen=True):
-    contacts: int = 100_000
-    replicas: int = 16
-    seed: int = 1
-    tolerance: float | None = None
-    wall_time: float | None = None
+    contacts: Count = 100_000
+    replicas: Count = 16
+    seed: Annotated[int, Meta(ge=0)] = 1
+    tolerance: Positive | None = None
+    wall_time: Positive | None = None
     slip_fraction: float | None = None
-    histograms: list[float] | None = None
-    histogram_times: list[float] | None = None
+    histograms: list[Finite] | None = None
+    histogram_times: list[Finite] | None = None
 
 
 class RangeTable(Table, frozen=True):
-    begin: float = msgspec.field(name="from")
-    to: float
-    points: int
-    spacing: str = "log"
+    begin: NonNegative = msgspec.field(name="from")
+    to: NonNegative
+    points: Annotated[int, Meta(ge=2, le=100_000)]
+    spacing: Literal["log", "even"] = "log"
 
 
-Values = float | list[float] | RangeTable
+Values = NonNegative | Annotated[list[NonNegative], Meta(min_length=1)] | RangeTable
 
 
 class SweepTable(Table, frozen=True):
-    velocity: Values | None = None
+    velocity: Positive | Annotated[list[Positive], Meta(min_length=1)] | RangeTable | None = None
     temperature: Values | None = None
     kelvin: Values | None = None
     rate: Values | None = None
@@ -74,11 +82,11 @@ class SweepTable(Table, frozen=True):
 class SceneTable(Table, frozen=True):
     contacts: ContactsTable
     drive: DriveTable | None = None
-    title: str = ""
+    title: Annotated[str, Meta(pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$")] = ""
     master: MasterTable | None = None
     eq: EqTable | None = None
     sweep: SweepTable | None = None
-    wall_time: float | None = None
+    wall_time: Positive | None = None
 
 
 _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}
@@ -93,13 +101,12 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
     except msgspec.ValidationError as error:
         # such as: Expected `float | null`, got `str` - at `$.drive.to`
         rule, _, place = str(error).partition(" - at ")
-        where, name = place.strip("`$").lstrip("."), rule.split("`")[1]
-        key = f"{where}.{name}".lstrip(".")
-        if "missing required field" in rule:
-            raise InputError(f"{key}: is missing") from error
-        if "unknown field" in rule:
+        where = place.strip("`$").lstrip(".")
+        if "field" in rule:
+            key = f"{where}.{rule.split('`')[1]}".lstrip(".")
             known = ", ".join(_TABLES.get(where, RangeTable).__struct_encode_fields__)
-            raise InputError(f"{key}: unknown key; known here: {known}") from error
+            said = "is missing" if "missing" in rule else f"unknown key; known here: {known}"
+            raise InputError(f"{key}: {said}") from error
         said = rule.replace(" | null", "").replace("`", "").replace("object", "table")
         raise InputError(f"{where}: {said[0].lower()}{said[1:]}") from error
 

@@ -1,13 +1,15 @@
-"""Profile spectral moments of a surface, by nearest-neighbour differences, and the summits they imply."""
+"""Profile spectral moments of a surface, by nearest-neighbour differences or from its spectrum, and the summits they
+imply."""
 
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
+from scipy.special import exprel
 
-from origins.errors import InputError, positive, refuse, whole
-from origins.roughness.topography import Array, as_topography, detrended
+from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
+from origins.roughness.surface import Array, as_topography, detrended
 
-_LEAST_USED = 0.5
 _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
 
 
@@ -153,16 +155,14 @@ def spectral_moments(
     slopes, curvatures = _differences(level.heights, step, periodic)
     inside = [n if periodic else n - 2 * step for n in shape]
     used = float(np.isfinite(curvatures[0]).sum()) / (inside[0] * inside[1])
-    if used < _LEAST_USED:
+    if used < 0.5:
         rule = f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils"
         rule += ", less than half; fill them in or cut out a part that is whole"
         refuse("heights", level.heights, rule)
     dx, dy = level.pixel_size
     sizes = step * dx, step * dy
-    m2, m4 = (
-        [float(np.nanmean((one / size**order) ** 2)) for one, size in zip(pair, sizes, strict=True)]
-        for order, pair in ((1, slopes), (2, curvatures))
-    )
+    m2 = [float(np.nanmean((d / size) ** 2)) for d, size in zip(slopes, sizes, strict=True)]
+    m4 = [float(np.nanmean((d / size**2) ** 2)) for d, size in zip(curvatures, sizes, strict=True)]
     return SpectralMoments(
         m0=float(np.nanmean(level.heights**2)),
         m2_axes=(m2[0], m2[1]),
@@ -179,13 +179,61 @@ def _differences(h: Array, step: int, periodic: bool) -> tuple[list[Array], list
     """First and second differences of heights along both axes, NaN in both where either is missing."""
     wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
     inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
-    pairs = (
-        (wide[after, inner], wide[before, inner]),
-        (wide[inner, after], wide[inner, before]),
-    )
+    along = wide[after, inner], wide[before, inner]
+    pairs = along, (wide[inner, after], wide[inner, before])
     slopes = [ahead - h for ahead, _ in pairs]
     curvatures = [ahead - 2.0 * h + behind for ahead, behind in pairs]
     for one, other in (slopes, curvatures):
         lost = np.isnan(one + other)
         one[lost] = other[lost] = np.nan
     return slopes, curvatures
+
+
+def moments_of_spectrum(
+    wavevectors: npt.ArrayLike, power: npt.ArrayLike, convention: str = "isotropic"
+) -> SpectralMoments:
+    """Profile moments m0, m2, m4 of an isotropic surface from its power spectrum (paper, Eq. PcPersson2).
+
+    Between two points the spectrum is the power law through both, integrated exactly; beyond the first and the last
+    it is zero. h'_rms² = 2 m2 and m4 depend mostly on the largest wavevectors: state where the spectrum was cut.
+
+    Parameters
+    ----------
+    wavevectors : array of shape (n,), n >= 2
+        q = 2 pi/wavelength in 1/m, rising, above zero.
+    power : array of shape (n,)
+        Above zero; leave empty bins out.
+    convention : "isotropic" or "profile"
+        "isotropic", in m⁴: C(q) = ∫ d²x <h(x)h(0)> e^(-iqx), the paper's, so that <h²> = ∫ q C dq/(2 pi); then
+        m2 = ∫ q³ C dq/(4 pi), which is the paper's R, and m4 = (3/8) ∫ q⁵ C dq/(2 pi). Spectra with the factor
+        1/(2 pi)² in their definition, like Persson's, must be multiplied by (2 pi)².
+        "profile", in m³: C(q) = ∫ dx <h(x)h(0)> e^(-iqx) of line scans, so that m_n = ∫_0 q^n C dq/pi.
+
+    Raises InputError for arrays that are not these.
+    """
+    q, c = finite_array("wavevectors", wavevectors), finite_array("power", power)
+    if q.size < 2 or c.size != q.size:
+        refuse(
+            "power",
+            c,
+            f"must hold one value for each of the {q.size} wavevectors, of which two are needed",
+        )
+    for name, values in (("wavevectors", q), ("power", c)):
+        for bad in np.flatnonzero(values <= 0.0):
+            refuse(f"{name}[{bad}]", values[bad], "must be above zero; leave empty bins out")
+    for fallen in np.flatnonzero(np.diff(q) <= 0.0) + 1:
+        refuse(f"wavevectors[{fallen}]", q[fallen], "must rise from point to point")
+    if one_of("convention", convention, ("isotropic", "profile")) == "profile":
+        m0, m2, m4 = (_integral(q, c, n) / np.pi for n in (0, 2, 4))
+    else:
+        m0, m2, m4 = (_integral(q, c, n + 1) / (2.0 * np.pi) for n in (0, 2, 4))
+        # averages of cos² and of cos⁴ over all directions
+        m2, m4 = m2 / 2.0, 3.0 * m4 / 8.0
+    return SpectralMoments(m0=m0, m2_axes=(m2, m2), m4_axes=(m4, m4))
+
+
+def _integral(q: Array, c: Array, order: int) -> float:
+    """Integral of q^order C(q), C a power law between neighbours."""
+    rise = np.log(q[1:] / q[:-1])
+    step = np.log(c[1:] / c[:-1]) + (order + 1) * rise
+    return float((c[:-1] * q[:-1] ** (order + 1) * rise * exprel(step)).sum())

@@ -1,0 +1,212 @@
+"""Heights of a surface in metres on a grid of pixels: measured, NaN where missing, trend removed; or self-affine."""
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import InputError, between, one_of, positive, refuse, whole
+
+Array = npt.NDArray[np.float64]
+
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "nm": 1e-9, "pm": 1e-12}
+METRES |= dict.fromkeys(("\u00b5m", "\u03bcm", "um"), 1e-6)
+METRES |= dict.fromkeys(("\u00c5", "\u212b", "A"), 1e-10)
+
+
+@dataclass(frozen=True)
+class Topography:
+    """Heights of shape (n_x, n_y) and pixel sizes (dx, dy), all in metres; NaN where a point is missing."""
+
+    heights: Array
+    pixel_size: tuple[float, float]
+
+    @property
+    def missing_fraction(self) -> float:
+        """Fraction of the points that are missing."""
+        return float(np.isnan(self.heights).mean())
+
+
+def as_topography(heights: object, pixel_size: object = None) -> Topography:
+    """`heights` as a Topography in metres.
+
+    Parameters
+    ----------
+    heights : array of shape (n_x, n_y), or an object with .heights(), .pixel_size and .unit
+        Heights in metres, NaN or masked where missing; or a SurfaceTopography topography, converted by its unit.
+    pixel_size : float or (dx, dy)
+        Distances between points along the first and the second axis, in metres; left out for an object, which has them.
+
+    Raises InputError for line scans, absent or unknown units, infinite heights and pixel sizes not above zero.
+    """
+    if isinstance(heights, Topography):
+        return heights
+    if callable(getattr(heights, "heights", None)):
+        if pixel_size is not None:
+            refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
+        unit = getattr(heights, "unit", None)
+        if unit not in METRES:
+            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size"
+            refuse("heights.unit", unit, f"{rule} in metres")
+        scale, sizes = METRES[unit], None
+        if getattr(heights, "physical_sizes", True) is not None:
+            sizes = getattr(heights, "pixel_size", None)
+        if not isinstance(sizes, tuple | list | np.ndarray) or len(sizes) != 2:
+            rule = "must be a pair (dx, dy); open the scan with its physical_sizes given"
+            refuse("heights.pixel_size", sizes, rule)
+        values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
+        return Topography(values, pixel_sizes(np.multiply(sizes, scale), "heights.pixel_size"))
+    values = _height_array(heights)
+    if pixel_size is None:
+        rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres"
+        refuse("pixel_size", pixel_size, rule)
+    return Topography(values, pixel_sizes(pixel_size))
+
+
+def pixel_sizes(pixel_size: object, name: str = "pixel_size") -> tuple[float, float]:
+    """`pixel_size`, one number or a pair, as (dx, dy), both above zero."""
+    if isinstance(pixel_size, tuple | list | np.ndarray):
+        if len(pixel_size) != 2:
+            refuse(name, pixel_size, "must be one number or a pair (dx, dy)")
+        return positive(f"{name}[0]", pixel_size[0]), positive(f"{name}[1]", pixel_size[1])
+    size = positive(name, pixel_size)
+    return size, size
+
+
+def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
+    """The surface minus its least-squares trend, fitted to the points that are not missing.
+
+    "curvature": polynomial of second order with the xy term; "tilt": plane; "centre": mean height.
+
+    Raises InputError for any other name and where the surface equals its trend.
+    """
+    one_of("detrend", detrend, ("curvature", "tilt", "centre"))
+    heights = surface.heights
+    x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in heights.shape), indexing="ij")
+    terms = [np.ones_like(x)] + ([x, y] if detrend != "centre" else [])
+    if detrend == "curvature":
+        terms += [x * x, y * y, x * y]
+    there = np.isfinite(heights)
+    # fitted about their mean, in units of their range, for heights in any unit and far from zero
+    known = heights[there]
+    middle, span = float(known.mean()), float(np.ptp(known))
+    basis = np.stack([term[there] for term in terms], axis=1)
+    coefficients = np.linalg.lstsq(basis, (known - middle) / (span or 1.0), rcond=None)[0]
+    left = heights - middle - span * np.tensordot(coefficients, np.stack(terms), axes=1)
+    if not float(np.nanstd(left)) > 1e-12 * float(np.abs(known).max()):  # else it is round-off
+        rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
+        refuse("heights", heights, rule)
+    return Topography(left, surface.pixel_size)
+
+
+def _height_array(heights: object) -> Array:
+    """`heights` as a grid of at least 3 by 3 points, NaN where masked; InputError where they are no such grid."""
+    try:
+        values: Array = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
+    except (TypeError, ValueError):
+        such = "SurfaceTopography.read_topography(file)"
+        refuse("heights", heights, f"must be a two-dimensional array in metres, or {such}")
+    if values.ndim != 2 or min(values.shape) < 3:
+        refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
+    infinite = np.argwhere(np.isinf(values))
+    if infinite.size:
+        i, j = infinite[0]
+        refuse(f"heights[{i}, {j}]", values[i, j], "must be finite, or NaN where none is known")
+    if not np.isfinite(values).any():
+        refuse("heights", values, "every point is missing; a surface needs heights")
+    return values
+
+
+def self_affine_surface(
+    shape: tuple[int, int],
+    pixel_size: float | tuple[float, float],
+    *,
+    hurst: float,
+    rms_slope: float,
+    seed: int,
+    long_cutoff: float | None = None,
+    short_cutoff: float | None = None,
+) -> Array:
+    """Heights of a periodic self-affine surface, in the unit of pixel_size.
+
+    Every Fourier mode has the amplitude of the spectrum and a random phase, so that only the phases depend on
+    the seed: the rms slope, from the sum over modes of |a_q|² q², is `rms_slope` exactly. The power spectrum is
+    ~ q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
+
+    Nearest-neighbour differences replace q_x by 2 sin(q_x dx/2)/dx: the mean square slope by periodic differences
+    (spectral_moments with periodic=True) is exactly the sum over modes of
+    |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²].
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Number of points along each axis, at least 4.
+    pixel_size : float or (dx, dy)
+        Distance between points.
+    hurst : float
+        Hurst exponent H, 0 to 1.
+    rms_slope : float
+        Root mean square slope of the surface, above zero.
+    seed : int
+        Seed of the phases, at least 0.
+    long_cutoff, short_cutoff : float
+        Wavelengths; left out, the longest and the shortest that the grid resolves in every direction.
+
+    Returns
+    -------
+    heights : array of `shape`, with mean zero
+
+    Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode remains, and for a
+    shape that needs, at 40 bytes a point, more than the memory of the machine.
+    """
+    if not isinstance(shape, tuple | list) or len(shape) != 2:
+        refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
+    if whole("seed", seed, 0) >= 2**64:
+        refuse("seed", seed, "must be below 2**64")
+    n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
+    _check_memory(n_x, n_y)
+    dx, dy = pixel_sizes(pixel_size)
+    if not 0.0 < positive("hurst", hurst) <= 1.0:
+        refuse("hurst", hurst, "must be above 0 and at most 1")
+    rms_slope = between("rms_slope", rms_slope, 1e-20, 1e20, "it is metres per metre")
+    least, box = 2.0 * max(dx, dy), max(n_x * dx, n_y * dy)
+    shortest = least if short_cutoff is None else positive("short_cutoff", short_cutoff)
+    longest = box if long_cutoff is None else positive("long_cutoff", long_cutoff)
+    if not least <= shortest <= longest:
+        rule = f"must be at least two pixels, {least:g}, and at most long_cutoff, {longest:g}"
+        refuse("short_cutoff", shortest, rule)
+    q_x = 2.0 * np.pi * np.fft.fftfreq(n_x, dx)
+    q_y = 2.0 * np.pi * np.fft.rfftfreq(n_y, dy)
+    q = np.hypot(q_x[:, None], q_y[None, :])
+    kept = (q > 0.0) & (q <= 2.0 * np.pi / shortest * (1.0 + 1e-12))
+    # a mode at half the sampling rate has no derivative on the grid
+    kept[n_x // 2, :] &= n_x % 2 == 1
+    kept[:, n_y // 2] &= n_y % 2 == 1
+    if not kept.any():
+        rule = "no mode of the grid is longer; the surface would be flat"
+        raise InputError(f"short_cutoff = {shortest:g}: {rule}")
+    # in units of the roll-off, so that the power does not overflow in any unit of length
+    relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
+    amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
+    # each mode of the half plane counts for itself and its conjugate, except those at the plane's edges
+    count = np.full(q_y.size, 2.0)
+    count[0] = 1.0
+    if n_y % 2 == 0:
+        count[-1] = 1.0
+    amplitude *= rms_slope / np.sqrt((amplitude**2 * q**2 * count).sum())
+    generator = np.random.Generator(np.random.Philox(key=seed))
+    noise = np.fft.rfft2(generator.standard_normal((n_x, n_y)))
+    return np.fft.irfft2(amplitude * noise / np.abs(noise), s=(n_x, n_y)) * (n_x * n_y)
+
+
+def _check_memory(n_x: int, n_y: int) -> None:
+    """InputError where a surface, at 40 bytes a point (36 were measured), needs more than the memory of the machine."""
+    try:
+        there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # some systems do not report it
+        return
+    if 40 * n_x * n_y > there:
+        needed = min(40 * n_x * n_y, 10**300) / 1e9
+        rule = f"needs {needed:.3g} GB, 40 bytes a point, and this machine has {there / 1e9:.3g} GB"
+        refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
