@@ -62,9 +62,8 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     moving = [piece for piece in pieces(drive, found.balance) if piece.travel != 0.0]
     speed = drive.velocity
     if drive.time is not None and moving:
-        speed = sum(abs(piece.travel) for piece in moving) / sum(
-            piece.end - piece.begin for piece in moving
-        )
+        lasts = sum(piece.end - piece.begin for piece in moving)
+        speed = sum(abs(piece.travel) for piece in moving) / lasts
     critical, error = critical_spring(contacts, speed, tolerance)
     known = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
     verdict: Verdict = "undecided"
@@ -100,7 +99,7 @@ def _after_resets(
     # growing grains are younger after a reset than at the start
     relaxed = again is None and contacts.grains is None and contacts.start.span == (0.0, 0.0)
     if count > 1 or relaxed:
-        return "stick-slip", f"{count} slips, each after contacts that began as a reset leaves them"
+        return "stick-slip", f"{count} slips, and a reset leaves contacts that slip again"
     return "undecided", "one slip up to the end of the path is too few to tell, lengthen it"
 
 

@@ -26,8 +26,8 @@ from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Shares of the contacts below the ends of cells, on the coarsest level; each is cut in 4
-# there, and halved with every second level.
+# Shares of the contacts below the ends of cells, on the coarsest level; each is cut in 2
+# there, and halved with each level, from the fourth on with every second one.
 RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
 # The logarithms of the least and of the largest A that are told apart from 0 and infinity.
 LEAST, MOST = -700.0, 6.5
@@ -66,7 +66,7 @@ class Leg(NamedTuple):
 class Memory:
     """The history of contacts with thresholds that stay, which break there or by heat.
 
-    Cells are halved with every second level.
+    Cells are halved with each level, from the fourth on with every second one.
 
     Attributes
     ----------
@@ -95,7 +95,12 @@ class Memory:
         atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
         ends = np.unique(np.clip(np.concatenate([ends, *atoms]), 1e-12 * self.reach, self.reach))
         self._set_cells(
-            np.unique([np.linspace(*two, 2 ** (level // 2 + 2) + 1) for two in pairwise(ends)])
+            np.unique(
+                [
+                    np.linspace(*two, 2 ** min(level + 1, level // 2 + 3) + 1)
+                    for two in pairwise(ends)
+                ]
+            )
         )
 
     def _set_cells(self, edges: Array) -> None:
@@ -123,7 +128,8 @@ class Memory:
         legs = Legs(np.stack([np.zeros(count), way], axis=-1), duration, np.array([speed]))
         stiffness = self._contacts.relative_stiffness if self._linked else None
         replay = Replay(rates_of(self._contacts), stiffness, leg.begin, legs)
-        return replay.spent(np.arange(count), np.maximum(thresholds, leg.furthest[:, None]))
+        above = np.maximum(thresholds, leg.furthest[:, None])
+        return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
 
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n).
