@@ -47,7 +47,6 @@ def distribution(contacts: Contacts, path: list[float], *asked: object) -> objec
 
 
 FIERCE = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e12))
-SKIN = Contacts(WIDE, thermal=Thermal("stiff", 1e-4))
 WARM = Contacts(WIDE, thermal=SOFT)
 BACK = Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 10.0, 1e3), reforming=-0.3)
 LATE = Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.1), 1e-2))
@@ -168,10 +167,6 @@ CALLS = [
     (
         partial(solve, WARM.replace(start=0.2), [0.0, 2.0], time=[0.0, 1.0], spring=0.4),
         r"path\[0\] = 0.0: at time 0 the drive stands where it balances the start",
-    ),
-    (
-        partial(solve, SKIN, [0.0, 2.0], 1e-3, spring=0.4),
-        "thermal: contacts of stiff rates that break within so thin a skin",
     ),
     # the paper's explicit scheme
     (partial(explicit, PLAIN, [0.0, 1.0], 0.0), r"step = 0\.0: must be above zero"),
