@@ -94,14 +94,8 @@ class Memory:
         # a very narrow cell for each exact threshold
         atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
         ends = np.unique(np.clip(np.concatenate([ends, *atoms]), 1e-12 * self.reach, self.reach))
-        self._set_cells(
-            np.unique(
-                [
-                    np.linspace(*two, 2 ** min(level + 1, level // 2 + 3) + 1)
-                    for two in pairwise(ends)
-                ]
-            )
-        )
+        cells = 2 ** min(level + 1, level // 2 + 3)
+        self._set_cells(np.unique([np.linspace(*two, cells + 1) for two in pairwise(ends)]))
 
     def _set_cells(self, edges: Array) -> None:
         self._edges, self._beyond = edges, self._law.sf(edges)
@@ -168,9 +162,8 @@ class Memory:
         ends = np.tile(edges, (least.size, 1))
         ends[every, cut] = low
         middle = 0.5 * (ends[:, 1:] + ends[:, :-1])
-        return np.stack(
-            [held, stretch * (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)]
-        )
+        borne = (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)
+        return np.stack([held, stretch * borne])
 
 
 class MeanRateMemory(Memory):
