@@ -2,7 +2,12 @@
 
 # ruff: noqa: F401
 from origins.contacts import Contacts
-from origins.domains.barriers import barrier, triangular_barrier
+from origins.domains.barriers import (
+    barrier,
+    structure_factors,
+    triangular_barrier,
+    triangular_structure_factors,
+)
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
 from origins.domains.domain_samples import DomainSamples
 from origins.domains.islands import (
@@ -15,7 +20,6 @@ from origins.domains.islands import (
 )
 from origins.domains.relaxed_barrier import RelaxedBarrier, relaxed_barrier
 from origins.domains.rotated import domains
-from origins.domains.structure_factors import structure_factors, triangular_structure_factors
 from origins.domains.substrates import (
     Substrate,
     fourier_substrate,
@@ -25,8 +29,7 @@ from origins.domains.substrates import (
 from origins.drive import Drive
 from origins.errors import InputError
 from origins.grains.contact import GrainContact, growing_grains
-from origins.grains.film import grains
-from origins.grains.growth import GrainGrowth, film_growth
+from origins.grains.film import GrainGrowth, film_growth, grains
 from origins.laws import SoftRates, StiffRates
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from origins import Contacts, Drive
-from origins.laws.breaking_rate import BreakingRate
+from origins.laws.thermal import BreakingRate
 
 _HALVINGS = 60
 

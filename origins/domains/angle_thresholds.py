@@ -1,47 +1,64 @@
 """P_c of one rigid island over all angles, from its barrier b(angle) itself (paper, Sec. VI C).
 
-On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where db/dangle = 0 and where the two are
-equal: on each piece b rises or falls, and each piece has an inverse. P_c diverges as an inverse square root
-where db/dangle = 0, and jumps where the two are equal. Between these the share of angles below x is smooth
-in s, x = lower + (upper - lower) sin²(pi s/2). All smooth functions are Chebyshev series.
+On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where db/dangle = 0 and where the two are equal: on each
+piece b rises or falls, so that the share of angles below x follows from one root for each piece. P_c diverges as an
+inverse square root where db/dangle = 0, and jumps where the two are equal. Between these values the share is smooth
+in s, x = lower + (upper - lower) sin²(pi s/2): a Chebyshev series.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, legendre
 
 from origins.thresholds.identical import identical
 from origins.thresholds.law import Array, Thresholds
 
 Sizes = Callable[[Array], Array]
 
-_PER_RADIAN = 16  # angles evaluated per radian of the outermost atoms' phase
-_MOST = 12_000  # angles at most: P_c of larger islands comes from samples
+_PER_RADIAN = 64  # angles evaluated per radian of the outermost atoms' phase: zeros of a wave may lie close together
+_MOST = 96_000  # angles at most: P_c of larger islands comes from samples
 _START = 0.1234567  # radians; symmetric islands have extrema at 0, which must not be an end
 _NODES = 24  # Chebyshev nodes of a series, including both ends
-_SMOOTH = 1e-9  # largest of a series' last three coefficients, over the panel's share (or 1e-3)
-_SPLITS = 10  # most halvings of a panel that a series does not resolve
+_SMOOTH = (
+    1e-9  # largest of a series' last three coefficients, over the panel's rise (or 1e-3 of all)
+)
+_SPLITS = 24  # most halvings of a panel that a series does not resolve
 _SAME = 1e-10  # of the greatest barrier: values closer than this count as equal
-_LEVEL = 1e-6  # of the greatest barrier: with less variation (one atom) b counts as constant
 _WEIGHT = 1e-3  # least share of thresholds within _BESIDE of a peak or jump that is declared
 _BESIDE = 0.01  # mean thresholds
-_TIGHT = {"xatol": 1e-15, "xrtol": 4e-16, "fatol": 0.0, "frtol": 0.0}
 
 _u = 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))  # on (0, 1)
 _FIT = np.linalg.inv(chebyshev.chebvander(2.0 * _u - 1.0, _NODES - 1)).T
 
 
-def _series(coefficients: Array, panel: npt.NDArray[np.intp], u: Array) -> Array:
-    """Chebyshev series of panels, coefficients of shape (panels, n), at u of (0, 1), by Clenshaw's rule."""
-    rows, t = np.ascontiguousarray(coefficients.T), 2.0 * u - 1.0
-    last = before = np.zeros(np.shape(t))
-    for row in rows[:0:-1]:
-        last, before = row.take(panel) + 2.0 * t * last - before, last
-    return rows[0].take(panel) + t * last - before
+def _fitted(edges: Array, below: Callable[[Array], Array]) -> Array:
+    """Chebyshev series in s of below(x) between edges; panels that a series does not resolve are halved.
+
+    Result, shape (3 + 24, panels), sorted: lower and upper end, the value at the lower end, and the coefficients of
+    what is above it.
+    """
+    ends, done = np.array([edges[:-1], edges[1:]]), []
+    for split in range(_SPLITS + 1):
+        left, right = ends[..., None]
+        x = left + (right - left) * np.sin(0.5 * np.pi * _u) ** 2
+        x[:, -1:] = right
+        found = below(x.ravel()).reshape(x.shape)
+        fits = (found - found[:, :1]) @ _FIT
+        rise = np.maximum(found[:, -1] - found[:, 0], _WEIGHT)
+        good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH * rise) | (split == _SPLITS)
+        done.append(np.vstack([ends, found[:, 0], fits.T])[:, good])
+        left, right = ends[:, ~good]
+        if not left.size:
+            break
+        middle = 0.5 * (left + right)
+        ends = np.hstack([[left, middle], [middle, right]])
+    table = np.concatenate(done, axis=1)
+    return table[:, np.argsort(table[0])]
 
 
 def _place(x: Array, low: Array, high: Array) -> Array:
@@ -50,127 +67,46 @@ def _place(x: Array, low: Array, high: Array) -> Array:
     return 2.0 / np.pi * np.arctan2(np.sqrt(below), np.sqrt(above))
 
 
-class _Pieces:
-    """Pieces of the circle on which b is monotonic, stored from their lower to their upper end.
+def _cuts(each: Callable[[Array], Array], fastest: float) -> Array:
+    """Angles of half a turn, in order, between which b is smooth and monotonic."""
+    from scipy.optimize.elementwise import find_minimum, find_root
 
-    Attributes
-    ----------
-    values : array
-        Barriers where P_c is not smooth, sorted, the least and the greatest among them.
-    bends : bool array
-        Whether the two waves are equal there.
-    """
+    def turn(angle: Array, which: Array, sign: Array) -> Array:
+        return sign * np.take_along_axis(each(angle), which.astype(int)[None], 0)[0]
 
-    def __init__(self, sizes: Sizes, fastest: float, period: float) -> None:
-        from scipy.optimize.elementwise import find_minimum, find_root
-
-        def each(angle: Array) -> Array:
-            """|c_1 S_1|, |c_2 S_2| and the difference of the two, shape (3, ...)."""
-            if not angle.size:
-                return np.ones((3, 0))
-            one, other = sizes(angle.ravel()).T.reshape(2, *angle.shape)
-            return np.stack([one, other, one - other])
-
-        def barrier(angle: Array) -> Array:
-            return 2.0 * each(angle)[:2].min(0)
-
-        def turn(angle: Array, which: Array, sign: Array) -> Array:
-            return sign * np.take_along_axis(each(angle), which.astype(int)[None], 0)[0]
-
-        self._barrier, self._find_root = barrier, find_root
-        count = int(period * fastest * _PER_RADIAN) + 64
-        step = period / count
-        angle: Array = _START + step * np.arange(count + 2.0)
-        values = each(angle)
-        near = _SAME * values.max()
-        alike = np.abs(values[2]).max() <= near  # as for square islands on squares
-        falls = np.diff(values[: 2 if alike else 3]) < 0.0
-        which, k = np.nonzero(falls[:, 1:] != falls[:, :-1])
-        middle, sign = angle[k + 1], np.where(falls[which, k], 1.0, -1.0)
-        still = find_minimum(
-            turn, (middle - step, middle, middle + step), args=(which, sign), tolerances=_TIGHT
-        ).x
-        which, still = which[np.isfinite(still)], still[np.isfinite(still)]
-        still = _START + (still - _START) % period
-        # near an angle where one wave vanishes it is the smaller one on a short interval: evaluate there, too
-        looked = np.unique(np.concatenate([angle[:-1], still]))
-        ahead = (each(looked)[2] < 0.0) & (not alike)
-        k = np.flatnonzero(ahead[1:] != ahead[:-1])
-        bends = find_root(lambda a: each(a)[2], (looked[k], looked[k + 1]), tolerances=_TIGHT).x
-        there, own = each(still), np.arange(which.size)
-        still = still[(which < 2) & (there[which, own] <= there[:2].min(0) + near)]
-        # where the two waves are equal b has a kink, not a zero derivative
-        still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
-        cuts = np.append(bends, still)
-        order = np.argsort(cuts)
-        cuts, bent = cuts[order], order < bends.size
-        self.values, known = _together(barrier(cuts))
-        self.bends = np.isin(self.values, known[bent])
-        pieces = np.array([cuts, np.append(cuts[1:], cuts[0] + period), known, np.roll(known, -1)])
-        falls = pieces[2] > pieces[3]
-        pieces[:, falls] = pieces[[1, 0, 3, 2]][:, falls]
-        self._invert(pieces[:, pieces[2] < pieces[3]])
-
-    def _invert(self, ends: Array) -> None:
-        """Fit the share of each piece that has barriers up to x; halve pieces that a series does not resolve.
-
-        ends : array (4, pieces), angles of the lower and the upper end and the barriers there.
-        """
-        done = []
-        for split in range(_SPLITS + 1):
-            bottom, top, low, high = ends[..., None]
-            goals = low + (high - low) * np.sin(0.5 * np.pi * _u[1:-1]) ** 2
-            found = self._find_root(
-                lambda a, goal: self._barrier(a) - goal,
-                (bottom + 0.0 * goals, top + 0.0 * goals),
-                args=(goals,),
-            ).x
-            share = np.ones((bottom.size, _NODES))
-            share[:, :1], share[:, 1:-1] = 0.0, (found - bottom) / (top - bottom)
-            fits = share @ _FIT
-            good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH) | (split == _SPLITS)
-            done.append(np.concatenate([ends[:, good], fits[good].T]))
-            bottom, top, low, high = ends[:, ~good]
-            if not bottom.size:
-                break
-            middle = 0.5 * (bottom + top)
-            level = self._barrier(middle)
-            ends = np.concatenate([[bottom, middle, low, level], [middle, top, level, high]], 1)
-        pieces = np.concatenate(done, axis=1)
-        self._ends, self._fits = pieces[:4], pieces[4:].T
-        widths = np.abs(self._ends[1] - self._ends[0])
-        self._shares = widths / widths.sum()
-
-    def below(self, x: Array) -> Array:
-        """Share of angles with a barrier of at most x, for sorted x; shape as x."""
-        total = np.zeros(x.shape)
-        for low, high, share, fit in zip(*self._ends[2:], self._shares, self._fits, strict=True):
-            first, last = np.searchsorted(x, [low, high])
-            place = _place(x[first:last], low, high)
-            total[first:last] += share * chebyshev.chebval(2.0 * place - 1.0, fit)
-            total[last:] += share
-        return total
-
-    def mean(self, function: Callable[[Array], Array]) -> float:
-        """Mean of function(b) over all angles."""
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        # nodes in this variable, in which a power of b is smooth even where b vanishes
-        place, weights = np.sin(0.25 * np.pi * (1.0 + nodes)) ** 2, 0.25 * np.pi * weights
-        bottom, top = self._ends[:2, :, None]
-        values = function(np.maximum(self._barrier(bottom + (top - bottom) * place), 0.0))
-        return float(self._shares @ values @ (weights * np.cos(0.5 * np.pi * nodes)))
+    count = int(np.pi * fastest * _PER_RADIAN) + 64
+    step = np.pi / count
+    angle: Array = _START + step * np.arange(count + 2.0)
+    values = each(angle)
+    near = _SAME * values.max()
+    alike = np.abs(values[2]).max() <= near  # as for square islands on squares
+    falls = np.diff(values[: 2 if alike else 3]) < 0.0
+    which, k = np.nonzero(falls[:, 1:] != falls[:, :-1])
+    middle, sign = angle[k + 1], np.where(falls[which, k], 1.0, -1.0)
+    tight = {"xatol": 1e-15, "xrtol": 4e-16, "fatol": 0.0, "frtol": 0.0}
+    around = middle - step, middle, middle + step
+    still = find_minimum(turn, around, args=(which, sign), tolerances=tight).x
+    which, still = which[np.isfinite(still)], still[np.isfinite(still)]
+    still = _START + (still - _START) % np.pi
+    # near an angle where one wave vanishes it is the smaller one on a short interval: evaluate there, too
+    looked = np.unique(np.concatenate([angle[:-1], still]))
+    ahead = (each(looked)[2] < 0.0) & (not alike)
+    k = np.flatnonzero(ahead[1:] != ahead[:-1])
+    bends = find_root(lambda a: each(a)[2], (looked[k], looked[k + 1]), tolerances=tight).x
+    there, own = each(still), np.arange(which.size)
+    still = still[(which < 2) & (there[which, own] <= there[:2].min(0) + near)]
+    # where the two waves are equal b has a kink, not a zero derivative
+    still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
+    return np.sort(np.append(bends, still))
 
 
-def _together(values: Array) -> tuple[Array, Array]:
-    """Sorted distinct values, those equal but for rounding merged; and for each value the merged one."""
-    order, greatest = np.argsort(values), values.max()
-    starts = np.diff(values[order], prepend=-np.inf) > _SAME * greatest
-    distinct = values[order][starts]
-    if distinct[0] < _SAME * greatest:
-        distinct[0] = 0.0
-    known = np.empty(values.size)
-    known[order] = distinct[np.cumsum(starts) - 1]
-    return distinct, known
+def _series(rows: npt.NDArray[Any], panel: npt.NDArray[np.intp], s: Array) -> Array:
+    """Chebyshev series of panels, coefficients (n, panels), at places s, by Clenshaw's rule row by row."""
+    t = 2.0 * s - 1.0
+    last = before = np.zeros(np.shape(t))
+    for row in rows[:0:-1]:
+        last, before = row.take(panel) + 2.0 * t * last - before, last
+    return rows[0].take(panel) + t * last - before
 
 
 class AngleThresholds(Thresholds):
@@ -182,49 +118,57 @@ class AngleThresholds(Thresholds):
 
     knows_breakpoints = False
 
-    def __init__(self, pieces: _Pieces, scale: float) -> None:
-        self._pieces, self._scale, edges = pieces, scale, pieces.values
-        self._mean = pieces.mean(lambda b: b)
-        self._tabulate(edges)
-        # dC/ds at both ends of each panel, 0 except at peaks, and d²C/ds²: as x - low ~ s², these give
-        # the weight of a peak and the density beside it
-        slopes, bows = (chebyshev.chebder(self._fits.T, n) * 2.0**n for n in (1, 2))
-        ends, roots = np.array([-1.0, 1.0]), 0.5 * np.pi * np.sqrt(self._widths)[:, None]
-        peaks = np.abs(chebyshev.chebval(ends, slopes)) / roots
-        levels = np.abs(chebyshev.chebval(ends, bows)) / (2.0 * roots**2)
-        distance = _BESIDE * self._mean
-        at = np.searchsorted(self._edges, edges)
-        above, below = np.append(peaks[:, 0], 0.0)[at], np.append(0.0, peaks[:, 1])[at]
-        right, left = np.append(levels[:, 0], 0.0)[at], np.append(0.0, levels[:, 1])[at]
-        heavy = (above + below) * np.sqrt(distance) > _WEIGHT
-        declared = heavy | pieces.bends & (np.abs(right - left) * distance > _WEIGHT)
+    def __init__(self, sizes: Sizes, fastest: float, scale: float) -> None:
+        """`sizes` and `fastest` as in angle_thresholds; |S(-G)| = |S(G)|, so that b repeats after half a turn."""
+        from scipy.optimize.elementwise import find_root
+
+        def each(angle: Array) -> Array:
+            """|c_1 S_1|, |c_2 S_2| and the difference of the two, shape (3, ...)."""
+            if not angle.size:
+                return np.ones((3, 0))
+            one, other = sizes(angle.ravel()).T.reshape(2, *angle.shape)
+            return np.stack([one, other, one - other])
+
+        def barrier(angle: Array) -> Array:
+            return 2.0 * each(angle)[:2].min(0)
+
+        cuts = _cuts(each, fastest)
+        known = barrier(cuts)
+        order, least = np.argsort(known), _SAME * known.max()
+        apart = np.diff(known[order], prepend=-np.inf) > least  # else equal but for rounding
+        edges = known[order][apart]
+        edges[0] *= edges[0] >= least
+        known[order] = edges[np.cumsum(apart) - 1]
+        pieces = np.array([cuts, np.append(cuts[1:], cuts[0] + np.pi), known, np.roll(known, -1)])
+        falls = pieces[2] > pieces[3]
+        pieces[:, falls] = pieces[[1, 0, 3, 2]][:, falls]
+        bottom, top, low, high = pieces[:, pieces[2] < pieces[3]]
+
+        def below(x: Array) -> Array:
+            """Share of angles with a barrier of at most x."""
+            k, i = np.nonzero((low[:, None] < x) & (x < high[:, None]))
+            ends = bottom[k], top[k]
+            found = find_root(lambda angle, x: barrier(angle) - x, ends, args=(x[i],)).x
+            # beside an end that rounding hides
+            nearer = np.where(x[i] - low[k] < high[k] - x[i], *ends)
+            found = np.where(np.isfinite(found), found, nearer)
+            total = np.bincount(i, np.abs(found - ends[0]), x.size)
+            return (total + np.abs(top - bottom) @ (high[:, None] <= x)) / np.pi
+
+        table, self._scale = _fitted(edges, below), scale
+        self._edges, self._widths = np.append(table[0], edges[-1]), table[1] - table[0]
+        self._before, self._fits = table[2], table[3:]
+        # dC/ds at both ends of each panel, 0 except at peaks: as x - low ~ s², these give the weight of a peak
+        slopes, ends = 2.0 * chebyshev.chebder(self._fits), np.array([-1.0, 1.0])
+        roots = 0.5 * np.pi * np.sqrt(self._widths)[:, None]
+        peaks = np.pad(np.abs(chebyshev.chebval(ends, slopes)) / roots, ((1, 1), (0, 0)))
+        at, distance = np.searchsorted(self._edges, edges), _BESIDE * self._moment(1.0)
+        heavy = (peaks[at + 1, 0] + peaks[at, 1]) * np.sqrt(distance / scale) > _WEIGHT
+        beside = self._cdf(scale * edges + distance * np.array([[-1.0], [0.0], [1.0]]))
+        declared = heavy | (np.abs(np.diff(beside, 2, axis=0)[0]) > _WEIGHT)
         declared[[0, -1]] = True
         self._peaks, self._declared = scale * edges[heavy], scale * edges[declared]
         self.onset_power = -0.5 if heavy[0] else 0.0
-
-    def _tabulate(self, edges: Array) -> None:
-        """Fit series to the share of angles up to b between the edges; halve panels that they do not resolve."""
-        left, right, done = edges[:-1], edges[1:], []
-        for split in range(_SPLITS + 1):
-            x = left[:, None] + (right - left)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
-            x[:, -1] = right
-            order = np.argsort(x, axis=None)
-            shares = np.empty(x.size)
-            shares[order] = self._pieces.below(x.ravel()[order])
-            shares = shares.reshape(x.shape)
-            fits = (shares - shares[:, :1]) @ _FIT
-            whole = np.maximum(shares[:, -1] - shares[:, 0], _WEIGHT)
-            good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH * whole) | (split == _SPLITS)
-            done.append(np.column_stack([left, right, shares[:, 0], fits])[good])
-            left, right = left[~good], right[~good]
-            middle = 0.5 * (left + right)
-            left, right = np.append(left, middle), np.append(middle, right)
-            if not left.size:
-                break
-        table = np.concatenate(done)
-        table = table[np.argsort(table[:, 0])]
-        self._edges, self._widths = np.append(table[:, 0], edges[-1]), table[:, 1] - table[:, 0]
-        self._before, self._fits = np.append(table[:, 2], 1.0), table[:, 3:]
 
     def support(self) -> tuple[float, float]:
         return float(self._declared[0]), float(self._declared[-1])
@@ -239,29 +183,32 @@ class AngleThresholds(Thresholds):
         panel = np.clip(np.searchsorted(self._edges, b, side="right") - 1, 0, self._widths.size - 1)
         return panel, _place(b, self._edges[panel], self._edges[panel + 1])
 
-    def _cdf(self, x: Array) -> Array:
+    def _below(self, x: Array) -> Array:
+        """Share of all angles with a threshold of at most x, but for rounding."""
         panel, s = self._panel(x)
-        return np.clip(self._before[panel] + _series(self._fits, panel, s), 0.0, 1.0)
+        return self._before[panel] + _series(self._fits, panel, s)
+
+    def _cdf(self, x: Array) -> Array:
+        return np.clip(self._below(x), 0.0, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        panel, s = self._panel(x)
-        rest = 1.0 - self._before[panel] - _series(self._fits, panel, s)
-        return np.clip(rest, 0.0, 1.0)
+        return np.clip(1.0 - self._below(x), 0.0, 1.0)
 
     def _pdf(self, x: Array) -> Array:
         panel, s = self._panel(x)
         # at an edge without a peak both dC/ds and dx/ds vanish: evaluate beside the edge
         s = np.clip(s, 1e-6, 1.0 - 1e-6)
-        slope = 2.0 * _series(chebyshev.chebder(self._fits, axis=1), panel, s)
+        slope = 2.0 * _series(chebyshev.chebder(self._fits), panel, s)
         per_length = self._scale * self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
         on_peak = np.isin(np.asarray(x), self._peaks)
         return np.where(on_peak, np.inf, np.maximum(slope / per_length, 0.0))
 
-    def _moment(self, n: float) -> float:
-        return self._scale**n * self._pieces.mean(lambda b: b**n)
-
-    def _variance(self) -> float:
-        return self._scale**2 * self._pieces.mean(lambda b: (b - self._mean) ** 2)
+    def _central_moment(self, n: float, centre: float) -> float:
+        """By Gauss's sums over s on each panel."""
+        t, weights = legendre.leggauss(_NODES)
+        x = self._edges[:-1, None] + self._widths[:, None] * np.sin(0.25 * np.pi * (1.0 + t)) ** 2
+        shares = weights * chebyshev.chebval(t, chebyshev.chebder(self._fits))
+        return float((shares * (self._scale * x - centre) ** n).sum())
 
 
 def angle_thresholds(sizes: Sizes, fastest: float, scale: float) -> Thresholds | None:
@@ -272,15 +219,9 @@ def angle_thresholds(sizes: Sizes, fastest: float, scale: float) -> Thresholds |
 
     None where the island is so large that its barrier has too many peaks.
     """
-    some = np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])
-    known = sizes(some).min(-1)
-    period = 2.0 * np.pi  # b repeats by the symmetry of substrate and island together
-    for folds in (2, 3, 4, 6, 12):
-        turned = sizes(some + 2.0 * np.pi / folds).min(-1)
-        if np.abs(turned - known).max() <= 1e-10 * known.max():
-            period = 2.0 * np.pi / folds
-    if period * fastest * _PER_RADIAN > _MOST:
+    if np.pi * fastest * _PER_RADIAN > _MOST:
         return None
-    if np.ptp(known) <= _LEVEL * known.max():
-        return identical(scale * 2.0 * float(known[0]))
-    return AngleThresholds(_Pieces(sizes, fastest, period), scale)
+    some = sizes(np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])).min(-1)
+    if np.ptp(some) <= 1e-6 * some.max():  # one atom
+        return identical(scale * 2.0 * float(some[0]))
+    return AngleThresholds(sizes, fastest, scale)

@@ -17,11 +17,9 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
-_REACH = 1.2  # between the first and the second neighbours of every plane lattice
-
 
 def substrate_calculator(substrate: Substrate) -> Any:
-    """A Calculator with the energy, energies and forces of atoms on `substrate`, each by its own x and y.
+    """A Calculator with the energy and forces of atoms on `substrate`, each by its own x and y.
 
     There is no force along z, and cell and boundary conditions of the atoms are ignored. The calculator's
     `periods` are substrate.cell. Raises InputError unless given a Substrate, such as square_substrate().
@@ -29,12 +27,11 @@ def substrate_calculator(substrate: Substrate) -> Any:
     if not isinstance(substrate, Substrate):
         refuse("substrate", substrate, "must be a Substrate, such as origins.square_substrate()")
 
-    def energies_and_forces(points: Array) -> tuple[Array, Array]:
-        forces = np.zeros_like(points)
-        forces[:, :2] = substrate.forces(points[:, :2])
-        return substrate.energy(points[:, :2]), forces
+    def energy_and_forces(points: Array) -> tuple[float, Array]:
+        forces = np.pad(substrate.forces(points[:, :2]), ((0, 0), (0, 1)))
+        return float(substrate.energy(points[:, :2]).sum()), forces
 
-    return _calculator(energies_and_forces, substrate)
+    return _calculator(energy_and_forces, substrate)
 
 
 def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None) -> Any:
@@ -59,7 +56,8 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
     shortest = tree.query(points, k=2)[0][:, 1].min()
     if shortest == 0.0:
         refuse("atoms", atoms, "must not hold two atoms in one place")
-    reach = _REACH * shortest if reach is None else positive("reach", reach)
+    # between the first and the second neighbours of every plane lattice
+    reach = 1.2 * shortest if reach is None else positive("reach", reach)
     # a single atom has its nearest neighbour at infinity
     pairs = tree.query_pairs(reach, output_type="ndarray")
     if len(pairs) == 0:
@@ -67,30 +65,28 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
     first, second = pairs.T
     lengths = np.linalg.norm(points[second] - points[first], axis=1)
 
-    def energies_and_forces(points: Array) -> tuple[Array, Array]:
-        count = len(points)
+    def energy_and_forces(points: Array) -> tuple[float, Array]:
         apart = points[second] - points[first]
         length = np.sqrt((apart * apart).sum(-1))
-        stretch = length - lengths
+        stretch, forces = length - lengths, np.zeros_like(points)
         # two atoms in one place: the force has no direction, so it is 0
         pull = (stiffness * stretch / np.where(length > 0.0, length, 1.0))[:, None] * apart
-        half, forces = 0.25 * stiffness * stretch**2, np.zeros_like(points)
         np.add.at(forces, first, pull)
         np.add.at(forces, second, -pull)
-        return np.bincount(pairs.ravel(), np.repeat(half, 2), count).astype(float), forces
+        return float(0.5 * stiffness * (stretch @ stretch)), forces
 
-    return _calculator(energies_and_forces)
+    return _calculator(energy_and_forces)
 
 
 def _calculator(
-    function: Callable[[Array], tuple[Array, Array]], substrate: Substrate | None = None
+    function: Callable[[Array], tuple[float, Array]], substrate: Substrate | None = None
 ) -> Any:
-    """The ASE calculator of a function that gives the energies of the atoms at points (n, 3), shape (n,), and
-    the forces on them, shape (n, 3). Its `periods` (2, 2) change no energy; None without substrate."""
+    """The ASE calculator of a function that gives the energy of atoms at points (n, 3), and the forces on them, shape
+    (n, 3). Its `periods` (2, 2) change no energy; None without substrate."""
     from ase.calculators.calculator import Calculator, all_changes
 
     class OfPositions(Calculator):
-        implemented_properties = ["energy", "energies", "forces"]  # noqa: RUF012
+        implemented_properties = ["energy", "forces"]  # noqa: RUF012
         # a property, as `cell` raises InputError for substrates that never repeat
         periods = property(lambda self: None if substrate is None else substrate.cell)
 
@@ -103,7 +99,7 @@ def _calculator(
             self, atoms: Any = None, properties: Any = None, system_changes: Any = all_changes
         ) -> None:
             super().calculate(atoms, properties, system_changes)
-            energies, forces = function(atoms.positions)
-            self.results = {"energy": energies.sum(), "energies": energies, "forces": forces}
+            energy, forces = function(atoms.positions)
+            self.results = {"energy": energy, "forces": forces}
 
     return OfPositions()

@@ -57,14 +57,3 @@ class DomainSamples:
         fitted = -np.expm1(-self.forces / self.mean_force)
         steps = np.arange(fitted.size + 1) / fitted.size
         return float(max((steps[1:] - fitted).max(), (fitted - steps[:-1]).max()))
-
-    @property
-    def exponential_ratios(self) -> tuple[float, float]:
-        """<f_s²>/(2 f²) and <f_s³>/(6 f³), both 1 for an exponential law."""
-        scaled = self.forces / self.mean_force
-        return float((scaled**2).mean() / 2.0), float((scaled**3).mean() / 6.0)
-
-    def histogram(self, bins: int | npt.ArrayLike = 50) -> tuple[Array, Array]:
-        """(density, edges) of f_s over the islands that resist, the density of unit area; bins as in np.histogram."""
-        density, edges = np.histogram(self.forces, bins=bins, density=True)
-        return density, edges

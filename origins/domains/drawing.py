@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from origins import streams
-from origins.domains.barriers import Climb, climb
-from origins.domains.islands import positions_of
-from origins.domains.structure_factors import (
-    Complex,
+from origins.domains.barriers import (
+    Climb,
+    climb,
     structure_factors,
     triangular_structure_factors,
 )
+from origins.domains.islands import positions_of
+from origins.domains.lowest_saddle import Complex
 from origins.domains.substrates import Substrate
 from origins.errors import InputError
+from origins.streams import key_of
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 Whole = npt.NDArray[np.int64]
 
 _BLOCK = 4096  # samples computed together, always by one rank
-_LEAST_ANGLES = 64
 _PHASE = 0.25  # radians: change of the outermost atoms' phase between neighbouring trial angles
 _EXPONENT = 0.5  # U_min/k_BT near its minimum changes by about the square of this between them
 _MOST_ANGLES = 4_000_000
@@ -36,14 +36,14 @@ _MOST_ANGLES = 4_000_000
 @dataclass(frozen=True)
 class Island:
     """One kind of island on a substrate: its number of atoms, the distance of the outermost from the centre (a
-    length), and its structure factors (m, n) at angles (m,) in radians. A barrier below `rounding` times the
-    largest possible energy counts as 0."""
+    length), and its structure factors (m, n) at angles (m,) in radians; where its atoms relax, barrier and lowest
+    energy at each angle."""
 
     substrate: Substrate
     atoms: int
     reach: float
     factors: Callable[[Array], Complex]
-    rounding: float
+    relaxed: dict[float, tuple[float, float]] | None = None
 
     @property
     def energy(self) -> float:
@@ -61,6 +61,8 @@ class Island:
 
     def climb(self, angle: Array) -> Climb:
         """Barriers and lowest energies at angles (m,)."""
+        if self.relaxed is not None:
+            return Climb(*np.array([self.relaxed[one] for one in angle.tolist()]).T)
         return climb(self.substrate, self.factors(angle))
 
 
@@ -71,31 +73,21 @@ def triangular(substrate: Substrate, a: float, n_i: int, n_j: int) -> Island:
         return triangular_structure_factors(a, n_i, n_j, angle, substrate.wavevectors)
 
     reach = 0.5 * a * float(np.hypot(n_i - 0.5, np.sqrt(0.75) * (n_j - 1.0)))
-    return Island(substrate, n_i * n_j, reach, factors, 1e-14)
+    return Island(substrate, n_i * n_j, reach, factors)
 
 
-def of_atoms(substrate: Substrate, atoms: ase.Atoms) -> Island:
-    """A rigid island of these atoms."""
+def of_atoms(
+    substrate: Substrate, atoms: ase.Atoms, bonds: float | None, angles: Array | None
+) -> Island:
+    """An island of these atoms: rigid, or with harmonic bonds, which takes seconds for each of the angles."""
     points = positions_of(atoms)
 
     def factors(angle: Array) -> Complex:
         return structure_factors(atoms, angle, substrate.wavevectors)
 
-    return Island(substrate, len(points), float(np.hypot(*points.T).max()), factors, 1e-12)
-
-
-@dataclass(frozen=True)
-class FlexibleIsland(Island):
-    """An island whose atoms relax; `known` has barrier and lowest energy at each angle."""
-
-    known: dict[float, tuple[float, float]]
-
-    def climb(self, angle: Array) -> Climb:
-        return Climb(*np.array([self.known[one] for one in angle.tolist()]).T)
-
-
-def flexible(substrate: Substrate, atoms: ase.Atoms, bonds: float, angles: Array) -> Island:
-    """An island held together by harmonic bonds; takes seconds for each of the angles."""
+    reach = float(np.hypot(*points.T).max())
+    if bonds is None or angles is None:
+        return Island(substrate, len(points), reach, factors)
     from ase.calculators.mixing import SumCalculator
 
     from origins.domains.calculators import harmonic_bonds, substrate_calculator
@@ -108,12 +100,12 @@ def flexible(substrate: Substrate, atoms: ase.Atoms, bonds: float, angles: Array
         parts = [substrate_calculator(substrate), harmonic_bonds(turned, bonds)]
         found = relaxed_barrier(turned, SumCalculator(parts), rigid=False)
         known[angle] = found.barrier, float(found.minimum.get_potential_energy())
-    return FlexibleIsland(**vars(of_atoms(substrate, atoms)), known=known)
+    return Island(substrate, len(points), reach, factors, known)
 
 
 @dataclass(frozen=True)
 class Islands:
-    """Islands to draw from: `pick` gives a row of whole numbers for each quantile in (0, 1), shape (m,), and
+    """Islands to draw from: `pick` gives a row of whole numbers for each quantile in [0, 1), shape (m,), and
     `make` makes the island of a row. `rows` and `shares` list the islands where there are few."""
 
     pick: Callable[[Array], Whole]
@@ -121,27 +113,6 @@ class Islands:
     mean_atoms: float
     rows: list[tuple[int, ...]]
     shares: Array
-
-
-def listed(numbers: Whole, shares: Array, make: Callable[..., Island]) -> Islands:
-    """Islands given by the rows of `numbers`, drawn with probabilities `shares`, which add up to 1."""
-    rows = [tuple(row) for row in numbers.tolist()]
-    mean = float(shares @ [make(*row).atoms for row in rows])
-    bounds = np.cumsum(shares)[:-1]
-    return Islands(lambda q: numbers[np.searchsorted(bounds, q, "right")], make, mean, rows, shares)
-
-
-def decaying(decay: float, make: Callable[..., Island]) -> Islands:
-    """Islands of N atoms, P(N) ~ exp(-N/decay), N = 1, 2, ..., about as high as wide: n_j is (2N/sqrt(3))^(1/2)
-    and n_i is N/n_j, both rounded to whole numbers of at least 1."""
-
-    def pick(quantile: Array) -> Whole:
-        count = 1.0 + np.floor(-decay * np.log(quantile))
-        rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
-        columns = np.maximum(np.rint(count / rows), 1.0)
-        return np.column_stack([columns, rows]).astype(np.int64)
-
-    return Islands(pick, make, float(-1.0 / np.expm1(-1.0 / decay)), [], np.empty(0))
 
 
 def draw(
@@ -156,18 +127,20 @@ def draw(
     same to the last bit.
 
     Angles are taken from the list in turn, or from the full circle; with a temperature they are weighted by
-    exp(-U_min/k_BT). The ranks of the communicator `comm` share the work; an InputError of one is raised on
-    all.
+    exp(-U_min/k_BT). The ranks of the communicator `comm` share the work; an InputError of one is raised on all.
     """
     rank, size = (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
-    key, blocks = streams.key_of(seed), -(-samples // _BLOCK)
+    low, high = key_of(seed)
+    blocks = -(-samples // _BLOCK)
     own: list[Array] = []
     refused = None
     try:
         # whole blocks: arrays have the same length on any rank, so each number has the same bits
         for block in range(blocks * rank // size, blocks * (rank + 1) // size):
             numbers = np.arange(block * _BLOCK, min((block + 1) * _BLOCK, samples))
-            own.append(_drawn(islands, angles, temperature, numbers, key))
+            stream = np.random.Philox(key=high << 32 | low, counter=[0, 0, 0, block])
+            uniform = np.random.Generator(stream).random((numbers.size, 3)).T
+            own.append(_drawn(islands, angles, temperature, numbers, uniform))
     except InputError as error:
         refused = str(error)
     everyone = [(own, refused)] if comm is None else comm.allgather((own, refused))
@@ -182,10 +155,10 @@ def _drawn(
     listed: Array | None,
     temperature: float | None,
     numbers: Whole,
-    key: tuple[int, int],
+    uniform: Array,
 ) -> Array:
-    """The samples `numbers`; see draw."""
-    (which, at), (within, _) = (_uniform(key, numbers, block) for block in (0, 1))
+    """The samples `numbers`, from three numbers within [0, 1) for each, shape (3, m); see draw."""
+    which, at, within = uniform
     out = np.empty((3, numbers.size))
     kinds, kind = np.unique(islands.pick(which), axis=0, return_inverse=True)
     for number, row in enumerate(kinds.tolist()):
@@ -205,7 +178,7 @@ def _drawn(
         # many samples may be the same island at the same angle
         different, back = np.unique(turned, return_inverse=True)
         barriers = island.climb(different).barriers[back]
-        none = barriers <= island.rounding * island.energy
+        none = barriers <= 1e-12 * island.energy  # rounding
         out[:, own] = np.where(none, 0.0, barriers), turned, np.full(own.size, island.atoms)
     return out
 
@@ -220,12 +193,5 @@ def _resolving(island: Island, temperature: float) -> Array:
             f"island, more than {_MOST_ANGLES}; list the angles to choose from, such as "
             "angles = [0.0, 0.1], or take a higher one"
         )
-    count = max(_LEAST_ANGLES, round(count))
+    count = max(64, round(count))
     return 2.0 * np.pi * np.arange(count) / count
-
-
-def _uniform(key: tuple[int, int], numbers: Whole, block: int) -> Array:
-    """Two numbers within (0, 1) of 52 bits for each sample, shape (2, samples)."""
-    words = streams.words(key, streams.DOMAINS, 0, numbers, block).astype(np.uint64)
-    whole = (words[::2] << np.uint64(32) | words[1::2]) >> np.uint64(12)
-    return np.asarray((whole + 0.5) * 2.0**-52)

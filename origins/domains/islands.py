@@ -3,11 +3,11 @@
 A barrier depends on the outline, so the outline is an input. Any other ase.Atoms serves as an island too.
 """
 
-from collections.abc import Callable
 from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from origins.errors import non_negative, one_of, positive, refuse, whole
 from origins.thresholds.law import Array
@@ -16,10 +16,7 @@ if TYPE_CHECKING:
     import ase
 
 LATTICES = ("triangular", "square")
-_EDGE = 1e-9  # lattice constants: atoms outside an outline by less than this belong to the island
 _MOST_ATOMS = 100_000_000
-_HARMONICS = 6
-_MOST_ROUGHNESS = 3.0
 
 
 def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
@@ -32,12 +29,23 @@ def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms
 
     lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
     """
-    return _rows(lattice_constant, n_i, n_j, "triangular")
+    a, rows = positive("lattice_constant", lattice_constant), whole("n_j", n_j, 1)
+    j, i = np.indices((rows, _columns(n_i, rows)))
+    return _atoms((i + 0.5 * (j % 2)) * a, 0.5 * sqrt(3.0) * a * j)
 
 
 def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
     """n_j rows of n_i atoms of a square lattice; parameters as triangular_island."""
-    return _rows(lattice_constant, n_i, n_j, "square")
+    a, rows = positive("lattice_constant", lattice_constant), whole("n_j", n_j, 1)
+    j, i = np.indices((rows, _columns(n_i, rows)))
+    return _atoms(a * i, a * j)
+
+
+def _columns(n_i: int, rows: int) -> int:
+    if whole("n_i", n_i, 1) * rows > _MOST_ATOMS:
+        rule = f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms"
+        refuse("n_i", n_i, rule)
+    return n_i
 
 
 def rectangular_island(
@@ -48,11 +56,8 @@ def rectangular_island(
     lattice is "triangular" or "square". Raises InputError for other values and above 10^8 atoms.
     """
     half = 0.5 * non_negative("width", width), 0.5 * non_negative("height", height)
-
-    def beyond(x: Array, y: Array) -> Array:
-        return np.maximum(abs(x) - half[0], abs(y) - half[1])
-
-    return _cut(lattice_constant, lattice, half, beyond)
+    x, y = _lattice(lattice_constant, lattice, *half)
+    return _cut(x, y, np.maximum(abs(x) - half[0], abs(y) - half[1]), lattice_constant)
 
 
 def hexagonal_island(
@@ -62,24 +67,18 @@ def hexagonal_island(
 
     On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
     """
-    radius, flat = non_negative("radius", radius), 0.5 * sqrt(3.0)
-
-    def beyond(x: Array, y: Array) -> Array:
-        return np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) - flat * radius
-
-    return _cut(lattice_constant, lattice, (radius, radius), beyond)
+    flat = 0.5 * sqrt(3.0)
+    x, y = _lattice(lattice_constant, lattice, radius := non_negative("radius", radius))
+    beyond = np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) - flat * radius
+    return _cut(x, y, beyond, lattice_constant)
 
 
 def circular_island(
     lattice_constant: float, radius: float, *, lattice: str = "triangular"
 ) -> "ase.Atoms":
     """The atoms at most `radius` (a length, at least zero) from one atom; otherwise as rectangular_island."""
-    radius = non_negative("radius", radius)
-
-    def beyond(x: Array, y: Array) -> Array:
-        return np.asarray(np.hypot(x, y) - radius)
-
-    return _cut(lattice_constant, lattice, (radius, radius), beyond)
+    x, y = _lattice(lattice_constant, lattice, non_negative("radius", radius))
+    return _cut(x, y, np.hypot(x, y) - radius, lattice_constant)
 
 
 def irregular_island(
@@ -96,63 +95,47 @@ def irregular_island(
     the same island. roughness is between 0 and 3, seed a whole number of at least 0; otherwise as rectangular_island.
     At least one atom remains, the nearest to the middle.
     """
-    radius, roughness = positive("radius", radius), non_negative("roughness", roughness)
-    if roughness > _MOST_ROUGHNESS:
-        refuse("roughness", roughness, f"must be at most {_MOST_ROUGHNESS}")
+    radius = positive("radius", radius)
+    if non_negative("roughness", roughness) > 3.0:
+        refuse("roughness", roughness, "must be at most 3.0")
     generator = np.random.default_rng(whole("seed", seed, 0))
-    m = np.arange(1, _HARMONICS + 1)
-    waves = generator.standard_normal((2, _HARMONICS)) / m / np.sqrt((1.0 / m**2).sum())
-    offset = tuple(generator.random(2).tolist())
-
-    def beyond(x: Array, y: Array) -> Array:
-        phase, distance = np.arctan2(y, x)[..., None] * m, np.hypot(x, y)
-        swell = np.cos(phase) @ waves[0] + np.sin(phase) @ waves[1]
-        left = distance - radius * np.exp(roughness * swell)
-        return np.where(distance == distance.min(), 0.0, left)
-
+    m = np.arange(1, 7)
+    waves = generator.standard_normal((2, m.size)) / m / np.sqrt((1.0 / m**2).sum())
+    offset = generator.random(2)
     reach = radius * float(np.exp(roughness * np.hypot(*waves).sum()))
-    return _cut(lattice_constant, lattice, (reach, reach), beyond, offset)
+    x, y = _lattice(lattice_constant, lattice, reach, offset=offset)
+    phase, distance = np.arctan2(y, x)[..., None] * m, np.hypot(x, y)
+    swell = np.cos(phase) @ waves[0] + np.sin(phase) @ waves[1]
+    beyond = distance - radius * np.exp(roughness * swell)
+    return _cut(x, y, np.where(distance == distance.min(), 0.0, beyond), lattice_constant)
 
 
-def _rows(lattice_constant: object, n_i: object, n_j: object, lattice: str) -> "ase.Atoms":
-    """n_j rows of n_i atoms, every other one of a triangular lattice shifted by half its constant."""
-    a, columns, rows = (
-        positive("lattice_constant", lattice_constant),
-        whole("n_i", n_i, 1),
-        whole("n_j", n_j, 1),
-    )
-    if columns * rows > _MOST_ATOMS:
-        rule = (
-            f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms at any size"
-        )
-        refuse("n_i", n_i, rule)
-    j, i = (part.ravel() for part in np.indices((rows, columns)))
-    slant, height = (0.5, 0.5 * sqrt(3.0)) if lattice == "triangular" else (0.0, 1.0)
-    return _atoms((i + slant * (j % 2)) * a, j * (a * height))
-
-
-def _cut(
-    lattice_constant: object,
+def _lattice(
+    lattice_constant: float,
     lattice: str,
-    reach: tuple[float, float],
-    beyond: Callable[[Array, Array], Array],
-    offset: tuple[float, float] = (0.0, 0.0),
-) -> "ase.Atoms":
-    """Atoms of a lattice inside an outline; `beyond` gives the distance outside it, a length.
+    width: float,
+    height: float | None = None,
+    offset: npt.ArrayLike = (0.0, 0.0),
+) -> tuple[Array, Array]:
+    """x and y of a lattice's atoms within `width` and `height` of the middle and somewhat beyond.
 
-    The outline lies within `reach` along x and y. `offset` shifts the lattice by fractions of its two periods.
+    `offset` shifts the lattice by fractions of its two periods.
     """
-    a = positive("lattice_constant", lattice_constant)
-    one_of("lattice", lattice, LATTICES)
-    row = a * (sqrt(3.0) / 2.0 if lattice == "triangular" else 1.0)
-    if not 4.0 * (reach[0] / a + 2.0) * (reach[1] / row + 2.0) <= _MOST_ATOMS:
+    a, height = positive("lattice_constant", lattice_constant), width if height is None else height
+    triangular = one_of("lattice", lattice, LATTICES) == "triangular"
+    row = a * (0.5 * sqrt(3.0) if triangular else 1.0)
+    if not 4.0 * (width / a + 2.0) * (height / row + 2.0) <= _MOST_ATOMS:
         rule = f"gives more than {_MOST_ATOMS} atoms; take a smaller island"
         refuse("lattice_constant", lattice_constant, rule)
-    j = np.arange(-ceil(reach[1] / row) - 1, ceil(reach[1] / row) + 2)[:, None]
-    i = np.arange(-ceil(reach[0] / a) - 2, ceil(reach[0] / a) + 2)
-    x = (i + 0.5 * (j % 2) * float(lattice == "triangular") + offset[0]) * a
-    y = (j + offset[1]) * row + 0.0 * x
-    kept = beyond(x, y) <= _EDGE * a
+    rows, columns = ceil(height / row) + 1, ceil(width / a) + 2
+    j, i = np.mgrid[-rows : rows + 1, -columns:columns]
+    along, across = np.asarray(offset)
+    return (i + 0.5 * triangular * (j % 2) + along) * a, (j + across) * row
+
+
+def _cut(x: Array, y: Array, beyond: Array, lattice_constant: float) -> "ase.Atoms":
+    """The atoms whose distance `beyond` an outline (a length) is at most rounding."""
+    kept = beyond <= 1e-9 * lattice_constant
     return _atoms(x[kept], y[kept])
 
 
@@ -160,7 +143,8 @@ def _atoms(x: np.ndarray, y: np.ndarray) -> "ase.Atoms":
     import ase
 
     # element 0 is ASE's own dummy, of mass 1
-    return ase.Atoms(numbers=np.zeros(x.size, dtype=int), positions=np.stack([x, y, 0.0 * x], -1))
+    positions = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=-1)
+    return ase.Atoms(numbers=np.zeros(x.size, dtype=int), positions=positions)
 
 
 def points_of(atoms: object) -> Array:

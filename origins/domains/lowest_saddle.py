@@ -1,15 +1,15 @@
 """The lowest barrier on the way from the lowest minimum of a periodic landscape to a copy of it.
 
-A triangulated grid shows all minima, and all saddles with the minima on their two sides. Newton's
-method moves both to where the gradient vanishes. The minima are then joined over the saddles in order
-of rising energy: the barrier is the first energy at which the region around the lowest minimum winds
-round the torus.
+A triangulated grid shows all minima, and all saddles with the minima on their two sides. Newton's method moves both to
+where the gradient vanishes. The minima are then joined over the saddles in order of rising energy, on a torus of twice
+the period in both directions: the barrier is the first energy at which the lowest minimum meets one of its copies, as
+a region that winds round the first torus holds a loop that winds an odd number of times in one direction.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,18 +24,13 @@ _PER_WAVE = 16  # grid nodes per oscillation: enough to separate neighbouring ba
 _MOST_NODES = 160  # along each direction of the first grid
 _FINER = (1, 2, 4)  # grids tried until Newton's method finds the saddle beside its node
 _ORIGIN = (0.012345, 0.00789)  # radians: no node falls on a line of symmetry
-_NEWTON_STEPS = 80  # at a quartic minimum each reduces the distance by a third
-_LONGEST = 0.5  # longest Newton step, radians of the fastest wave
-_ARRIVED = 1e-6  # radians: a last step below this changes energies by at most its square
 _TOGETHER = 64  # landscapes computed at once, to stay in the cache
 _NOTHING = 1e-13  # of the largest wave: smaller waves count as 0; also the rounding of an energy
-_NOISE = 4e-15  # rounding of a slope, relative to the sum of the waves in it
 # the neighbours of a node on a triangulated grid, in order around it
 _RING = ((1, 0), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1))
 
 
-@dataclass(frozen=True)
-class Climbs:
+class Climbs(NamedTuple):
     """Barriers, their errors, and the energies of the lowest minima, shape (landscapes,);
     positions of minimum and saddle, shape (landscapes, 2), radians."""
 
@@ -63,10 +58,10 @@ def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> Climbs:
     turned = oblique[(sizes * (oblique != 0.0)).argmax(-1)] > 0.0
     out = np.empty((len(sizes), 7))
     for mirror, own in ((1.0, np.flatnonzero(~turned)), (-1.0, np.flatnonzero(turned))):
-        for some in np.split(own, range(_TOGETHER, own.size, _TOGETHER)):
-            if some.size:
-                phases = np.angle(amplitudes[some])
-                out[some] = _searched(_Landscapes(waves * [1.0, mirror], sizes[some], phases))
+        land = _Landscapes(waves * [1.0, mirror], sizes, np.angle(amplitudes))
+        for first in range(0, own.size, _TOGETHER):
+            some = own[first : first + _TOGETHER]
+            out[some] = _searched(land.only(some))
         out[own, 4::2] *= mirror
     out[:, 1] += 2.0 * _NOTHING * len(waves)
     out[:, :3] *= scale[:, None]
@@ -80,6 +75,9 @@ class _Landscapes:
     waves: Array
     sizes: Array
     phases: Array
+
+    def only(self, some: Whole) -> _Landscapes:
+        return _Landscapes(self.waves, self.sizes[some], self.phases[some])
 
     def energy(self, which: Whole, t: Array) -> Array:
         """U of the landscapes `which` (m,) at t (m, 2)."""
@@ -102,32 +100,15 @@ class _Landscapes:
         along = directions @ self.waves.T
         slopes = -np.einsum("mkn,mn->mk", along, sin)
         curvatures = -np.einsum("mkn,mn->mk", along * along, cos)
-        slopes[np.abs(slopes) <= _NOISE * np.einsum("mkn,mn->mk", np.abs(along), size)] = 0.0
+        rounding = 4e-15 * np.einsum("mkn,mn->mk", np.abs(along), size)
+        slopes[np.abs(slopes) <= rounding] = 0.0
         lengths = -slopes / np.maximum(np.abs(curvatures), 1e-15)
         if to_saddle:
             lengths[:, 1] *= -1.0
         step = np.einsum("mk,mkd->md", lengths, directions)
+        # at most half a radian of the fastest wave
         fastest = np.abs(step @ self.waves.T).max(-1)
-        return step * np.minimum(1.0, _LONGEST / np.maximum(fastest, 1e-300))[:, None]
-
-
-@dataclass(frozen=True)
-class _Points:
-    """Minima or saddles of all landscapes: energies, places, and whether Newton's method found them."""
-
-    energies: Array
-    places: Array
-    found: npt.NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class _Ways:
-    """Ways over the saddle node `top`: from minimum `one` to the copy of `other`, `shift` periods away."""
-
-    one: Whole
-    other: Whole
-    shift: Whole
-    top: Whole
+        return step * np.minimum(1.0, 0.5 / np.maximum(fastest, 1e-300))[:, None]
 
 
 def _searched(land: _Landscapes) -> Array:
@@ -137,19 +118,13 @@ def _searched(land: _Landscapes) -> Array:
     nodes = int(np.clip(np.ceil(_PER_WAVE * np.sqrt((strength / total).max())), 16, _MOST_NODES))
     out, left = np.empty((len(total), 7)), np.arange(len(total))
     for n in (finer * nodes for finer in _FINER):
-        some = _Landscapes(land.waves, land.sizes[left], land.phases[left])
-        out[left] = _on_grid(some, n, 2.0 * _TURN / nodes)
+        out[left] = _on_grid(land.only(left), n, 2.0 * _TURN / nodes)
         # the saddle is within half a diagonal of its node: U changes at most by this
         off = out[left, 1] > 0.0
         out[left, 1] = off * 0.25 * strength[left] * (_TURN / n) ** 2 + 4.0 * _NOTHING * total[left]
         left = left[off]
         if not left.size:
             break
-    # where all waves are parallel the barrier along the valleys is 0
-    first = land.waves[land.sizes.argmax(-1)]
-    across = first[:, :1] * land.waves[:, 1] - first[:, 1:] * land.waves[:, 0]
-    level = ~((across != 0.0) & (land.sizes > 0.0)).any(-1)
-    out[level, :2], out[level, 5:] = 0.0, out[level, 3:5]
     return out
 
 
@@ -158,127 +133,105 @@ def _on_grid(land: _Landscapes, n: int, astray: float) -> Array:
 
     A point farther than `astray` (radians) from its node is another one and is not accepted.
     """
-    count = len(land.sizes)
-    axes = [_TURN * np.arange(n) / n + start for start in _ORIGIN]
-    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
-    waves = np.exp(1j * (nodes @ land.waves.T))
-    heights = (waves @ (land.sizes * np.exp(1j * land.phases)).T).real.T
+    count, node = len(land.sizes), np.arange(n * n)
+    i, j = np.divmod(node, n)
+    places = _TURN / n * np.stack([i, j], axis=-1) + _ORIGIN
+    heights = np.exp(1j * (places @ land.waves.T)) @ (land.sizes * np.exp(1j * land.phases)).T
     # ranks in place of heights: no two nodes have equal ranks
-    ranks = np.argsort(np.argsort(heights, axis=-1, kind="stable"), axis=-1).reshape(count, n, n)
-    minima, ways = _ways(ranks)
-    low = _polished(land, nodes, heights, minima, astray, to_saddle=False)
-    top = _polished(land, nodes, heights, ways.top, astray, to_saddle=True)
-    # a minimum that only the grid shows, in a narrow oblique valley, may appear to lie above a saddle
-    certain = np.where(low.found, low.energies, -np.inf)
-    levels = np.maximum(top.energies, np.maximum(certain[ways.one], certain[ways.other]))
-    out = []
-    # both are sorted by landscape
-    firsts = np.searchsorted(minima // (n * n), np.arange(count + 1))
-    bounds = np.searchsorted(ways.top // (n * n), np.arange(count + 1))
-    for _k, (mine, over) in enumerate(zip(pairwise(firsts), pairwise(bounds), strict=True)):
-        energies = low.energies[slice(*mine)]
-        lowest = mine[0] + int(energies.argmin())
-        ground = mine[0] + np.flatnonzero(energies <= energies.min() + _NOTHING)
-        order = over[0] + np.argsort(levels[slice(*over)], kind="stable")
-        deciding = _first_loop(ways, order, ground.tolist())
-        # minima that only the grid shows indicate valleys too narrow for it
-        narrow = ~low.found[slice(*mine)] & (energies < levels[deciding])
-        error, depth = float(narrow.any() or not top.found[deciding]), low.energies[lowest]
-        climb = max(levels[deciding] - depth, 0.0)
-        out.append([climb, error, depth, *low.places[lowest], *top.places[deciding]])
-    return np.array(out)
-
-
-def _ways(ranks: Whole) -> tuple[Whole, _Ways]:
-    """The nodes (numbers in the flat array) that are minima, and the ways over all saddle nodes.
-
-    ranks has shape (m, n, n). Below a saddle the ring of neighbours falls into two parts or more.
-    """
-    n = ranks.shape[-1]
-    flat = np.arange(ranks.size).reshape(ranks.shape)
-    beside = np.stack([_moved(ranks, step) for step in _RING])
-    to = np.stack([_moved(flat, step) for step in _RING])
-    crossed = np.stack([_crossed(n, step) for step in _RING])
+    order = np.argsort(heights.real.T, axis=-1, kind="stable")
+    ranks = np.argsort(order, axis=-1)
+    # of each neighbour: its number, whether periods are crossed on the way (bits of i and j), whether it is lower
+    to = np.array([(i + di) % n * n + (j + dj) % n for di, dj in _RING])
+    crossed = np.array([(i + di) // n % 2 + (j + dj) // n % 2 * 2 for di, dj in _RING])
+    beside = ranks[:, to]
+    lower = beside < ranks[:, None]
     # the minimum below each node by steepest descent, and the periods crossed on the way
-    steepest = beside.argmin(0)[None]
-    down = np.take_along_axis(beside, steepest, 0)[0] < ranks
-    target = np.where(down, np.take_along_axis(to, steepest, 0)[0], flat).ravel()
-    i, j = np.indices(ranks.shape[1:])
-    shift = (crossed[steepest[0], i, j] * down[..., None]).reshape(-1, 2)
+    steepest, falls = beside.argmin(1), lower.any(1)
+    target = np.where(falls, to[steepest, node], node)
+    copy = np.where(falls, crossed[steepest, node], 0)
     while True:
-        further = target[target]
+        further = np.take_along_axis(target, target, 1)
         if (further == target).all():
             break
-        shift, target = shift + shift[target], further
-    minima, number = np.unique(target, return_inverse=True)
-    lower = beside < ranks
-    begins = (lower & ~np.roll(lower, 1, axis=0)).reshape(len(_RING), -1)
-    top, way = np.nonzero(begins.T & (begins.sum(0) > 1)[:, None])
-    foot = to.reshape(len(_RING), -1)[way, top]
-    periods = crossed.reshape(len(_RING), -1, 2)[way, top % (n * n)] + shift[foot]
-    # pairs of neighbouring parts of the same saddle's ring
-    pair = np.flatnonzero(top[1:] == top[:-1])
-    basin = number.ravel()[foot]
-    return minima, _Ways(basin[pair], basin[pair + 1], periods[pair + 1] - periods[pair], top[pair])
+        copy, target = copy ^ np.take_along_axis(copy, target, 1), further
+    # below a saddle the ring of neighbours falls into two parts or more
+    parts = (lower & ~np.roll(lower, 1, axis=1)).transpose(0, 2, 1)
+    which, top, way = np.nonzero(parts & (parts.sum(-1) > 1)[..., None])
+    foot = to[way, top]
+    basin, side = target[which, foot], crossed[way, top] ^ copy[which, foot]
+    pair = np.flatnonzero((which[1:] == which[:-1]) & (top[1:] == top[:-1]))
+    one, other, apart = basin[pair], basin[pair + 1], side[pair] ^ side[pair + 1]
+    owner, ground = np.nonzero(target == node)
+    low = _polished(land, owner, places[ground], astray, to_saddle=False)
+    peak = _polished(land, which[pair], places[top[pair]], astray, to_saddle=True)
+    # a minimum that only the grid shows, in a narrow oblique valley, may appear to lie above a saddle
+    certain = np.full(target.shape, -np.inf)
+    certain[owner, ground] = np.where(low.found, low.energies, -np.inf)
+    over = which[pair]
+    levels = np.maximum(peak.energies, np.maximum(certain[over, one], certain[over, other]))
+    out = np.empty((count, 7))
+    for number in range(count):
+        mine, ways = np.flatnonzero(owner == number), np.flatnonzero(over == number)
+        energies = low.energies[mine]
+        lowest = mine[energies.argmin()]
+        starts = ground[mine[energies <= energies.min() + _NOTHING]].tolist()
+        ways = ways[np.argsort(levels[ways], kind="stable")]
+        first = _first_loop(starts, np.stack([one, other, apart], axis=-1)[ways].tolist())
+        deciding = ways[first]
+        # minima that only the grid shows indicate valleys too narrow for it
+        narrow = ~low.found[mine] & (energies < levels[deciding])
+        depth = low.energies[lowest]
+        climb = max(levels[deciding] - depth, 0.0)
+        error = float(narrow.any() or not peak.found[deciding])
+        out[number] = climb, error, depth, *low.places[lowest], *peak.places[deciding]
+    return out
 
 
-def _moved(grid: Whole, step: tuple[int, int]) -> Whole:
-    """At each node the value `step` nodes further on."""
-    return np.roll(grid, (-step[0], -step[1]), axis=(1, 2))
+class _Points(NamedTuple):
+    """Minima or saddles: energies, places, and whether Newton's method found them."""
 
-
-def _crossed(n: int, step: tuple[int, int]) -> Whole:
-    """Periods that a step from each node of the grid crosses, shape (n, n, 2)."""
-    along, across = ((np.arange(n) + s) // n for s in step)
-    return np.stack(np.broadcast_arrays(along[:, None], across[None, :]), axis=-1)
+    energies: Array
+    places: Array
+    found: npt.NDArray[np.bool_]
 
 
 def _polished(
-    land: _Landscapes, nodes: Array, heights: Array, flat: Whole, astray: float, to_saddle: bool
+    land: _Landscapes, which: Whole, start: Array, astray: float, to_saddle: bool
 ) -> _Points:
-    """The critical points beside nodes, or the nodes themselves where there is none."""
-    which, node = np.divmod(flat, len(nodes))
-    start = nodes[node]
-    t, active = start.copy(), np.arange(flat.size)
-    found = np.zeros(flat.size, dtype=bool)
-    for _ in range(_NEWTON_STEPS):
+    """The critical points of the landscapes `which` near `start`, or `start` itself where there is none."""
+    t, active = start.copy(), np.arange(which.size)
+    found = np.zeros(which.size, dtype=bool)
+    for _ in range(80):  # at a quartic minimum each step reduces the distance by a third
         step = land.newton_step(which[active], t[active], to_saddle)
         t[active] += step
-        found[active] = (np.abs(step) < _ARRIVED).all(-1)
+        # a last step below this changes energies by at most its square
+        found[active] = (np.abs(step) < 1e-6).all(-1)
         moving = (np.abs(step) > 1e-14).any(-1)
         active = active[moving & (np.abs(t[active] - start[active]) <= astray).all(-1)]
         if not active.size:
             break
     found &= (np.abs(t - start) <= astray).all(-1)
     t = np.where(found[:, None], t, start)
-    return _Points(np.where(found, land.energy(which, t), heights.ravel()[flat]), t, found)
+    return _Points(land.energy(which, t), t, found)
 
 
-def _first_loop(ways: _Ways, order: Whole, ground: list[int]) -> int:
-    """Number of the first way, in `order`, that makes the region around a minimum in `ground` wind round the torus."""
-    parent: dict[int, int] = {}
-    offset: dict[int, tuple[int, int]] = {}  # periods from a minimum to its parent's copy
-    winding: set[int] = set()
+def _first_loop(starts: list[int], ways: list[list[int]]) -> int:
+    """The first of the ways (one minimum, another, periods crossed between) after which one of `starts` meets a copy.
 
-    def root(i: int) -> tuple[int, int, int]:
-        x = y = 0
-        while i in parent:
-            x, y = x + offset[i][0], y + offset[i][1]
-            i = parent[i]
-        return i, x, y
+    Minima have four copies on the torus of twice the period, 0 to 3.
+    """
+    parent: dict[tuple[int, int], tuple[int, int]] = {}
 
-    for number in order.tolist():
-        a, ax, ay = root(int(ways.one[number]))
-        b, bx, by = root(int(ways.other[number]))
-        along, across = ways.shift[number].tolist()
-        # periods from the root of `one`, over this way, to the root of `other`
-        x, y = along + bx - ax, across + by - ay
-        if a != b:
-            parent[b], offset[b] = a, (-x, -y)
-            if b in winding:
-                winding.add(a)
-        elif x or y:
-            winding.add(a)
-        if winding and any(root(g)[0] in winding for g in ground):
+    def root(point: tuple[int, int]) -> tuple[int, int]:
+        while point in parent:
+            point = parent[point]
+        return point
+
+    for number, (one, other, apart) in enumerate(ways):
+        for copy in range(4):
+            a, b = root((one, copy)), root((other, copy ^ apart))
+            if a != b:
+                parent[b] = a
+        if any(root((start, 0)) == root((start, copy)) for start in starts for copy in (1, 2, 3)):
             return number
     raise RuntimeError("no path leads round a landscape: a defect of this program")

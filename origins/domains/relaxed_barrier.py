@@ -15,9 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.domains.islands import points_of
-from origins.domains.lowest_saddle import lowest_saddles
+from origins.domains.lowest_saddle import Complex, Whole, lowest_saddles
 from origins.domains.moving_island import Ends, MovingIsland, by_bands
-from origins.domains.structure_factors import Complex, Whole
 from origins.errors import refuse
 from origins.thresholds.law import Array
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache, partial
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,16 +12,7 @@ import numpy.typing as npt
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import checked_substrate, radians
 from origins.domains.domain_samples import DomainSamples
-from origins.domains.drawing import (
-    Island,
-    Islands,
-    decaying,
-    draw,
-    flexible,
-    listed,
-    of_atoms,
-    triangular,
-)
+from origins.domains.drawing import Island, Islands, draw, of_atoms, triangular
 from origins.domains.substrates import Substrate
 from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
 from origins.roughness.power_law import PowerLaw
@@ -106,7 +97,7 @@ def domains(
     -------
     thresholds : Thresholds
         As from_samples makes them of x_s, with their sampling error, and with `.domains`, a DomainSamples:
-        barriers, histogram, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force
+        barriers, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force
         and holding fraction of a run count only the islands that resist.
 
         One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
@@ -200,33 +191,37 @@ def _islands(
             "domains: give exactly one of sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a "
             "list of ase.Atoms"
         )
+    make: Callable[..., Island]
     if islands is not None:
         if lattice_constant is not None:
             refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
         if hasattr(islands, "get_positions") or len(islands) == 0:
             refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
-        if bonds is not None:
-            bonds = positive("bonds", bonds)
+        stiffness = None if bonds is None else positive("bonds", bonds)
+        own = [of_atoms(substrate, atoms, stiffness, angles) for atoms in islands]
+        numbers, make = np.arange(len(own))[:, None], own.__getitem__
+    else:
+        if lattice_constant is None:
+            rule = "triangular islands need it; give a length, such as lattice_constant = 2.5"
+            refuse("lattice_constant", None, rule)
+        make = partial(triangular, substrate, positive("lattice_constant", lattice_constant))
+        if sizes is None:
+            if weights is not None:
+                refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
+            return _decaying(mean_atoms, make)
+        numbers = _pairs(sizes)
+    shares = np.full(len(numbers), 1.0) if weights is None else finite_array("weights", weights)
+    if shares.shape != (len(numbers),) or not (shares > 0.0).all():
+        rule = f"must be {len(numbers)} numbers above zero, one for each island"
+        refuse("weights", weights, rule)
+    shares = shares / shares.sum()
+    bounds, rows = np.cumsum(shares)[:-1], [tuple(row) for row in numbers.tolist()]
+    mean = float(shares @ [make(*row).atoms for row in rows])
+    return Islands(lambda q: numbers[np.searchsorted(bounds, q, "right")], make, mean, rows, shares)
 
-        @cache
-        def own(number: int) -> Island:
-            if bonds is None or angles is None:
-                return of_atoms(substrate, islands[number])
-            return flexible(substrate, islands[number], bonds, angles)
 
-        numbers = np.arange(len(islands))[:, None]
-        return listed(numbers, _shares(weights, len(islands)), own)
-    if lattice_constant is None:
-        rule = "triangular islands need it; give a length, such as lattice_constant = 2.5"
-        refuse("lattice_constant", None, rule)
-    make = partial(triangular, substrate, positive("lattice_constant", lattice_constant))
-    if sizes is None:
-        if weights is not None:
-            refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
-        decay = positive("mean_atoms", mean_atoms)
-        if decay > _MOST_ATOMS:
-            refuse("mean_atoms", mean_atoms, f"must be at most {_MOST_ATOMS:g}")
-        return decaying(decay, make)
+def _pairs(sizes: npt.ArrayLike) -> npt.NDArray[np.int64]:
+    """(n_i, n_j) of each size, shape (m, 2); InputError for other values."""
     try:
         pairs = np.asarray(sizes)
     except ValueError:  # rows of different lengths
@@ -235,14 +230,20 @@ def _islands(
     if not right or pairs.min() < 1 or pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
         rule = f"must be pairs of whole numbers of at least 1, such as [[10, 9]], {_MOST_ATOMS:g} atoms at most"
         refuse("sizes", sizes, rule)
-    return listed(pairs.astype(np.int64), _shares(weights, len(pairs)), make)
+    return pairs.astype(np.int64)
 
 
-def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
-    """Weights of `count` islands as shares that add up to 1; equal when left out. InputError unless above zero."""
-    if weights is None:
-        return np.full(count, 1.0 / count)
-    shares = finite_array("weights", weights)
-    if shares.shape != (count,) or not (shares > 0.0).all():
-        refuse("weights", weights, f"must be {count} numbers above zero, one for each island")
-    return shares / shares.sum()
+def _decaying(mean_atoms: object, make: Callable[..., Island]) -> Islands:
+    """Islands of N atoms, P(N) ~ exp(-N/mean_atoms), N = 1, 2, ..., about as high as wide: n_j is (2N/sqrt(3))^(1/2)
+    and n_i is N/n_j, both rounded to whole numbers of at least 1."""
+    decay = positive("mean_atoms", mean_atoms)
+    if decay > _MOST_ATOMS:
+        refuse("mean_atoms", mean_atoms, f"must be at most {_MOST_ATOMS:g}")
+
+    def pick(quantile: Array) -> npt.NDArray[np.int64]:
+        count = 1.0 + np.floor(-decay * np.log1p(-quantile))
+        rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
+        columns = np.maximum(np.rint(count / rows), 1.0)
+        return np.column_stack([columns, rows]).astype(np.int64)
+
+    return Islands(pick, make, float(-1.0 / np.expm1(-1.0 / decay)), [], np.empty(0))

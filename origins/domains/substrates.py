@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 import numpy.typing as npt
@@ -85,11 +85,7 @@ class Substrate:
         reciprocal = _shortest_basis(G)
         indices = np.rint(G @ np.linalg.inv(reciprocal)).astype(np.int64)
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
-        cell = 2.0 * pi * np.linalg.inv(reciprocal).T[::-1]
-        signs = np.where(cell @ [1.0, 1e-9] < 0.0, -1.0, 1.0)
-        if np.linalg.det(cell) * signs.prod() < 0.0:
-            signs[1] *= -1.0
-        return indices[:, ::-1] * signs.astype(np.int64), signs[:, None] * cell
+        return indices[:, ::-1], np.asarray(2.0 * pi * np.linalg.inv(reciprocal).T[::-1])
 
 
 def fourier_substrate(
@@ -108,36 +104,36 @@ def fourier_substrate(
 
     Raises InputError for other shapes, values that are not finite, and where V is constant.
     """
-    G = _numbers("wavevectors", wavevectors, float)
-    c = _numbers("coefficients", coefficients, complex)
-    if G.ndim != 2 or G.shape[1] != 2 or G.shape[0] == 0:
-        refuse("wavevectors", G, "must have shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]")
-    if c.shape != G.shape[:1]:
-        refuse("coefficients", c, f"must have shape ({len(G)},), one for each wavevector")
-    constant = finite("constant", constant)
-    longest = np.abs(G).max()
-    kept: list[tuple[Array, complex]] = []
-    for wave, share in zip(G, c, strict=True):
-        if np.abs(wave).max() <= 1e-14 * longest:
-            constant += share.real
-            continue
-        for place, (known, amount) in enumerate(kept):
-            if np.abs(wave - known).max() <= _AGREEMENT * longest:
-                kept[place] = (known, amount + share)
-                break
-            if np.abs(wave + known).max() <= _AGREEMENT * longest:
-                kept[place] = (known, amount + share.conjugate())
-                break
-        else:
-            kept.append((wave, complex(share)))
-    # where waves cancel only rounding remains
-    kept = [(wave, share) for wave, share in kept if abs(share) > 1e-15 * np.abs(c).max()]
-    if not kept:
+    try:
+        G, c = np.asarray(wavevectors, dtype=float), np.asarray(coefficients, dtype=complex)
+    except (TypeError, ValueError) as error:
         raise InputError(
-            "wavevectors: nothing but a constant is left; give at least one wave that is not zero"
+            f"wavevectors, coefficients: must be arrays of numbers: {error}"
+        ) from error
+    if G.ndim != 2 or G.shape[1] != 2 or G.shape[0] == 0 or not np.isfinite(G).all():
+        rule = "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]"
+        refuse("wavevectors", G, rule)
+    if c.shape != G.shape[:1] or not np.isfinite(c).all():
+        refuse(
+            "coefficients", c, f"must be finite and of shape ({len(G)},), one for each wavevector"
         )
-    waves = np.array([wave for wave, _ in kept])
-    shares = np.array([share for _, share in kept])
+    # whole numbers, equal for equal wavevectors; the first that is not zero is positive
+    places = np.rint(G / (_AGREEMENT * np.abs(G).max() or 1.0)).astype(np.int64)
+    leading = np.where(places[:, 0] == 0, places[:, 1], places[:, 0])
+    signs = np.where(leading < 0, -1, 1)
+    _, first, same = np.unique(
+        signs[:, None] * places, axis=0, return_index=True, return_inverse=True
+    )
+    shares = np.zeros(first.size, dtype=complex)
+    np.add.at(shares, same.ravel(), np.where(signs < 0, c.conj(), c))
+    level = leading[first] == 0
+    # where waves cancel only rounding remains
+    kept = ~level & (np.abs(shares) > 1e-15 * np.abs(c).max())
+    if not kept.any():
+        told = "nothing but a constant is left; give at least one wave that is not zero"
+        raise InputError(f"wavevectors: {told}")
+    constant = finite("constant", constant) + float(shares[level].real.sum())
+    waves, shares = (signs[:, None] * G)[first][kept], shares[kept]
     waves.setflags(write=False)
     shares.setflags(write=False)
     return Substrate(waves, shares, constant)
@@ -166,41 +162,28 @@ def hexagonal_substrate(amplitude: float = 1.0, period: float = 2.0 * pi) -> Sub
     return fourier_substrate([[q, -across], [0.0, 2.0 * across], [-q, -across]], [amplitude] * 3)
 
 
-def _numbers(name: str, value: npt.ArrayLike, kind: type) -> npt.NDArray:
-    try:
-        array: npt.NDArray = np.asarray(value, dtype=kind)
-    except (TypeError, ValueError, OverflowError):
-        refuse(name, value, "must be an array of numbers")
-    if not np.isfinite(array).all():
-        bad = next(item for item in array.flat if not (isfinite(item.real) and isfinite(item.imag)))
-        refuse(name, bad, "must be finite")
-    return array
-
-
 def _shortest_basis(vectors: Array) -> Array:
     """The two shortest of all whole combinations of the vectors (n, 2), as rows, the shortest first (Gauss and Euclid).
 
     InputError where there is no shortest one: the substrate then never repeats.
     """
-    nothing = _AGREEMENT * np.hypot(*vectors.T).max()
-    least = np.hypot(*vectors.T).min() / _LARGEST_DENOMINATOR
-    rest = vectors
-    while True:
-        first = rest[np.argmin((rest * rest).sum(-1))]
+    lengths = np.hypot(*vectors.T)
+    nothing, least = _AGREEMENT * lengths.max(), lengths.min() / _LARGEST_DENOMINATOR
+    basis, rest = vectors[:0], vectors
+    while len(rest):
+        pool = np.vstack([basis, rest])
+        first = pool[np.argmin(np.hypot(*pool.T))]
         if np.hypot(*first) < least:
             rule = "must be whole multiples of two vectors; this substrate never repeats"
             refuse("wavevectors", vectors, rule)
-        multiples = np.rint(rest @ first / (first @ first) * (1.0 - 1e-12))
-        left = rest - multiples[:, None] * first
+        # Gauss's step: less whole multiples of the shortest
+        left = pool - np.rint(pool @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
         left = left[np.hypot(*left.T) > nothing]
-        second = left[np.argmin((left * left).sum(-1))]
-        if second @ second < first @ first * (1.0 - 1e-12):
-            rest = np.vstack([first, left])
-            continue
-        # remainders of the others after subtracting whole multiples of the two shortest
+        second = left[np.argmin(np.hypot(*left.T))]
         basis = np.array([first, second])
-        left -= np.rint(left @ np.linalg.inv(basis)) @ basis
-        left = left[np.hypot(*left.T) > nothing]
-        if not len(left):
-            return basis
-        rest = np.vstack([basis, left])
+        if np.hypot(*second) < np.hypot(*first) * (1.0 - 1e-12):
+            rest = left
+            continue
+        rest = left - np.rint(left @ np.linalg.inv(basis)) @ basis
+        rest = rest[np.hypot(*rest.T) > nothing]
+    return basis

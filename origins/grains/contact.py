@@ -6,13 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import positive, refuse
-from origins.grains.growth import GrainGrowth
+from origins.grains.film import GrainGrowth
 from origins.grains.lifshitz_slyozov import hazard_beyond, invert_beyond
 from origins.thresholds.law import Array, Thresholds
 
 _FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m): powers of speeds must stay finite
-# width, in B^(-1/2), of the law of stretches at which contacts break when B^(1/2) v tau_m = 1
-_QUICK_WIDTH = 0.0504
 
 
 class GrainContact:
@@ -40,9 +38,8 @@ class GrainContact:
 
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
-            refuse(
-                "growth", growth, "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)"
-            )
+            rule = "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)"
+            refuse("growth", growth, rule)
         self.growth = growth
         self.age = None if age is None else positive("age", age)
         if self.age is not None and self.age <= growth.first_pinning_time:
@@ -96,7 +93,7 @@ class GrainContact:
     def quick_width(self) -> float:
         """Width (a length) of the narrowest interval with a tenth of the stretches at which contacts break that
         slide as fast as grains grow: few hold, and at small stretches."""
-        return _QUICK_WIDTH / float(np.sqrt(self.growth.B))
+        return 0.0504 / float(np.sqrt(self.growth.B))  # at B^(1/2) v tau_m = 1
 
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast.
@@ -104,17 +101,10 @@ class GrainContact:
         It rises with age, from 0 at tau_m. InputError for ages below tau_m, at which no grain pins.
         """
         ranks, ages = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(age, dtype=float))
-        for name, values, good, rule in (
-            ("u", ranks, (ranks >= 0.0) & (ranks <= 1.0), "must be a quantile between 0 and 1"),
-            (
-                "age",
-                ages,
-                (ages >= self.growth.first_pinning_time) & (ages < np.inf),
-                self._none_pins,
-            ),
-        ):
-            if not good.all():
-                refuse(name, values[~good].flat[0], rule)
+        if (bad := ~((ranks >= 0.0) & (ranks <= 1.0))).any():
+            refuse("u", ranks[bad].flat[0], "must be a quantile between 0 and 1")
+        if (bad := ~((ages >= self.growth.first_pinning_time) & (ages < np.inf))).any():
+            refuse("age", ages[bad].flat[0], self._none_pins)
         excess = self.growth.excess(ages)
         largest = 1.0 + excess
         with np.errstate(divide="ignore"):

@@ -1,21 +1,19 @@
-"""Thresholds of a film that solidifies in coalescing grains (paper, Eqs. LS1 and LS2).
+"""Coalescing grains in a film: their number, the number that pins, their thresholds (paper, Sec. VI, Eq. LS2)."""
 
-A grain of radius r in a film of thickness d pins both surfaces where 2r > d; its threshold is
-f_s = tau pi (r² - d²/4), and with f_s = c x_s² (paper, Eq. PxPf)
+from __future__ import annotations
 
-    k = 2r/d = (1 + B x_s²)^(1/2),   B = 4c/(pi tau d²).
-"""
-
+from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from origins.errors import between, one_of, positive, refuse
 from origins.grains.lifshitz_slyozov import OfHazard, hazard_beyond, invert_beyond
 from origins.thresholds.law import Array, Thresholds
 
-_LARGEST = 1e50  # largest rho, whose powers must stay finite
-_REST = -3.700743415417188e-17  # 2/3 as a float less 2/3
+_LARGEST = 1e50  # of rho, alpha and 1/alpha, whose powers must stay finite
 
 
 def grains(
@@ -46,37 +44,136 @@ def grains(
     Raises InputError for values outside these, where neither or both of rho and (alpha, time) are given,
     and for rho <= 2/3, where no grain pins yet.
     """
-    B = positive("B", B)
+    if rho is None and alpha is not None and time is not None:
+        return GrainGrowth(alpha, B).thresholds(time, jacobian)
+    if rho is None or alpha is not None or time is not None:
+        refuse("rho", rho, "is alpha time^(1/3): give rho, such as 2.0, or alpha and time")
+    rho = positive("rho", rho)
+    # without rounding: near rho = 2/3 all thresholds depend on this difference
+    excess = float(Fraction(rho) * 3 / 2 - 1)
+    if not 0.0 < excess < 1.5 * _LARGEST:
+        told = "no grain pins yet: the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
+        refuse("rho", rho, told if excess <= 0.0 else f"must be at most {_LARGEST:g}")
+    return _law(excess, B, jacobian)
+
+
+def _law(excess: float, B: float, jacobian: str) -> Thresholds:
     one_of("jacobian", jacobian, ("exact", "paper"))
-    law = PinningGrains if jacobian == "exact" else PrintedGrains
-    if rho is not None:
-        if alpha is not None or time is not None:
-            refuse("rho", rho, "is alpha time^(1/3): give rho, or alpha and time")
-        rho = positive("rho", rho)
-        # to the last bit: near rho = 2/3 all thresholds depend on this difference
-        excess = 1.5 * ((rho - 2.0 / 3.0) + _REST)
-        if excess <= 0.0:
-            rule = (
-                "no grain pins yet: the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
-            )
-            refuse("rho", rho, rule)
-        if rho > _LARGEST:
-            refuse("rho", rho, f"must be at most {_LARGEST:g}")
-        return law(excess, B)
-    if alpha is None and time is None:
-        refuse("rho", rho, "is missing; give rho, such as 2.0, or alpha and time")
-    for name, value in (("alpha", alpha), ("time", time)):
-        if value is None:
-            rule = "is missing; rho = alpha time^(1/3) takes both, or give rho alone"
-            refuse(name, value, rule)
-    alpha, time = between("alpha", alpha, 1.0 / _LARGEST, _LARGEST), positive("time", time)
-    excess = float(1.5 * alpha * np.cbrt(time) - 1.0)
-    if excess <= 0.0:
-        first = (2.0 / (3.0 * alpha)) ** 3
-        refuse("time", time, f"no grain pins yet: the first does at (2/(3 alpha))³ = {first:.12g}")
-    if excess > 1.5 * _LARGEST:
-        refuse("time", time, f"must keep rho = alpha time^(1/3) at most {_LARGEST:g}")
-    return law(excess, B)
+    return (PinningGrains if jacobian == "exact" else PrintedGrains)(excess, positive("B", B))
+
+
+@dataclass(frozen=True)
+class GrainGrowth:
+    """Grains whose mean radius grows as time^(1/3) in a film of constant thickness; time counts from their beginning.
+
+    Attributes
+    ----------
+    alpha : float
+        rho = 2<r>/d = alpha time^(1/3), in time^(-1/3).
+    B : float
+        Of a grain's threshold, 2r/d = (1 + B x²)^(1/2), in length^-2.
+
+    Raises InputError for a value not above zero.
+    """
+
+    alpha: float
+    B: float
+
+    def __post_init__(self) -> None:
+        between("alpha", self.alpha, 1.0 / _LARGEST, _LARGEST)
+        positive("B", self.B)
+
+    @property
+    def first_pinning_time(self) -> float:
+        """tau_m = (2/(3 alpha))³, at which the largest grain spans the film: the delay of a new contact."""
+        return (2.0 / (3.0 * self.alpha)) ** 3
+
+    def excess(self, time: npt.ArrayLike) -> Array:
+        """Radius of the largest grain over that of the first to pin, less 1; 0 up to tau_m."""
+        since = (np.asarray(time) - self.first_pinning_time) / self.first_pinning_time
+        return np.asarray(np.expm1(np.log1p(np.maximum(since, 0.0)) / 3.0))
+
+    def rho(self, time: npt.ArrayLike) -> Array:
+        """Mean grain diameter over film thickness, shape as time. InputError for times not above zero."""
+        return self.alpha * np.cbrt(self._times(time))
+
+    def number(self, time: npt.ArrayLike) -> Array:
+        """N(time)/N(tau_m) = tau_m/time: all grains, pinning or not. InputError for times not above zero."""
+        return self.first_pinning_time / self._times(time)
+
+    def pinned_fraction(self, time: npt.ArrayLike) -> Array:
+        """Fraction of the grains at `time` that span the film; 0 up to tau_m. InputError for times not above zero."""
+        excess = self.excess(self._times(time))
+        with np.errstate(divide="ignore"):
+            q = np.minimum(np.atleast_1d(1.0 / excess), 1e300)
+        return np.exp(-hazard_beyond(q, 0.0, 1.0)).reshape(excess.shape)[()]
+
+    def pinning_number(self, time: npt.ArrayLike) -> Array:
+        """Grains that span the film, over the number of all grains at tau_m: largest at rho = 1, finally ~ 1/time.
+
+        The contact density of the film over N(tau_m). InputError for times not above zero.
+        """
+        return self.number(time) * self.pinned_fraction(time)
+
+    def thresholds(self, time: float, jacobian: Literal["exact", "paper"] = "exact") -> Thresholds:
+        """P_c of the grains that pin at `time`; see grains. InputError for times up to tau_m, when none pins."""
+        excess = float(self.excess(positive("time", time)))
+        if not 0.0 < excess < 1.5 * _LARGEST:
+            first = f"the first does at (2/(3 alpha))³ = {self.first_pinning_time:.12g}"
+            late = f"must keep rho = alpha time^(1/3) at most {_LARGEST:g}"
+            refuse("time", time, late if excess > 0.0 else f"no grain pins yet: {first}")
+        return _law(excess, self.B, jacobian)
+
+    def _times(self, time: npt.ArrayLike) -> Array:
+        times = np.asarray(time, dtype=float)
+        bad = ~((times > 0.0) & np.isfinite(times))
+        if bad.any():
+            refuse("time", times[bad].flat[0], "must be finite and above zero")
+        return times
+
+
+def film_growth(
+    film_thickness: float,
+    coarsening_rate: float,
+    shear_strength: float,
+    force_coefficient: float | None = None,
+    shear_modulus: float | None = None,
+) -> GrainGrowth:
+    """Grain growth of a film from its physical constants, in SI units; lengths then are in m, times in s.
+
+    Parameters
+    ----------
+    film_thickness : float
+        d in m; tau_m = d³/(27 K).
+    coarsening_rate : float
+        K in m³/s, <r>³ = K time.
+    shear_strength : float
+        tau in Pa, at which a grain breaks: f_s = tau pi (r² - d²/4). A misfit between grain and substrate lowers it.
+    force_coefficient : float
+        c in Pa, f_s = c x_s² (the paper's law).
+    shear_modulus : float
+        G in Pa, in place of c: the contact's stiffness is k = G A^(1/2) with A = pi (r² - d²/4), so that c = G²/tau.
+
+    Raises InputError for a value not above zero, and where neither or both of the last two are given.
+    """
+    thickness, rate = (
+        positive("film_thickness", film_thickness),
+        positive("coarsening_rate", coarsening_rate),
+    )
+    strength = positive("shear_strength", shear_strength)
+    if (force_coefficient is None) == (shear_modulus is None):
+        refuse(
+            "force_coefficient",
+            force_coefficient,
+            "give either force_coefficient or shear_modulus, in Pa",
+        )
+    if shear_modulus is not None:
+        coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
+    else:
+        coefficient = positive("force_coefficient", force_coefficient)
+    return GrainGrowth(
+        2.0 * np.cbrt(rate) / thickness, 4.0 * coefficient / (np.pi * strength * thickness**2)
+    )
 
 
 class _Film(Thresholds):
@@ -85,12 +182,7 @@ class _Film(Thresholds):
     def __init__(self, excess: float, B: float) -> None:
         self._root_b, self._m0 = float(np.sqrt(B)), 1.0 + excess
         self._y0, self._e0 = 1.0 / self._m0, excess / self._m0
-        upper = np.sqrt(np.longdouble(excess) * (np.longdouble(excess) + 2)) / np.sqrt(
-            np.longdouble(B)
-        )
-        # near the end distances are small differences: keep the part of `upper` that the float rounds off
-        self._upper = float(upper)
-        self._upper_rest = float(upper - np.longdouble(self._upper))
+        self._upper = float(np.sqrt(excess) * np.sqrt(excess + 2.0) / self._root_b)
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper
@@ -99,8 +191,9 @@ class _Film(Thresholds):
         """k, its distance m0 - k from the largest one, and the q of lifshitz_slyozov for this grain size."""
         s = self._root_b * x
         k = np.hypot(1.0, s)
-        left = self._root_b * ((self._upper - x) + self._upper_rest)
-        left = left * (self._root_b * (self._upper + x) / (self._m0 + k))
+        left = (
+            self._root_b * (self._upper - x) * (self._root_b * (self._upper + x) / (self._m0 + k))
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
             return k, left, s * (s / (1.0 + k)) / (self._e0 * left)
 

@@ -10,13 +10,6 @@ from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
-_FASTEST = 1e100  # largest D, whose powers must stay finite
-_ROUND_OFF = 1e-15
-_NEAR, _JUMP = (
-    1e4,
-    1e-6,
-)  # distance from a corner in roundings of x, and the change of log P_cf there that counts as a jump
-
 
 class Ageing:
     """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eq. B).
@@ -51,10 +44,10 @@ class Ageing:
     ) -> None:
         self.final: Thresholds = as_thresholds(final, "final")
         self.rate = non_negative("rate", rate)
-        if self.rate > _FASTEST:
-            refuse("rate", rate, f"must be at most {_FASTEST:g}; choose another unit")
-        self.closure = closure
+        if self.rate > 1e100:  # its powers must stay finite
+            refuse("rate", rate, "must be at most 1e100; choose another unit")
         one_of("closure", closure, ("exact", "paper"))
+        self.closure = closure
         self._check_potential()
         self.normal: OrnsteinUhlenbeck | None = None
         if isinstance(self.final, CutGaussian):
@@ -65,7 +58,7 @@ class Ageing:
         """InputError unless all fresh thresholds lie where P_cf has weight."""
         low, high = self.final.support()
         beyond = float(fresh.cdf(low)) + float(fresh.sf(high))
-        if beyond > _ROUND_OFF:
+        if beyond > 1e-15:
             where = f"{low:g} to {high:g}, where its potential is infinite"
             told = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
             raise InputError(f"ageing: {told}, {where}; use a final law that covers them")
@@ -74,22 +67,21 @@ class Ageing:
         """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""
         atoms, corners = self.final.atoms[0], self.final.breakpoints
         if atoms.size:
-            such = f"gaussian with mean = {atoms[0]:g}, std = {0.01 * atoms[0]:g}"
-            rule = f"thresholds cannot diffuse to it; use a law with a density, such as {such}"
+            rule = "thresholds cannot diffuse to it; use a law with a density, such as gaussian"
             raise InputError(f"final: holds the single value {atoms[0]:g}: {rule}")
         middle = 0.5 * (corners[:-1] + corners[1:])
         for i in np.flatnonzero(self.final.logpdf(middle) == -np.inf):
-            rule = "thresholds cannot diffuse across; use a law without gaps"
             told = f"has no weight between {corners[i]:g} and {corners[i + 1]:g}"
+            rule = "thresholds cannot diffuse across; use a law without gaps"
             raise InputError(f"final: {told}: {rule}")
         if self.closure != "exact":
             return
-        low, high = self.final.support()
-        corners = corners[(corners > low) & (corners < high)]
-        around = corners + _NEAR * np.spacing(corners) * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        corners = corners[1:-1] if np.isfinite(self.final.support()[1]) else corners[1:]
+        # log P_cf at 10,000 and 20,000 roundings of x on both sides
+        around = corners + 1e4 * np.spacing(corners) * np.array([[-2.0], [-1.0], [1.0], [2.0]])
         far_below, below, above, far_above = self.final.logpdf(around)
         beside = np.maximum(np.abs(below - far_below), np.abs(far_above - above))
-        for corner in corners[np.abs(above - below) > _JUMP + 10.0 * beside]:
+        for corner in corners[np.abs(above - below) > 1e-6 + 10.0 * beside]:
             rule = "there the drift of a threshold is infinite for an instant, which no solver follows yet"
             use = 'use a law without jumps inside, or closure = "paper"'
             raise InputError(f"final: the density jumps at {corner:g}: {rule}; {use}")
@@ -110,11 +102,8 @@ class OrnsteinUhlenbeck:
     """
 
     def __init__(self, mean: float, std: float, rate: float) -> None:
-        self.mean, self.std, self.rate = (
-            finite("mean", mean),
-            positive("std", std),
-            non_negative("rate", rate),
-        )
+        self.mean, self.std = finite("mean", mean), positive("std", std)
+        self.rate = non_negative("rate", rate)
 
     def mean_after(self, x0: npt.ArrayLike, time: npt.ArrayLike) -> Array:
         """mean + (x0 - mean) e^(-λt), a length."""

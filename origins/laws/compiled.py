@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 
@@ -37,6 +38,28 @@ def inlined(function: Callable[..., Any]) -> Any:
 
     jit: Any = njit  # its type hints do not know all of its options
     return jit(nogil=True, error_model="numpy", _nrt=False, forceinline=True)(function)
+
+
+def of_formulas(kind: type, law: Any, most: Callable[..., float]) -> CompiledRates:
+    """The methods of a class of rates, which use attributes that `law` has too, for one contact each."""
+    return CompiledRates(law, **_compiled(kind), most=most)
+
+
+@cache
+def _compiled(kind: Any) -> dict[str, Callable[..., float]]:
+    methods = kind.log_rate, kind.log_passed, kind.reached
+    log_rate, log_passed, reached_from = (inlined(method.__wrapped__) for method in methods)
+
+    def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return math.exp(log_rate(law, x, threshold, stiffness))
+
+    def passed(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return math.exp(log_passed(law, 0.0, x, threshold, stiffness))
+
+    def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return reached_from(law, log_amount, 0.0, threshold, stiffness)
+
+    return {"rate": rate, "passed": passed, "reached": reached}
 
 
 def called(rates: Any) -> CompiledRates:

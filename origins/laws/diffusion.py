@@ -8,9 +8,6 @@ from origins.errors import InputError, finite_array, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
 
-_BEYOND = 1e-12
-_FAINT = 1e-200  # smaller weights are summed from the log-density, which does not underflow
-
 
 class Diffusion:
     """∂P/∂t = D ∂_x (Ũ' + ∂_x) P with P_cf ~ exp(-Ũ) (paper, Eq. L), between impermeable walls.
@@ -42,16 +39,14 @@ class Diffusion:
     def __init__(self, final: Thresholds, edges: npt.ArrayLike) -> None:
         self.edges = finite_array("edges", edges)
         if self.edges.size < 3 or not (np.diff(self.edges) > 0.0).all():
-            refuse(
-                "edges",
-                self.edges,
-                "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)",
-            )
+            rule = "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)"
+            refuse("edges", self.edges, rule)
         self._check_walls("final", final)
         known = self._weights(final)
         with np.errstate(divide="ignore", invalid="ignore"):
             log_weights = np.log(known)
-        if (faint := ~(known > _FAINT)).any():
+        # smaller weights are summed from the log-density, which does not underflow
+        if (faint := ~(known > 1e-200)).any():
             nodes, factors = gauss(self.edges[:-1][faint], self.edges[1:][faint])
             log_weights[faint] = logsumexp(final.logpdf(nodes), axis=-1, b=factors)
         empty = np.flatnonzero(~np.isfinite(log_weights))
@@ -84,7 +79,7 @@ class Diffusion:
     def _check_walls(self, name: str, law: Thresholds) -> None:
         low, high = float(self.edges[0]), float(self.edges[-1])
         beyond = float(law.cdf(low)) + float(law.sf(high))
-        if not beyond <= _BEYOND:
+        if not beyond <= 1e-12:
             raise InputError(
                 f"{name}: has a weight of {beyond:.3g} beyond the outermost edges, {low:g} and {high:g}; widen them"
             )

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
+
+from origins.errors import TEMPERATURE, positive
 
 Array = npt.NDArray[np.float64]
 Numbers = float | Array
 
 # ln of the integral of h/v at which no contact holds any more; its exponential is still finite
 LARGEST_EXPONENT = 650.0
+# of formulas: the logarithm of 0 is -inf, and what underflows or overflows is meant to
+quiet = np.errstate(divide="ignore", over="ignore")
 
 
 @runtime_checkable
@@ -91,3 +96,35 @@ class RateLaw(Protocol):
     def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """h, per time; 0 where it underflows."""
         return np.exp(self.log_rate(x, threshold, stiffness))
+
+
+@dataclass(frozen=True)
+class ActivatedRates(RateLaw):
+    """A rate with an attempt frequency and a barrier that a temperature overcomes.
+
+    Attributes
+    ----------
+    temperature : float
+        T = k_BT/<k>, a length squared.
+    attempt_frequency : float
+        ω, per time.
+
+    Raises InputError unless both are finite and above zero.
+    """
+
+    temperature: float
+    attempt_frequency: float = 1.0
+
+    def __post_init__(self) -> None:
+        positive("temperature", self.temperature, TEMPERATURE)
+        positive("attempt_frequency", self.attempt_frequency)
+
+    @property
+    def scale(self) -> float:
+        """ω, which no rate exceeds."""
+        return self.attempt_frequency
+
+    @property
+    def spring(self) -> float:
+        """k/2k_BT at mean stiffness, per length squared."""
+        return 0.5 / self.temperature

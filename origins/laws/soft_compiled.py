@@ -37,10 +37,10 @@ def _tables() -> tuple[Array, Array, Array, Array]:
     return dawsn(y), _STEP * (1.0 - 2.0 * y * dawsn(y)), inverse, _STEP * dawsn(inverse)
 
 
-def soft_compiled(temperature: float, omega: float) -> CompiledRates:
+def soft_compiled(spring: float, omega: float) -> CompiledRates:
     """The compiled functions of SoftRates."""
-    root = float(np.sqrt(0.5 / temperature))
-    law = SoftLaw(0.5 / temperature, root, float(np.log(root / omega)), omega, *_tables())
+    root = float(np.sqrt(spring))
+    law = SoftLaw(spring, root, float(np.log(root / omega)), omega, *_tables())
     return CompiledRates(law, _rate, _passed, _reached, _most)
 
 

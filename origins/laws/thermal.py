@@ -1,14 +1,116 @@
-"""Thermally activated breaking: which rate law, at which temperature, by which closure."""
+"""Thermally activated breaking, for stretches of either sign and motion in either direction (paper, Sec. IV)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+import numpy.typing as npt
+
 from origins.errors import InputError, one_of, positive, refuse
 from origins.laws import RATE_LAWS, SoftRates, StiffRates
-from origins.laws.breaking_rate import BreakingRate
-from origins.laws.rate_law import RateLaw
+from origins.laws.rate_law import Array, RateLaw
+
+
+class BreakingRate:
+    """A RateLaw for solvers and users: extended to stretches of either sign, with checked arguments.
+
+    Attributes
+    ----------
+    rates : RateLaw
+        The law for stretches 0 <= x <= x_s.
+    closure : "exact" or "paper"
+        Whether each contact breaks at its own rate, or all at the mean one.
+
+    Unless stated otherwise the methods take numbers or arrays that broadcast: stretches x and
+    thresholds x_s > 0 with |x| <= x_s (lengths), and the relative stiffness κ = k_i/<k> > 0; else
+    they raise InputError. Results have the common shape; relative errors stay below 1e-12.
+    """
+
+    rates: RateLaw
+    closure: Literal["exact", "paper"]
+
+    def rate(
+        self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
+    ) -> Array:
+        """h(x; x_s), per time."""
+        return np.exp(self.log_rate(x, threshold, stiffness))
+
+    def plain_rate(self, x: Array, threshold: Array, stiffness: Array | float = 1.0) -> Array:
+        """h for sums over many contacts, not checked.
+
+        Where |x| exceeds the threshold, a rate that does not vanish there is continued by its formula.
+        """
+        stretch = np.abs(x)
+        if self.rates.vanishes_at_threshold:
+            stretch = np.minimum(stretch, threshold)
+        # above e^50 ω no contact holds, and this is still a number
+        largest = 50.0 + np.log(self.rates.scale)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_rate = self.rates.log_rate(stretch, threshold, stiffness)
+            return np.asarray(np.exp(np.minimum(log_rate, largest)))
+
+    def log_rate(
+        self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
+    ) -> Array:
+        """ln h, finite where h underflows; -inf where h = 0, as for a stiff contact at x_s."""
+        stretch, limit, spring = _checked(threshold, stiffness, x=x)
+        return self.rates.log_rate(np.abs(stretch), limit, spring)[()]
+
+    def cumulative(
+        self,
+        x: npt.ArrayLike,
+        threshold: npt.ArrayLike,
+        start: npt.ArrayLike = 0.0,
+        stiffness: npt.ArrayLike = 1.0,
+    ) -> Array:
+        """Integral A >= 0 of h over the stretches between `start` and x: a length per time.
+
+        In either direction. At a speed v a contact that holds at `start` still holds at x with the
+        probability exp(-A/v).
+        """
+        return np.exp(self.log_cumulative(x, threshold, start, stiffness))
+
+    def log_cumulative(
+        self,
+        x: npt.ArrayLike,
+        threshold: npt.ArrayLike,
+        start: npt.ArrayLike = 0.0,
+        stiffness: npt.ArrayLike = 1.0,
+    ) -> Array:
+        """ln A, finite where A underflows; -inf where x = start, where A = 0."""
+        one, other, limit, spring = _checked(threshold, stiffness, x=x, start=start)
+        near, far = np.sort(np.abs([one, other]), axis=0)
+        across = (one < 0.0) != (other < 0.0)
+        passed = self.rates.log_passed(np.where(across, 0.0, near), far, limit, spring)
+        rest = self.rates.log_passed(0.0, np.where(across, near, 0.0), limit, spring)
+        return np.logaddexp(passed, rest)[()]
+
+    def inverse(
+        self,
+        amount: npt.ArrayLike,
+        threshold: npt.ArrayLike,
+        start: npt.ArrayLike = 0.0,
+        stiffness: npt.ArrayLike = 1.0,
+    ) -> Array:
+        """Stretch x >= start at which A, integrated from `start`, reaches `amount` >= 0 (a length per time).
+
+        The threshold where A stays below it. At a speed v a contact breaks at inverse(v e, x_s, start)
+        with e from the exponential law of mean 1. Backward motion is the mirror image:
+        -inverse(amount, threshold, -start).
+        """
+        goal, begin, limit, spring = _checked(threshold, stiffness, amount=amount, start=start)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_goal = np.log(goal)
+            # from behind the integral from there to 0 is taken off; where less is left to go, x is behind 0 as well
+            behind = self.rates.log_passed(0.0, np.maximum(-begin, 0.0), limit, spring)
+            apart = np.where(
+                log_goal == behind, -np.inf, np.log(-np.expm1(-np.abs(log_goal - behind)))
+            )
+            left = np.maximum(log_goal, behind) + apart
+        x = self.rates.reached(left, np.maximum(begin, 0.0), limit, spring)
+        return np.maximum(np.where(log_goal < behind, -x, x), begin)[()]
 
 
 @dataclass(frozen=True)
@@ -112,3 +214,27 @@ def as_thermal(law: object) -> Thermal | GivenRates | None:
         return GivenRates(law)
     such = 'Thermal("soft", temperature=0.1), or a RateLaw'
     refuse("thermal", law, f"must be an origins.Thermal, such as {such}")
+
+
+def _checked(
+    threshold: npt.ArrayLike, stiffness: npt.ArrayLike, **more: npt.ArrayLike
+) -> list[Array]:
+    """`more` in their order, thresholds and stiffnesses, all of the common shape; InputError for bad values."""
+    named = {**more, "threshold": threshold, "stiffness": stiffness}
+    try:
+        arrays = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in named.values()))
+    except (TypeError, ValueError) as error:
+        told = f"{', '.join(named)}: must be numbers or arrays whose shapes fit: {error}"
+        raise InputError(told) from error
+    found = dict(zip(named, arrays, strict=True))
+    for name in ("threshold", "stiffness", *more):
+        values = found[name]
+        good, rule = (values > 0.0) & np.isfinite(values), "must be finite and above zero"
+        if name == "amount":
+            good, rule = values >= 0.0, "must be zero or above"
+        elif name in more:
+            good = np.abs(values) <= found["threshold"]
+            rule = f"a contact holds only where |{name}| is at most its threshold"
+        if not good.all():
+            refuse(name, values[~good][0], rule)
+    return list(arrays)
