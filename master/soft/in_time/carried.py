@@ -53,18 +53,23 @@ class Strands(NamedTuple):
 
     stretch, furthest : x and the largest |x| so far (lengths)
     share : of all contacts, over the share that holds at birth
+    births : J at birth, per contact; 0 for those that began
     kept : their Memory's numbers
     """
 
     stretch: Array
     furthest: Array
     share: Array
+    births: Array
     kept: Array
 
     def and_born(self, memory: Memory, births: StretchRule, share: float, speed: float) -> Strands:
-        """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
+        """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|.
+
+        The caller sets J at their birth.
+        """
         x, kept = births.stretch, memory.fresh(births.stretch, speed)
-        new = Strands(x, np.abs(x), share * births.weight, kept)
+        new = Strands(x, np.abs(x), share * births.weight, np.zeros(x.size), kept)
         return Strands(*(np.concatenate(both) for both in zip(self, new, strict=True)))
 
 
@@ -121,7 +126,7 @@ class Carried:
 
     def _begin(self, start: StretchRule, kept: Array) -> None:
         x = start.stretch
-        strands = Strands(x, np.abs(x), start.weight, kept)
+        strands = Strands(x, np.abs(x), start.weight, np.zeros(x.size), kept)
         left = self.memory.left(strands.kept, x, strands.furthest)
         self.holding, self.force = (left @ strands.share).tolist()
         self._started, self._last = x.size, (0.0, 0.0)
@@ -142,7 +147,7 @@ class Carried:
         furthest = np.maximum(self.strands.furthest, np.abs(stretch))
         leg = Leg(self.strands.stretch, stretch, furthest, duration)
         kept = self.memory.advance(self.strands.kept, leg)
-        strands = Strands(stretch, furthest, self.strands.share, kept)
+        strands = Strands(stretch, furthest, *self.strands[2:4], kept)
         strands = strands.and_born(self.memory, self._births, 0.0, self._speed(travel, duration))
         left = self.memory.left(strands.kept, strands.stretch, strands.furthest)
         known, force = (left @ strands.share).tolist()
@@ -202,12 +207,14 @@ class Carried:
         half = 0.5 * (trial.births - self._born) * self._births.weight
         strands.share[-many:] = half
         strands.share[-2 * many : -many] += half
+        strands.births[-many:] = trial.births
         # a step is unresolved if the survival of its first births is less than half that of its
         # last: then it is unknown how many of the births in between hold
-        (held, pull), share = left[:, self._started :], strands.share[self._started : -many]
+        held, pull = left[:, self._started :]
+        born = np.diff(strands.births[self._started :: many])[:, None] * self._births.weight
         apart = np.where(held[:-many] < 0.5 * held[many:], 0.5, 0.0)
         apart *= np.abs(pull[many:] - pull[:-many])
-        self.unresolved = max(self.unresolved, float(apart @ np.abs(share)))
+        self.unresolved = max(self.unresolved, float(apart @ np.abs(born.ravel())))
         # drop cohorts of which none hold; births go on between the last one and the next
         alive = left[0] > DEAD
         alive[self._started :] = np.repeat(held.reshape(-1, many).max(axis=1) > DEAD, many)
@@ -227,6 +234,7 @@ class Carried:
         at = self.strands.share.size
         self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
         new = Strands(*(part[at:] for part in self.strands))
+        new.births[:] = self._born + weight  # a view
         held, pull = self.memory.left(new.kept, new.stretch, new.furthest) @ new.share
         self.force += float(pull)
         self.holding += float(held)
