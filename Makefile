@@ -20,12 +20,11 @@ test-slow: $(READY)
 
 test-all: test test-slow
 
-# what force_error promises, on 1,000 seeded scenes of every kind, and in 250 far corners
+# what force_error promises, on 1,000 scenes of every kind, and in 250 far corners
 promise: $(READY)
 	FORCE_ERROR_CASES=1000 $(BIN)/python -m pytest tests/test_force_error.py -s -m ""
 
 bench: $(READY)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@set -e; for script in tests/bench/*.py; do echo "== $$script"; $(BIN)/python $$script; done
 
 # the site in build/site: pages, API, and a gallery of the shipped scenes, which are run for it once

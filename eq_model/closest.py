@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Contacts, Drive
-from origins.births import Births
 from origins.contacts import check_contacts
 from origins.errors import whole
+from origins.start import Births
 
 Array = npt.NDArray[np.float64]
 

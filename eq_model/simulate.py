@@ -82,7 +82,7 @@ def simulate(
 
     Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
 
-    Plain Python twins: tests/plain_life.py follows one life, eq_model/closest.py is the paper's algorithm (Sec. II).
+    Plain Python twin: eq_model/closest.py, the paper's algorithm (Sec. II).
     """
     arguments = locals()  # the same as those of Ensemble
     ensemble = Ensemble(**arguments)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.path import AgeingPath
+from master.lives.age.ageing import AgeingPath
 from master.lives.grains import GrainLife
 from master.motion.motion import Motion
 from master.renewal import reading

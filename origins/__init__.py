@@ -59,13 +59,17 @@ from origins.roughness.surface import self_affine_surface
 from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
 from origins.samples.from_samples import from_samples
 from origins.start import Start, boltzmann_reforming, gaussian_start
-from origins.thresholds.continuous_mixture import continuous_mixture
-from origins.thresholds.families import gw_elastic, gw_plastic, lubricated, persson, rectangular
+from origins.thresholds.families import (
+    gw_elastic,
+    gw_plastic,
+    identical,
+    lubricated,
+    persson,
+    rectangular,
+)
 from origins.thresholds.gaussian import gaussian
-from origins.thresholds.identical import identical
-from origins.thresholds.law import Thresholds
-from origins.thresholds.mixture import mixture
-from origins.thresholds.protocol import ThresholdLaw
+from origins.thresholds.law import ThresholdLaw, Thresholds
+from origins.thresholds.mixture import continuous_mixture, mixture
 
 # the public names are all those imported above
 __all__ = [name for name, found in globals().items() if hasattr(found, "__qualname__")]

@@ -1,6 +1,6 @@
 """A result in a line or two, however many points it has."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -12,29 +12,20 @@ _FEW, _LONGEST = 3, 100
 def brief(record: Any) -> str:
     """The repr of a dataclass, with the shape and range of arrays in place of their values, and with long texts cut:
     set it as `__repr__` in the class."""
-    told = (
-        f"{field.name}={_short(getattr(record, field.name))}"
-        for field in fields(record)
-        if field.repr
-    )
+    shown = (field.name for field in fields(record) if field.repr)
+    told = (f"{name}={_short(getattr(record, name))}" for name in shown)
     return f"{type(record).__name__}({', '.join(told)})"
 
 
 def _short(value: object) -> str:
     """One field in a few words: of a long array its shape and range, of other values their repr."""
+    if isinstance(value, Mapping | list):
+        return f"<{len(value)}>" if value else "<none>"
     if isinstance(value, np.ndarray) and value.size > _FEW:
         shape = "x".join(map(str, value.shape))
-        known = value[np.isfinite(value)] if value.dtype.kind == "f" else value
-        if value.dtype.kind not in "fiu" or not known.size:
-            return f"<{shape} {value.dtype}>"
-        return f"<{shape} from {known.min():.6g} to {known.max():.6g}>"
-    if isinstance(value, Mapping) or (
-        isinstance(value, Sequence) and not isinstance(value, str | tuple)
-    ):
-        return f"<{len(value)}>" if len(value) > 0 else "<none>"
+        known = value[np.isfinite(value)] if value.dtype.kind in "fiu" else np.empty(0)
+        reach = f"from {known.min():.6g} to {known.max():.6g}" if known.size else value.dtype
+        return f"<{shape} {reach}>"
     text = " ".join(repr(value).split())
-    return (
-        text
-        if not isinstance(value, str) or len(text) <= _LONGEST
-        else f"{text[: _LONGEST - 3]}..."
-    )
+    cut = isinstance(value, str) and len(text) > _LONGEST
+    return f"{text[: _LONGEST - 3]}..." if cut else text

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from copy import copy
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from origins.births import Births
 from origins.errors import InputError, one_of, refuse
 from origins.grains.contact import GrainContact
 from origins.laws import RATE_LAWS
@@ -18,7 +16,7 @@ from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
 from origins.laws.thermal import GivenRates, Thermal, as_thermal
-from origins.start import as_start
+from origins.start import Births, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
@@ -127,20 +125,8 @@ class Contacts:
         if not 1.0 / _LONGEST < self.mean_threshold < _LONGEST:
             raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {_UNIT}")
         # a family whose survival is invalid is refused here, by name, and not in the middle of a solution
-        x = self.mean_threshold * np.linspace(0.05, 3.0, 60)
-        self.thresholds.check_survival(x, self.thresholds.sf(x))
+        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
-        self._take(thermal, ageing, delay, reforming, stiffness)
-
-    def _take(
-        self,
-        thermal: Thermal | GivenRates | RateLaw | None,
-        ageing: Ageing | None,
-        delay: Delay | None,
-        reforming: object,
-        stiffness: Literal["independent", "linked"],
-    ) -> None:
-        """Check these laws and store them."""
         again = as_start(reforming, "reforming")
         self.reforming: Births | None = None
         if again.span != (0.0, 0.0):
@@ -164,19 +150,14 @@ class Contacts:
         None removes a law (stiffness: "independent"). Arguments not named stay. All are checked again: raises
         InputError as the constructor does, and for an unknown name.
         """
-        again = None if self.reforming is None else self.reforming.law
         given = {name: getattr(self, name) for name in LAWS if name != "grains"}
-        given["reforming"] = again
-        known = ("thresholds", "start", *given)
+        given["reforming"] = None if self.reforming is None else self.reforming.law
+        given["thresholds"] = self.thresholds if self.grains is None else self.grains
+        given["start"] = self.start
         for name, value in changes.items():
-            if name not in known:
-                refuse(name, value, f"is not what contacts have; that is {', '.join(known)}")
-        if "thresholds" in changes or "start" in changes:
-            own = self.thresholds if self.grains is None else self.grains
-            return Contacts(**({"thresholds": own, "start": self.start} | given | changes))
-        other = copy(self)
-        other._take(**(given | changes))
-        return other
+            if name not in given:
+                refuse(name, value, f"is not what contacts have; that is {', '.join(given)}")
+        return Contacts(**(given | changes))
 
     def relative_stiffness(self, threshold: npt.ArrayLike) -> Array:
         """k_i/<k> of contacts with these thresholds (lengths): 1 if independent, x_si/<x_s> if linked; same shape."""
@@ -203,7 +184,7 @@ class Contacts:
             if rule := too_cold(temperature, self.thresholds):
                 refuse("thermal.temperature", temperature, rule)
             if told := too_hot(temperature, self.thresholds):
-                warnings.warn(told, TooHot, stacklevel=4)
+                warnings.warn(told, TooHot, stacklevel=3)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             such = "Ageing(gaussian(1.0, 0.02), rate=5e-4)"
             refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")

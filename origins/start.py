@@ -1,7 +1,8 @@
-"""The stretches of the contacts at X = 0: one value, a Gaussian, or any frozen scipy.stats distribution."""
+"""The stretches of contacts at X = 0, and of broken ones as they form again, with thresholds that can bear them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,44 +10,31 @@ import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
 from origins.errors import TEMPERATURE, InputError, finite, non_negative, positive, refuse
-from origins.thresholds.law import Array
+from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_frozen, single_mean
 
 _BEYOND = 1e-16  # weight that lies beyond either end of a span
 _REACH = 8.3  # standard deviations beyond which a Gaussian has that weight
+_CUT_LIMIT = 1e-6  # largest weight beyond every threshold that is cut off, the same as for thresholds below 0
+_LEAST_SURVIVAL = 1e-300
 
 
 class Start:
     """Distribution Q_ini(x) of the starting stretches (lengths, of either sign).
 
-    `span` is the interval with all but 1e-16 of the weight on either side; `breakpoints` are points inside it where the
-    density is not smooth. An exact single value has span (value, value) and no density.
+    `pdf`, `cdf`, `sf`, `ppf` and `isf` are those of scipy.stats. `span` is the interval with all but 1e-16 of the
+    weight on either side; `breakpoints` are points inside it where the density is not smooth. An exact single value has
+    span (value, value) and none of the five.
     """
 
     span: tuple[float, float]
     breakpoints: Array
+    pdf: Callable[[Any], Array]
+    cdf: Callable[[Any], Array]
+    sf: Callable[[Any], Array]
+    ppf: Callable[[Any], Array]
+    isf: Callable[[Any], Array]
     _mean: float
-    _law: Any  # a frozen distribution, where these methods are its own
-
-    def pdf(self, x: npt.ArrayLike) -> Array:
-        """Density at x, per length."""
-        return self._law.pdf(x)
-
-    def cdf(self, x: npt.ArrayLike) -> Array:
-        """Probability of a stretch of at most x."""
-        return self._law.cdf(x)
-
-    def sf(self, x: npt.ArrayLike) -> Array:
-        """Probability of a stretch above x."""
-        return self._law.sf(x)
-
-    def ppf(self, q: npt.ArrayLike) -> Array:
-        """Stretch below which a fraction q lies."""
-        return self._law.ppf(q)
-
-    def isf(self, q: npt.ArrayLike) -> Array:
-        """Stretch above which a fraction q lies."""
-        return self._law.isf(q)
 
     def mean(self) -> float:
         """Mean starting stretch."""
@@ -62,9 +50,7 @@ class SingleStart(Start):
     """All contacts start at one stretch."""
 
     def __init__(self, value: float) -> None:
-        self._mean = value
-        self.span = (value, value)
-        self.breakpoints = np.array([value])
+        self._mean, self.span, self.breakpoints = value, (value, value), np.array([value])
 
 
 class GaussianStart(Start):
@@ -72,8 +58,7 @@ class GaussianStart(Start):
 
     def __init__(self, mean: float, std: float) -> None:
         self._mean, self._std = mean, std
-        self.span = (mean - _REACH * std, mean + _REACH * std)
-        self.breakpoints = np.empty(0)
+        self.span, self.breakpoints = (mean - _REACH * std, mean + _REACH * std), np.empty(0)
 
     def _z(self, x: npt.ArrayLike) -> Array:
         return (np.asarray(x, dtype=float) - self._mean) / self._std
@@ -88,21 +73,22 @@ class GaussianStart(Start):
         return ndtr(-self._z(x))
 
     def ppf(self, q: npt.ArrayLike) -> Array:
-        return self._mean + self._std * ndtri(np.asarray(q, dtype=float))
+        return self._mean + self._std * ndtri(q)
 
     def isf(self, q: npt.ArrayLike) -> Array:
-        return self._mean - self._std * ndtri(np.asarray(q, dtype=float))
+        return self._mean - self._std * ndtri(q)
 
 
 class FrozenStart(Start):
     """A frozen continuous scipy.stats distribution on the real line."""
 
     def __init__(self, frozen: Any, name: str) -> None:
-        self._law = frozen
         self._mean = single_mean(name, frozen)
         if not np.isfinite(self._mean):
             rule = "stretches need a finite mean"
             raise InputError(f"{name}: the mean of the distribution is {self._mean}; {rule}")
+        for method in ("pdf", "cdf", "sf", "ppf", "isf"):
+            setattr(self, method, getattr(frozen, method))
         ends = np.array([float(end) for end in frozen.support()])
         self.breakpoints = ends[np.isfinite(ends)]
         reach = float(frozen.ppf(_BEYOND)), float(frozen.isf(_BEYOND))
@@ -142,3 +128,43 @@ def as_start(start: object, name: str = "start") -> Start:
         return FrozenStart(frozen, name)
     such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
     refuse(name, start, f"must be None, a stretch, {such}")
+
+
+class Births:
+    """Stretches from `law`, each with a threshold from P_c conditional on x_s > |x|.
+
+    This is the state of the contacts that hold at X = 0, and of broken contacts as they re-form.
+
+    Attributes
+    ----------
+    law : Start
+        Of the stretches (lengths).
+    cut_weight : float
+        Weight of the law where the survival of thresholds is 0 or below 1e-300, which is cut off; 0 by default.
+
+    Raises InputError, with `name` in its message, where this weight is above 1e-6: such contacts cannot hold.
+    """
+
+    def __init__(self, name: str, law: Start, thresholds: Thresholds) -> None:
+        self.law, self._thresholds, self.cut_weight = law, thresholds, 0.0
+        if float(thresholds.sf(max(abs(end) for end in law.span))) > 0.0:
+            return
+        reach = thresholds.support()[1]
+        reach = reach if np.isfinite(reach) else float(thresholds.isf(_LEAST_SURVIVAL))
+        self.cut_weight = 1.0 if law.is_single else float(law.cdf(-reach) + law.sf(reach))
+        if self.cut_weight > _CUT_LIMIT:
+            beyond = f"beyond every threshold, at |x| >= {reach:.6g}; use stretches below it"
+            raise InputError(f"{name}: a weight of {self.cut_weight:.3g} lies {beyond}")
+
+    def draw(self, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
+        """Independent stretches and thresholds (lengths), shapes (size,); those beyond every threshold drawn again."""
+        upper = self._thresholds.support()[1]
+        if self.law.is_single:
+            x = np.full(size, self.law.mean())
+        else:
+            x = self.law.ppf(generator.random(size))
+            while (beyond := np.flatnonzero(np.abs(x) >= upper)).size:
+                x[beyond] = self.law.ppf(generator.random(beyond.size))
+        held = np.abs(x)
+        left = self._thresholds.sf(held) * (1.0 - generator.random(size))
+        return x, np.maximum(self._thresholds.isf(left), held)

@@ -39,8 +39,19 @@ def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     )  # s; an event can wait no infinite time
 
 
-def _compiled(done: subprocess.CompletedProcess[str]) -> subprocess.CompletedProcess[str]:
-    """The same of processes of their own."""
+def _ended(
+    command: list[str], folder: Path, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """A process of its own in a folder; it does not say that it compiles either."""
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=clean_environment(**environment),
+        capture_output=True,
+        text=True,
+        timeout=HANGS,
+        stdin=subprocess.DEVNULL,
+    )
     slow = r"^mesofriction: .*, after \d+:\d\d:\d\d\n"
     done.stderr = re.sub(slow, "", done.stderr, flags=re.MULTILINE)
     return done
@@ -51,16 +62,7 @@ def python(tmp_path: Path) -> Runner:
     """python(code, *words, **environment): run code in a fresh interpreter, in an empty folder."""
 
     def run(code: str, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
-        return _compiled(
-            subprocess.run(
-                [sys.executable, "-c", code, *words],
-                cwd=tmp_path,
-                env=clean_environment(**environment),
-                capture_output=True,
-                text=True,
-                timeout=HANGS,
-            )
-        )
+        return _ended([sys.executable, "-c", code, *words], tmp_path, **environment)
 
     return run
 
@@ -68,27 +70,15 @@ def python(tmp_path: Path) -> Runner:
 @pytest.fixture
 def mpirun(tmp_path: Path) -> Runner:
     """mpirun(ranks, code, *words): the same on several ranks, oversubscribed where need be."""
-    launcher = shutil.which(
-        "mpiexec", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    )
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    launcher = shutil.which("mpiexec", path=path)
     if launcher is None or importlib.util.find_spec("mpi4py") is None:
         pytest.skip("needs the extra [mpi]")
+    more = {"OMPI_MCA_rmaps_base_oversubscribe": "1"}
+    more |= {"PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
 
     def run(ranks: int, code: str, *words: str) -> subprocess.CompletedProcess[str]:
-        environment = clean_environment(
-            OMPI_MCA_rmaps_base_oversubscribe="1",
-            PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe",
-        )
-        return _compiled(
-            subprocess.run(
-                [launcher, "-n", str(ranks), sys.executable, "-c", code, *words],
-                cwd=tmp_path,
-                env=environment,
-                capture_output=True,
-                text=True,
-                timeout=HANGS,
-                stdin=subprocess.DEVNULL,
-            )
-        )
+        words = (launcher, "-n", str(ranks), sys.executable, "-c", code, *words)
+        return _ended([*words], tmp_path, **more)
 
     return run

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import scipy.stats
+from scipy.linalg import expm
 from scipy.special import ndtr
 
 import origins
@@ -35,7 +36,7 @@ class PhaseType:
     def force(self, path: Array, start: float = 0.0) -> Array:
         """F(X) from one starting stretch, thresholds conditional on x_s > |start|."""
         size = self.begin.size
-        at_start = self.begin @ _exponentials(self.generator, np.array([abs(start)]))[0]
+        at_start = self.begin @ expm(abs(start) * self.generator)
         at_start = at_start / at_start.sum()
         block = np.zeros((2 * size, 2 * size))
         block[:size, :size] = self.generator + np.outer(-self.generator.sum(1), self.begin)
@@ -44,29 +45,12 @@ class PhaseType:
         # a contact from below 0 cannot break before its stretch is as large as it began
         moved = np.maximum(path - max(-2.0 * start, 0.0), 0.0)
         state = np.concatenate([at_start, abs(start) * at_start])
-        steps = _exponentials(block, np.diff(moved, prepend=0.0))
+        steps = expm(np.diff(moved, prepend=0.0)[:, None, None] * block)
         force = np.empty(path.size)
         for i, step in enumerate(steps):
             state = state @ step
             force[i] = state[size:].sum()
         return np.where(moved > 0.0, force, start + path)
-
-
-def _exponentials(block: Array, lengths: Array) -> Array:
-    """exp(block * length) for each length: shifted until no entry is negative, the sums cancel nowhere."""
-    shift = float(-block.diagonal().min())
-    scale = 1.0 + np.floor(lengths.max(initial=0.0) * 2.0 * shift)
-    doublings = int(np.ceil(np.log2(scale)))
-    small = (block + shift * np.eye(len(block))) * (lengths / 2.0**doublings)[:, None, None]
-    term = np.broadcast_to(np.eye(len(block)), small.shape)
-    out = term
-    for k in range(1, 26):
-        term = term @ small / k
-        out = out + term
-    out = out * np.exp(-shift * lengths / 2.0**doublings)[:, None, None]
-    for _ in range(doublings):
-        out = out @ out
-    return out
 
 
 def hyper_erlang(weights: list[float], stages: list[int], rates: list[float]) -> PhaseType:

@@ -1,125 +1,59 @@
-"""Contacts one by one under a slider that a spring pulls, in small steps of the drive: the plain model."""
+"""Contacts that break by heat, one by one, under a slider that a spring pulls: the plain model in small steps."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from origins import Contacts
-from origins.drive import SlipRule
 
 LARGE = 0.05  # of all contacts, which an avalanche at a standing drive breaks: a slip
 
 
-@dataclass
-class Pulled:
-    """Drive, slider and force before and after each slip, shape (5, m), and the force where it was asked for."""
+class Pulled(NamedTuple):
+    """Where the drive stands at the first slip, the force after it, and the forces that were asked for."""
 
-    slips: np.ndarray
+    first: float
+    force_after: float
     force: np.ndarray
 
 
 def pull(
-    contacts: Contacts,
-    path: np.ndarray,
-    velocity: float,
-    spring: float,
-    rule: SlipRule,
-    step: float,
-    count: int,
-    seed: int,
+    contacts: Contacts, path: np.ndarray, velocity: float, spring: float, count: int, seed: int
 ) -> Pulled:
-    """Force at drive positions `path`; `step` is that of the drive, lengths.
+    """Force at drive positions `path`, in 300 steps of the drive; broken contacts are back at once.
 
-    Within a step the drive moves on, contacts break at their own rates or where their thresholds meet them, by the
-    Brownian bridge where those diffuse; then the slider follows with the drive standing until nothing more breaks.
+    Within a step the drive moves on, and contacts break at their own rates or where their
+    thresholds meet them; then the slider follows with the drive standing until nothing more breaks.
     """
     generator = np.random.default_rng(seed)
-    fresh, thermal, ageing = contacts.thresholds, contacts.thermal, contacts.ageing
-    wait = 0.0 if contacts.delay is None else contacts.delay.time
+    step = path[-1] / 300
+    x, limit = np.zeros(count), contacts.thresholds.isf(1.0 - generator.random(count))
+    place, slips, loads, drives = 0.0, list[tuple[float, float]](), [0.0], [0.0]
 
-    def thresholds(above: np.ndarray) -> np.ndarray:
-        return np.asarray(fresh.isf(fresh.sf(np.abs(above)) * (1.0 - generator.random(above.size))))
+    def renewed(broken: np.ndarray, stretch: np.ndarray) -> None:
+        x[broken] = stretch
+        limit[broken] = contacts.thresholds.isf(1.0 - generator.random(broken.sum()))
 
-    start = contacts.start
-    x = (
-        np.full(count, start.mean())
-        if start.is_single
-        else np.asarray(start.ppf(generator.random(count)))
-    )
-    limit, back = thresholds(x), np.full(count, -1.0)  # when a broken one is there again
-    place, drive, dt = 0.0, float(x.mean()) / spring, step / velocity
-    clock = 0.0
-    slips: list[list[float]] = []
-    force = np.zeros(path.size)
-    known = 0
-    while known < path.size:
-        began, before = drive, place
-        drive, clock = drive + step, clock + dt
-        out = back > clock - dt
-        held = ~out
-        was = spring * (began - before)
-        travel = spring * step / (spring + held.mean())
-        old, moved = x[held], x[held] + travel
-        new = limit[held]
-        broken = np.zeros(old.size, dtype=bool)
-        if ageing is not None:
-            after = ageing.normal.draw(new, dt, generator.standard_normal(old.size))
-            gaps = np.maximum((new - np.abs(old)) * (after - np.abs(moved)), 0.0)
-            broken = generator.random(old.size) < np.exp(-gaps / (ageing.rate * dt))
-            new = after
-        broken |= np.abs(moved) >= new
-        if thermal is not None:
-            middle = np.minimum(np.abs(0.5 * (old + moved)), new)
-            broken |= generator.random(old.size) < -np.expm1(-dt * thermal.rate(middle, new))
-        x[held], limit[held] = moved, new
+    for drive in step * np.arange(1, 301):
+        travel = spring * step / (spring + 1.0)
+        middle = np.minimum(np.abs(x + 0.5 * travel), limit)
+        spent = step / velocity * contacts.thermal.rate(middle, limit)
+        x += travel
         place += travel
-        gone = np.flatnonzero(held)[broken]
-        returned = np.flatnonzero(out & (back <= clock))
-        x[returned] = travel * (clock - back[returned]) / dt
-        limit[returned] = thresholds(np.zeros(returned.size))
-        if wait:
-            back[gone] = clock - dt * generator.random(gone.size) + wait
-        else:
-            x[gone] = travel * generator.random(gone.size)
-            limit[gone] = thresholds(np.zeros(gone.size))
-        out = back > clock
-        # the drive stands, the slider follows what broke
-        lost, stood = 0, place
-        aside = np.zeros(count, dtype=bool)
-        late = wait > 0.0 or rule == "reform-after"
-        while True:
-            held = ~out & ~aside
-            rest = spring * (drive - place) - x[held].sum() / count
-            travel = rest / (spring + held.mean())
-            if abs(travel) < 1e-13:
-                break
-            x[held] += travel
+        broken = (np.abs(x) >= limit) | (generator.random(count) < -np.expm1(-spent))
+        renewed(broken, travel * generator.random(broken.sum()))
+        lost = 0
+        while abs(travel := (spring * (drive - place) - x.mean()) / (spring + 1.0)) > 1e-13:
+            x += travel
             place += travel
-            gone = np.flatnonzero(held & (np.abs(x) >= limit))
-            if not gone.size:
+            broken = np.abs(x) >= limit
+            # the rest of the way they are there again
+            renewed(broken, (x - limit)[broken])
+            lost += broken.sum()
+            if not broken.any():
                 break
-            lost += gone.size
-            if late:
-                aside[gone] = True
-            else:
-                # the rest of the way they are there again
-                x[gone], limit[gone] = x[gone] - limit[gone], thresholds(np.zeros(gone.size))
-        slipped = lost > LARGE * count
-        if slipped and rule == "reset":
-            place, back[:] = drive, -1.0
-            x, aside[:] = np.zeros(count), False
-            limit = thresholds(x)
-        if wait:
-            back[aside] = clock + wait
-        else:
-            x[aside], limit[aside] = 0.0, thresholds(np.zeros(int(aside.sum())))
-        if slipped:
-            slips.append([drive - 0.5 * step, stood, place, was, spring * (drive - place)])
-        while known < path.size and path[known] <= drive:
-            share = (path[known] - began) / step
-            now = spring * (drive - place)
-            force[known] = (
-                spring * (path[known] - place) if slipped else (1.0 - share) * was + share * now
-            )
-            known += 1
-    return Pulled(np.array(slips).reshape(-1, 5).T, force)
+        loads.append(spring * (drive - place))
+        drives.append(drive)
+        if lost > LARGE * count:
+            slips.append((drive - 0.5 * step, loads[-1]))
+    return Pulled(*slips[0], np.interp(path, drives, loads))

@@ -1,10 +1,10 @@
 """What tests of scenes share: a small scene's tables, a file of them, and the command in this process."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 from toolkit.command import main
+from toolkit.scene.tables import to_toml
 
 GAUSSIAN = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
 SUMMITS = {"kind": "summits", "radius": 1e-6, "std": 5e-8, "density": 1e12}
@@ -17,22 +17,6 @@ def scene(thresholds: dict[str, Any] = GAUSSIAN, **tables: Any) -> dict[str, Any
     """Gaussian contacts on a short drive, the master equation alone, but for what is given; None leaves out."""
     own = {"contacts": {"thresholds": thresholds}, "drive": {"to": 2.0, "points": 21}, "master": {}}
     return {name: table for name, table in (own | tables).items() if table is not None}
-
-
-def to_toml(table: dict[str, Any]) -> str:
-    """Lines of TOML, a key each; tables within are inline."""
-
-    def value(it: Any) -> str:
-        if isinstance(it, dict):
-            inner = (
-                f"{json.dumps(key)} = {value(one)}" for key, one in it.items() if one is not None
-            )
-            return f"{{{', '.join(inner)}}}"
-        if isinstance(it, list | tuple):
-            return f"[{', '.join(map(value, it))}]"
-        return repr(it) if isinstance(it, float) else json.dumps(it, ensure_ascii=False)
-
-    return "".join(f"{key} = {value(it)}\n" for key, it in table.items() if it is not None)
 
 
 def write(name: str = "mine", **tables: Any) -> str:

@@ -9,7 +9,7 @@ from solving import held_to_claim
 
 import master
 import origins
-from origins import Ageing, Contacts, Delay, gaussian
+from origins import Ageing, Contacts, Delay
 
 FRESH, FINAL = origins.gaussian(0.5, 0.1), origins.gaussian(1.0, 0.01)  # Fig. A05
 
@@ -57,9 +57,12 @@ REFINED = {1000.0: 0.499542736223, 100.0: 0.496482068623, 10.0: 0.490625246688, 
 
 def test_kinetic_force_of_figure_a05() -> None:
     for velocity, force in REFINED.items():
-        steady = master.steady_state(Contacts(FRESH, ageing=Ageing(FINAL, 1.0)), velocity=velocity)
+        contacts = Contacts(FRESH, ageing=Ageing(FINAL, 1.0))
+        steady = master.steady_state(contacts, velocity=velocity)
         assert abs(steady.force - FIGURE_A05[velocity]) < 2e-4
         assert abs(steady.force - force) < 1e-12 and steady.force_error < 1e-11
+        curve = master.kinetic_curve(contacts, [velocity, 2.0 * velocity], rate=[1.0, 2.0])
+        np.testing.assert_allclose(curve.force, steady.force, rtol=1e-12)
         x = np.linspace(-0.1, 1.3, 14_001)
         held = steady.distribution(x)
         assert np.trapezoid(held[1000:], x[1000:]) == pytest.approx(1.0, abs=1e-5)
@@ -95,55 +98,10 @@ def test_steady_motion_step_by_step_is_the_exact_one() -> None:
     held_to_claim(contacts, path, 1e-5, master.solve(contacts, path, 1e-8), time=path.copy())
 
 
-def test_force_does_not_know_how_far_the_path_goes_on() -> None:
-    """Thresholds that spread faster than the slider goes, right after it turned: read in the first of few steps."""
-    contacts = Contacts(
-        origins.gaussian(1.0, 0.2), ageing=Ageing(origins.gaussian(1.5, 0.2), 0.078)
-    )
-    back = -1.4 + 0.01 * np.linspace(0.1, 1.0, 5)
-    there = np.concatenate([[0.0, -1.14, -1.4], back])
-    short, long = (
-        master.solve(contacts, [*there, *more], 1e-4, velocity=0.116) for more in ([], [0.6])
-    )
-    assert short.success and long.success
-    assert np.abs(short.force[2:8] - long.force[2:8]).max() < short.force_error + long.force_error
-
-
-def test_exact_ageing_is_the_steady_state_at_each_rate() -> None:
-    contacts = Contacts(gaussian(0.5, 0.1), ageing=Ageing(gaussian(1.0, 0.01), 1e-3))
-    curve = master.kinetic_curve(contacts, [1.0, 10.0], rate=[1e-3, 1e-2])
-    steady = master.steady_state(contacts)
-    np.testing.assert_allclose(curve.force, steady.force, rtol=1e-12)
-    # physics at v = 1000 D, four digits
-    assert curve.force[0] == pytest.approx(0.4995, abs=5e-5)
-
-
-WALLS = Contacts(origins.rectangular(0.6, 1.0), ageing=Ageing(origins.rectangular(0.5, 1.5), 0.1))
-
-
-def test_fast_diffusion_between_walls() -> None:
-    """Uniform by then, thresholds all come down to the stretch within L²/(3 D) of the wall, hardly moving."""
-    diffusion = 1e3
-    ageing = Ageing(origins.rectangular(0.5, 1.5), diffusion)
-    steady = master.steady_state(Contacts(WALLS.thresholds, ageing=ageing))
-    assert steady.cycle_length - 0.5 == pytest.approx(1.0 / (3.0 * diffusion), rel=2.0 / diffusion)
-    assert steady.cycle_length_error < 1e-5
-
-
-def test_nothing_breaks_before_the_wall() -> None:
-    path = np.linspace(0.0, 0.5, 11)
-    exact = master.solve(WALLS, path, tolerance=1e-3)
-    # at the wall itself they break as the root of the way beyond
-    np.testing.assert_allclose(exact.force[:-1], path[:-1], atol=1e-9)
-
-
-@pytest.mark.slow
-def test_a_wide_start_on_a_spring_with_a_final_law_that_is_not_normal() -> None:
-    """Rules of more stretches than there are were once compared at other moments; here nothing breaks."""
-    ageing = Ageing(origins.rectangular(0.4, 1.0), 1e-2)
-    contacts = Contacts(
-        origins.rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=ageing
-    )
-    found = master.solve(contacts, [0.2], 1e-2, spring=1.5, slip="reset")
-    # F = 0.1 + X = 1.5 (0.2 - X)
-    assert found.success and found.force[0] == pytest.approx(0.18, abs=1e-6)
+def test_density_of_contacts_that_form_again_at_many_stretches() -> None:
+    births = origins.gaussian_start(0.05, 0.02)
+    steady = master.steady_state(Contacts(FRESH, ageing=Ageing(LATER, 1e-3), reforming=births))
+    x = np.linspace(-0.1, 1.3, 701)
+    held = steady.distribution(x)
+    assert np.trapezoid(held, x) == pytest.approx(1.0, abs=1e-5)
+    assert np.trapezoid(held * x, x) == pytest.approx(steady.force, abs=1e-5)

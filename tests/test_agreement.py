@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
+from rate_laws import Tilted
 
 import eq_model
 import master
@@ -64,7 +65,10 @@ CASES = {
     ),
     "ageing, turning": Case(Contacts(YOUNG, ageing=AGEING), TURN, {"velocity": 2.0}, 1e-4, 400),
     "growing grains, stiff": Case(Contacts(GRAINS, 0.1, STIFF), tolerance=1e-5, number=1000),
-    "loop": Case(Contacts(WIDE, START), LOOP),
+    "growing grains, turning": Case(Contacts(GRAINS), TURN, tolerance=1e-4, number=400),
+    "loop, a law of the tests' own": Case(
+        Contacts(WIDE, START, thermal=Tilted(0.1, 0.4)), LOOP, tolerance=1e-4, number=800
+    ),
     "hold, soft": Case(Contacts(WIDE, thermal=SOFT), HELD, {"time": WHEN}, 1e-5, 1000),
 }
 SLOW = {

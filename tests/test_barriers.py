@@ -1,11 +1,8 @@
 """Barriers of islands, rigid and with atoms that follow: against closed forms, a flood, minimisation on lines."""
 
-from typing import Any
-
 import ase
 import numpy as np
 import pytest
-from ase.calculators.calculator import Calculator
 from ase.calculators.lj import LennardJones
 from ase.calculators.mixing import SumCalculator
 from ase.constraints import FixAtoms
@@ -13,7 +10,7 @@ from scipy.ndimage import minimum_filter
 from scipy.optimize import minimize_scalar
 
 import origins
-from origins import InputError, relaxed_barrier, substrate_calculator
+from origins import relaxed_barrier, substrate_calculator
 
 HEXAGONAL = origins.hexagonal_substrate()
 
@@ -102,9 +99,6 @@ def test_random_islands_on_random_substrates_against_a_flood() -> None:
 
 
 def test_barriers_that_vanish() -> None:
-    # rows of 4 at a quarter of the period: the waves along x cancel
-    assert origins.triangular_barrier(np.pi / 2, 4, 3, 0.0) < 1e-14
-    assert origins.barrier(origins.square_island(np.pi / 2, 4, 3), 0.0) < 1e-14
     # nothing to climb along the troughs of a substrate that varies in one direction only
     troughs = origins.fourier_substrate([[1.0, 0.0], [3.0, 0.0]], [1.0, 0.5])
     island = origins.triangular_island(2.5, 5, 4)
@@ -118,7 +112,6 @@ def test_barriers_that_vanish() -> None:
 
 
 SQUARE = origins.square_substrate()
-PERIODS = 2.0 * np.pi * np.eye(2)
 
 
 def turned(island: ase.Atoms, angle: float) -> ase.Atoms:
@@ -197,37 +190,3 @@ def test_two_atoms_on_a_spring() -> None:
 
     exact = min(level(1.0, -1.0), level(-1.0, 1.0)) - level(-1.0, -1.0)
     assert abs(found.barrier - exact) <= found.barrier_error + 4e-15 and found.barrier_error < 1e-12
-
-
-ISLAND = origins.triangular_island(2.5, 2, 2)
-
-
-class Wrong(Calculator):
-    """The forces of cos x + cos y, and `share` of its energy."""
-
-    implemented_properties = ["energy", "forces"]  # noqa: RUF012
-
-    def __init__(self, share: float) -> None:
-        super().__init__()
-        self.share = share
-
-    def calculate(self, *given: Any, **named: Any) -> None:
-        super().calculate(*given, **named)
-        xy = self.atoms.positions * [1.0, 1.0, 0.0]
-        self.results = {"energy": self.share * float(np.cos(xy).sum()), "forces": np.sin(xy)}
-
-
-@pytest.mark.parametrize(
-    ("calculator", "keywords", "message"),
-    [
-        (Wrong(np.nan), {"periods": PERIODS}, "calculator = nan: must give finite"),
-        (Wrong(1.5), {"periods": PERIODS}, "calculator = .*forces must be those of its"),
-        (Wrong(1.0), {}, "periods = None: must be given"),
-        (Wrong(1.0), {"periods": 3.0 * np.eye(2)}, "periods = .*must leave energies"),
-    ],
-)
-def test_calculators_that_cannot_serve_are_refused(
-    calculator: Any, keywords: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(InputError, match=f"^{message}"):
-        relaxed_barrier(ISLAND, calculator, **keywords)

@@ -3,8 +3,8 @@
 import mpmath
 import numpy as np
 import pytest
-from q15_references import evolved
 from scipy import integrate, stats
+from scipy.linalg import expm
 
 import eq_model
 import master
@@ -34,16 +34,6 @@ SOLVERS = {
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
 TAKEN = {"master.paper.explicit": ("delay",), "eq_model.closest": ()}
-
-
-def test_what_is_left_out_is_not_there_and_what_is_given_is() -> None:
-    bare = Contacts(stats.gamma(3.0))
-    assert bare.mean_threshold == 3.0 and bare.start.is_single and bare.laws == ()
-    assert bare.stiffness == "independent" and bare.relative_stiffness(0.3) == 1.0
-    assert Contacts(GAUSSIAN, reforming=gaussian_start(0.0, 0.0)).reforming is None
-    for name, law in LAWS.items():
-        carried = getattr(Contacts(GAUSSIAN, **{name: law}), name)
-        assert (carried.law.mean() if name == "reforming" else carried) == law
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -258,11 +248,14 @@ def towards_rayleigh(edges):
 
 
 def test_order_of_convergence_is_two() -> None:
+    """By the exact propagator of hops between cells."""
     errors, every = [], np.array([8, 4, 2, 1])
     edges = 8.0 * np.linspace(0.0, 1.0, 801)
     for step in every:
         before, after, amount = towards_rayleigh(edges[::step])
-        found = evolved(Diffusion(origins.gw_plastic(0.5), edges[::step]), before, amount)
+        hops = Diffusion(origins.gw_plastic(0.5), edges[::step])
+        generator = np.diag(hops.up, -1) + np.diag(hops.down, 1)
+        found = expm(amount * (generator - np.diag(generator.sum(axis=0)))) @ before
         errors.append(np.abs(found - after).sum())
     order = np.polyfit(np.log(every), np.log(errors), 1)[0]
     assert abs(order - 2.0) < 0.2 and errors[-1] < 5e-4, (order, errors)

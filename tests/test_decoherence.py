@@ -9,20 +9,10 @@ import scipy.stats as stats
 from rate_laws import Tilted
 
 import master
-from origins import (
-    Ageing,
-    Contacts,
-    Delay,
-    Thermal,
-    gaussian,
-    gaussian_start,
-    gw_plastic,
-    identical,
-    mixture,
-    rectangular,
-)
+import origins
+from origins import Contacts, Thermal, gaussian
 
-WIDE, WAIT = gaussian(1.0, 0.2), Delay(0.3)
+WIDE, WAIT = gaussian(1.0, 0.2), origins.Delay(0.3)
 
 
 def gaussian_roots(std: float, count: int) -> np.ndarray:
@@ -35,7 +25,7 @@ def gaussian_roots(std: float, count: int) -> np.ndarray:
 def test_gaussian_roots_and_amplitudes_in_closed_form(std: float) -> None:
     mean, width = 0.1, 0.025
     found = master.decoherence_spectrum(
-        Contacts(gaussian(1.0, std), gaussian_start(mean, width)), n_roots=6
+        Contacts(gaussian(1.0, std), origins.gaussian_start(mean, width)), n_roots=6
     )
     exact = gaussian_roots(std, 6)
     assert (np.abs(found.roots - exact) <= found.roots_error + 4e-16).all()
@@ -48,31 +38,24 @@ def test_gaussian_roots_and_amplitudes_in_closed_form(std: float) -> None:
     np.testing.assert_allclose(found.amplitude, amplitude, rtol=1e-9)
 
 
+NARROW, HOT = gaussian(1.0, 0.1), Thermal("soft", 0.1, closure="paper")
+AGED = origins.Ageing(gaussian(1.0, 0.02), 5e-4)
 LATE = {
-    "behind, linked, delay": lambda: Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
-    "re-forming": lambda: Contacts(WIDE, 0.1, reforming=gaussian_start(0.05, 0.05), delay=WAIT),
-    "jumps": lambda: Contacts(rectangular(0.5, 1.5), gaussian_start(0.0, 0.1)),
-    "tail alone": lambda: Contacts(stats.gamma(3.0)),
-    "exact value and width": lambda: Contacts(
-        mixture([gaussian(1.0, 0.1), identical(0.8)], [0.7, 0.3])
+    "behind, linked, delay": Contacts(WIDE, -0.6, stiffness="linked", delay=WAIT),
+    "jumps": Contacts(origins.rectangular(0.5, 1.5), origins.gaussian_start(0.0, 0.1)),
+    "tail alone": Contacts(stats.gamma(3.0)),
+    "exact value and width": Contacts(
+        origins.mixture([NARROW, origins.identical(0.8)], [0.7, 0.3])
     ),
-    "warm": lambda: Contacts(gaussian(1.0, 0.1), thermal=Thermal("stiff", 0.1)),
-    "warm, linked": lambda: Contacts(
-        WIDE, thermal=Thermal("soft", 0.1), stiffness="linked", delay=WAIT
-    ),
-    "warm, paper's": lambda: Contacts(
-        gaussian(1.0, 0.1), thermal=Thermal("soft", 0.1, closure="paper")
-    ),
-    "ageing": lambda: Contacts(gaussian(0.5, 0.1), ageing=Ageing(gaussian(1.0, 0.02), 5e-4)),
+    "warm": Contacts(NARROW, thermal=Thermal("stiff", 0.1)),
+    "warm, paper's": Contacts(NARROW, thermal=HOT),
+    "ageing": Contacts(gaussian(0.5, 0.1), ageing=AGED),
 }
-SLOW = {"re-forming", "warm, linked"}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in LATE]
-)
+@pytest.mark.parametrize("name", LATE)
 def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
-    contacts = LATE[name]()
+    contacts = LATE[name]
     found = master.decoherence_spectrum(contacts, n_roots=6)
     x = contacts.mean_threshold * np.array([1.3, 2.1, 3.7, 6.2, 11.4, 21.3])
     solved = master.solve(contacts, x, 1e-10)
@@ -83,7 +66,9 @@ def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
     assert found.roots.size == 0 or error[0] > error[-1]
 
 
-@pytest.mark.parametrize("law", [stats.weibull_min(0.8), stats.lognorm(0.5), identical(1.0)])
+@pytest.mark.parametrize(
+    "law", [stats.weibull_min(0.8), stats.lognorm(0.5), origins.identical(1.0)]
+)
 def test_tails_slower_than_any_exponential_have_no_length(law) -> None:
     told = master.propensity(Contacts(law), 1e-6)
     assert (told.decoherence_length, told.decoherence_length_error) == (np.inf, 0.0)
@@ -100,34 +85,11 @@ def test_gamma_thresholds_in_closed_form() -> None:
     assert abs(told.decoherence_length - 1.0) <= told.decoherence_length_error <= 0.12
 
 
-def test_exponential_thresholds_that_wait() -> None:
-    """(1 + s) e^(sd) = 1, each root with c = 2/(1 + s)^2/[d + 1/(1 + s)]."""
-    wait = 100.0
-    found = master.decoherence_spectrum(Contacts(stats.expon(), delay=Delay(wait)), n_roots=4)
-    exact = np.array(
-        [
-            complex(
-                mp.findroot(
-                    lambda s, t=2j * mp.pi * n: mp.log1p(s) + s * wait - t,
-                    2j * mp.pi * n / (1 + wait),
-                )
-            )
-            for n in range(1, 5)
-        ]
-    )
-    exact = exact[exact.real > -0.9][: found.roots.size]
-    assert exact.size == found.roots.size > 0
-    assert (np.abs(found.roots - exact) <= found.roots_error).all()
-    amplitude = 2.0 / (1.0 + exact) ** 2 / (wait + 1.0 / (1.0 + exact))
-    assert (np.abs(found.amplitude - amplitude) <= found.amplitude_error).all()
-    assert found.roots_error.max() < 1e-9
-
-
 def test_long_waits_decay_as_the_variance_tells() -> None:
     wait = 1e4
     exact = mp.mpf(1.0 + wait)
     root = 4j * mp.pi / (exact + mp.sqrt(exact**2 - 4j * mp.pi * mp.mpf(0.1) ** 2))
-    told = master.propensity(Contacts(gaussian(1.0, 0.1), delay=Delay(wait)), 1e-4)
+    told = master.propensity(Contacts(gaussian(1.0, 0.1), delay=origins.Delay(wait)), 1e-4)
     off = abs(told.decoherence_length + float(1 / root.real))
     assert off <= told.decoherence_length_error < 1e-2 * told.decoherence_length
 
@@ -152,6 +114,8 @@ def test_propensity_takes_a_rate_law_of_this_test() -> None:
 def test_heat_that_leaves_nothing_to_transform_is_told_in_the_error():
     """Left of where the transform overflows Newton's method once ended in a NaN, and a traceback."""
     hot = Thermal("soft", 0.0304484, attempt_frequency=9342.79, closure="paper")
-    contacts = Contacts(gw_plastic(0.89166), gaussian_start(0.12153559, 0.09691892), thermal=hot)
+    contacts = Contacts(
+        origins.gw_plastic(0.89166), origins.gaussian_start(0.12153559, 0.09691892), thermal=hot
+    )
     found = master.propensity(contacts, velocity=3.0095672, tolerance=1e-5)
     assert abs(found.decoherence_length - 0.0063846) < found.decoherence_length_error

@@ -78,19 +78,6 @@ def test_islands_without_a_barrier_are_left_out_and_told() -> None:
     assert record.mean_force == pytest.approx(law.mean(), rel=1e-12)
 
 
-def test_domains_in_a_scene() -> None:
-    given = {"sizes": [[5, 4], [6, 5]], "weights": [1.0, 2.0]}
-    plain = thresholds_of(lattice_constant=A, **given)
-    same = origins.domains(A, **given, stiffness=1.0, samples=200)
-    assert np.array_equal(plain.domains.barriers, same.domains.barriers)
-    waves = {"kind": "fourier", "wavevectors": [[1.0, 0.0], [0.0, 1.0]], "sines": [1.0, 1.0]}
-    shaped = thresholds_of(
-        island={"kind": "hexagonal", "lattice_constant": A, "radius": 3 * A}, substrate=waves
-    )
-    direct = origins.barrier(origins.hexagonal_island(A, 3 * A), shaped.domains.angles)
-    np.testing.assert_allclose(shaped.domains.barriers, direct, atol=1e-12)
-
-
 # -- one island over all angles --------------------------------------------------------------------
 
 
@@ -160,16 +147,18 @@ def thresholds_of(**table: object) -> origins.Thresholds:
     return toolkit.load_scene(scene(law, drive={"to": 0.5, "points": 6})).contacts.thresholds
 
 
-def test_any_structure_that_ase_reads(tmp_path: Path) -> None:
+def test_any_structure_that_ase_reads_in_a_scene(tmp_path: Path) -> None:
     island = origins.triangular_island(2.5, 5, 4)
     island.numbers[:] = 18
     island.set_cell([30.0, 30.0, 10.0])
     ase.io.write(tmp_path / "island.cif", island)
-    table = {"kind": "file", "file": str(tmp_path / "island.cif")}
-    law = thresholds_of(island=table)
+    law = thresholds_of(island={"kind": "file", "file": str(tmp_path / "island.cif")})
     same = origins.domains(2.5, sizes=[(5, 4)], stiffness=1.0, samples=200)
-    assert law.mean() == pytest.approx(same.mean(), rel=1e-6)
-    assert law.domains.n_atoms[0] == 20
+    assert law.mean() == pytest.approx(same.mean(), rel=1e-6) and law.domains.n_atoms[0] == 20
+    given = {"sizes": [[5, 4], [6, 5]], "weights": [1.0, 2.0]}
+    mixed = origins.domains(A, **given, stiffness=1.0, samples=200).domains
+    found = thresholds_of(lattice_constant=A, **given).domains
+    assert np.array_equal(found.barriers, mixed.barriers)
 
 
 @pytest.mark.slow

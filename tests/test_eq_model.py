@@ -1,4 +1,4 @@
-"""The ensemble against its plain twins, exact results and its own statistics; cut short, and gone on with."""
+"""The ensemble against exact results and its own statistics; cut short, and gone on with."""
 
 import dataclasses
 from itertools import islice
@@ -7,14 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
-from lane_contacts import Lane
-from plain_life import life
-from rate_laws import Tilted
 from scipy.special import ndtr
 
 import eq_model
 import origins
-from origins import Ageing, Contacts, Delay, Drive, Thermal
+from origins import Ageing, Contacts, Delay, Thermal
 
 NARROW, GAUSSIAN = origins.gaussian(1.0, 0.05), origins.gaussian(1.0, 0.2)
 GAP = origins.mixture([origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7])
@@ -22,8 +19,6 @@ ATOMS = origins.mixture([origins.identical(0.95), origins.identical(1.05)], [0.3
 START = origins.gaussian_start(mean=0.1, std=0.025)
 GRAINS = origins.growing_grains(1.0, 1.0, age=4.0)
 TURNING = np.concatenate([np.linspace(0.0, 1.3, 5), np.linspace(-0.9, 0.7, 4), [0.7]])
-HOLDING = np.array([0.0, 0.9, 0.9, 1.2, 0.5, 0.5])
-WHEN = np.array([0.0, 1.0, 40.0, 40.5, 43.0, 60.0])
 SOFT, STIFF = Thermal("soft", 0.05, 0.4), Thermal("stiff", 0.05, 0.4)
 
 # -- exact results -----------------------------------------------------------------------------------
@@ -136,56 +131,6 @@ def test_ages_are_those_of_the_laws_at_rest(far: bool) -> None:
         below = np.cumsum(found.thresholds * np.diff(found.threshold_edges))
         assert run.breaks == 0
         assert np.abs(below - law.cdf(found.threshold_edges[1:])).max() < 1.95 / np.sqrt(n)
-
-
-# -- one contact: the plain twin -----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("thermal", [None, SOFT, STIFF, Tilted(0.1, 0.4)])
-@pytest.mark.parametrize(
-    ("path", "time"), [(TURNING, None), (HOLDING, WHEN)], ids=["turning", "holding"]
-)
-def test_a_life_is_that_of_the_plain_twin(thermal: Any, path: Any, time: Any) -> None:
-    """Also of a law that brings nothing compiled."""
-    contacts, drive = (
-        Contacts(GAUSSIAN, thermal=thermal, stiffness="linked"),
-        Drive(path, time=time),
-    )
-    lane, generator = Lane(contacts, drive), np.random.default_rng(8)
-    end = lane.times[-1]
-    for _ in range(60):
-        born = generator.uniform(0.0, 0.7) * end
-        x, threshold, bears = (
-            generator.uniform(-0.3, 0.3),
-            generator.uniform(0.4, 1.4),
-            generator.exponential(),
-        )
-        then, there = lane.follow(x, threshold, bears, born=born)
-        when, stretch = life(contacts, drive, born, x, threshold, bears)
-        assert np.isinf(then) == np.isinf(when)
-        if not np.isinf(when):
-            assert there == pytest.approx(stretch, abs=1e-8)
-            assert then == pytest.approx(when, abs=1e-7 * end)
-
-
-def test_a_growing_contact_breaks_where_its_hazard_is_met() -> None:
-    """Pulled steadily from the first, after a rest, and turning round after it was pulled faster than it now is."""
-    path, time = np.array([0.0, 0.5, 0.5, 6.0]), np.array([2.0, 2.1, 2.3, 13.3])
-    lane, generator = Lane(Contacts(GRAINS), Drive(path, time=time)), np.random.default_rng(4)
-    broken = 0
-    for _ in range(50):
-        x, u = generator.uniform(-0.4, 0.4), generator.random()
-        first = float(GRAINS.hazard(abs(x), 4.0))
-        threshold = float(GRAINS.quantile(-np.expm1(-first + np.log(u)), 4.0))
-        goal = float(GRAINS.hazard(threshold, 4.0))
-        then, there = lane.follow(x, threshold, 1.0, fresh=False)
-        sample = np.linspace(0.0, min(then, 13.3), 4001)[:-1]
-        stretch = np.abs(x + np.interp(sample, np.append(0.0, time), np.append(0.0, path)))
-        assert (GRAINS.hazard(stretch, 4.0 + sample) < goal * (1.0 + 1e-9)).all()
-        if then < np.inf:
-            assert GRAINS.hazard(abs(there), 4.0 + then) == pytest.approx(goal, rel=1e-8)
-            broken += 1
-    assert broken > 20
 
 
 # -- the ensemble as a whole --------------------------------------------------------------------------

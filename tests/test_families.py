@@ -2,26 +2,12 @@
 
 import numpy as np
 import pytest
-from references import (
-    Reference,
-    chord_gaussian,
-    gaussian,
-    generalised_gamma,
-    grains,
-    gw_elastic,
-    gw_gaussian,
-    gw_plastic,
-    lubricated,
-    mixture,
-    mp,
-    persson,
-    rectangular,
-)
+import references as exact
+from references import Reference, mp
 from scipy import stats
 
 import master
 import origins
-from origins import InputError
 
 EPSILON = np.finfo(float).eps
 UPPER = 10.0 ** -np.array([0.02, 0.3, 1, 2, 5, 10, 30, 80, 150, 220, 280])
@@ -29,48 +15,45 @@ LOWER = 10.0 ** -np.array([0.05, 0.5, 1, 3, 8, 15, 22, 30])
 
 
 CASES = {
-    "gw_elastic": lambda: gw_elastic(1.0),
-    "gw_plastic": lambda: gw_plastic(1.0),
-    "gw_gaussian": lambda: gw_gaussian(1.5, 1.0, "paper", "elastic"),
-    "gw_gaussian light": lambda: gw_gaussian(40.0, 2e-8, "amontons", "elastic"),
-    "gw_gaussian mixed": lambda: gw_gaussian(0.5, 3e-8, "amontons", "mixed", 9.0),
-    "gw_gaussian mixed light": lambda: gw_gaussian(10.0, 1.0, "paper", "mixed", 25.0),
-    "rectangular": lambda: rectangular(0.5, 1.5),
-    "lubricated": lambda: lubricated(1.0),
-    "lubricated, steep": lambda: generalised_gamma(1.3, 5.0, 4.0),
-    "lubricated, diverging": lambda: generalised_gamma(2e-9, -0.5, 0.5),
-    "lubricated, slow": lambda: generalised_gamma(1.0, -0.5, 0.1),
-    "grains": lambda: grains(1.0, 1.0),
-    "grains, all but pinning": lambda: grains(2.0 / 3.0 * (1.0 + 1e-6), 1.0),
-    "grains, few pinning": lambda: grains(0.7, 3.7e17),
-    "grains, far beyond the film": lambda: grains(1e3, 2.3),
-    "persson": lambda: persson(1.0, 0.5),
-    "persson light": lambda: persson(0.01, 1.0),
-    "persson at 0": lambda: persson(0.0, 1.7),
-    "persson, all but a line": lambda: persson(1.0, 1e-6),
-    "persson narrowest": lambda: persson(1.0, 0.01),
-    "gaussian": lambda: gaussian(1.0, 0.05),
-    "gaussian broad": lambda: gaussian(1.0, 0.4),
-    "gaussian mostly below": lambda: gaussian(-1.0, 0.5),
-    "chord": lambda: chord_gaussian(1.0, 0.05, 2.0),
-    "chord wide": lambda: chord_gaussian(1.0, 0.3, 5.0),
-    "chord short": lambda: chord_gaussian(1.0, 0.3, 1.5),
-    "two Gaussians": lambda: mixture([gaussian(0.3, 0.03), gaussian(1.0, 0.05)], [0.3, 0.7]),
-    "unequal": lambda: mixture(
-        [gw_elastic(1.0), rectangular(2.0, 3.0), persson(1.0, 0.5)], [1e-3, 0.499, 0.5]
+    "gw_elastic": lambda: exact.gw_elastic(1.0),
+    "gw_plastic": lambda: exact.gw_plastic(1.0),
+    "gw_gaussian": lambda: exact.gw_gaussian(1.5, 1.0, "paper", "elastic"),
+    "gw_gaussian light": lambda: exact.gw_gaussian(40.0, 2e-8, "amontons", "elastic"),
+    "gw_gaussian mixed": lambda: exact.gw_gaussian(0.5, 3e-8, "amontons", "mixed", 9.0),
+    "gw_gaussian mixed light": lambda: exact.gw_gaussian(10.0, 1.0, "paper", "mixed", 25.0),
+    "rectangular": lambda: exact.rectangular(0.5, 1.5),
+    "lubricated": lambda: exact.lubricated(1.0),
+    "lubricated, steep": lambda: exact.lubricated(1.3, 5.0, 3.0),
+    "lubricated, diverging": lambda: exact.lubricated(2e-9, -0.5, 0.5),
+    "grains": lambda: exact.grains(1.0, 1.0),
+    "grains, all but pinning": lambda: exact.grains(2.0 / 3.0 * (1.0 + 1e-6), 1.0),
+    "grains, few pinning": lambda: exact.grains(0.7, 3.7e17),
+    "grains, far beyond the film": lambda: exact.grains(1e3, 2.3),
+    "persson": lambda: exact.persson(1.0, 0.5),
+    "persson light": lambda: exact.persson(0.01, 1.0),
+    "persson at 0": lambda: exact.persson(0.0, 1.7),
+    "persson, all but a line": lambda: exact.persson(1.0, 1e-6),
+    "persson narrowest": lambda: exact.persson(1.0, 0.01),
+    "gaussian": lambda: exact.gaussian(1.0, 0.05),
+    "gaussian broad": lambda: exact.gaussian(1.0, 0.4),
+    "gaussian mostly below": lambda: exact.gaussian(-1.0, 0.5),
+    "chord": lambda: exact.chord_gaussian(1.0, 0.05, 2.0),
+    "chord wide": lambda: exact.chord_gaussian(1.0, 0.3, 5.0),
+    "chord short": lambda: exact.chord_gaussian(1.0, 0.3, 1.5),
+    "two Gaussians": lambda: exact.mixture(
+        [exact.gaussian(0.3, 0.03), exact.gaussian(1.0, 0.05)], [0.3, 0.7]
     ),
-    "rare tail": lambda: mixture([gaussian(1.0, 0.05), gw_elastic(1.0)], [1.0 - 1e-9, 1e-9]),
+    "unequal": lambda: exact.mixture(
+        [exact.gw_elastic(1.0), exact.rectangular(2.0, 3.0), exact.persson(1.0, 0.5)],
+        [1e-3, 0.499, 0.5],
+    ),
+    "rare tail": lambda: exact.mixture(
+        [exact.gaussian(1.0, 0.2), exact.gw_elastic(1.0)], [1.0 - 1e-9, 1e-9]
+    ),
 }
 
 
-SLOWLY = pytest.param("lubricated, slow", marks=pytest.mark.slow)  # at 1,300 digits
-
-
-@pytest.fixture(
-    scope="module",
-    params=[*(name for name in CASES if name != "lubricated, slow"), SLOWLY],
-    ids=str,
-)
+@pytest.fixture(scope="module", params=CASES)
 def case(request: pytest.FixtureRequest) -> Reference:
     return CASES[request.param]()
 
@@ -144,74 +127,70 @@ def test_quantiles(case: Reference) -> None:
         assert (np.abs(exactly(function, x) - targets) <= slack).all()
 
 
-def test_moments(case: Reference) -> None:
-    for n in (1, 2, 3, 4):
+def test_moments_and_steady_sliding(case: Reference) -> None:
+    """F_k = <x²>/(2 <x>), within the error claimed."""
+    mean, square = float(case.moment(1)), float(case.moment(2))
+    assert case.law.mean() == pytest.approx(mean, rel=1e-12)
+    for n in (2, 3, 4):
         assert case.law.moment(n) == pytest.approx(float(case.moment(n)), rel=1e-10)
     with mp.workdps(40):
         variance = float(case.moment(2) - case.moment(1) ** 2)
-    assert case.law.mean() == pytest.approx(float(case.moment(1)), rel=1e-12)
     assert case.law.std() == pytest.approx(np.sqrt(variance), rel=1e-10)
+    steady = master.steady_state(origins.Contacts(case.law))
+    assert steady.mean_threshold == pytest.approx(mean, rel=1e-10)
+    assert abs(steady.force - square / (2.0 * mean)) <= steady.force_error * mean
+    assert steady.force_error < 5e-14 * max(steady.force / mean, 1.0)
 
 
 def test_onset_power(case: Reference) -> None:
-    """P_c ~ (x - a)^m: the limit of (x - a) P_c / cdf is m + 1."""
-    lower = case.law.support()[0]
+    """P_c ~ (x - a)^m: m from two densities next to the lower end a."""
+    lower, power = case.law.support()[0], case.law.onset_power
     if is_chord(case.law):
         # h starts along a straight line; test_density follows it
-        assert case.law.onset_power == 1.0
+        assert power == 1.0
         return
-    with mp.workdps(1300):
-        step = (mp.mpf(float(case.law.ppf(0.5))) - lower) * mp.mpf(10) ** -290
-        ratio = float(step * case.pdf(lower + step) / case.cdf(lower + step))
-    assert case.law.onset_power == pytest.approx(ratio - 1.0, abs=1e-12)
+    step = (mp.mpf(float(case.law.ppf(0.5))) - lower) * mp.mpf(10) ** -28
+    if case.law.logpdf(lower + float(step)) < -1e3:
+        # stresses so narrow that no digits tell how they begin
+        assert power == 3.0
+        return
+    with mp.workdps(190):
+        ratio = case.pdf(lower + 2 * step) / case.pdf(lower + step)
+        assert power == pytest.approx(float(mp.log(ratio, 2)), abs=1e-12)
 
 
 SCALED = {
-    "gw_gaussian": lambda s, u: origins.gw_gaussian(
-        6.0 * u - 3.0, s, regime="mixed", plasticity_index=1.0 + 20.0 * u
+    "gw_gaussian": lambda s: origins.gw_gaussian(-1.0, s, regime="mixed", plasticity_index=9.0),
+    "generalised gamma": lambda s: origins.lubricated(0.9 * s, power=3.2, decay=1.8),
+    "grains": lambda s: origins.grains(2.3, B=1.8 / s**2),
+    "grains, printed": lambda s: origins.grains(2.3, B=1.8 / s**2, jacobian="paper"),
+    "persson": lambda s: origins.persson(s, 1.8 * s),
+    "gaussian": lambda s: origins.gaussian(s, 0.8 * s),
+    "chord": lambda s: origins.gaussian(s, 0.85 * s, form="paper", upper=3.6 * s),
+    "mixture": lambda s: origins.mixture(
+        [origins.gaussian(s, 0.1 * s), origins.lubricated(s)], [0.4, 0.6]
     ),
-    "generalised gamma": lambda s, u: origins.lubricated(
-        (0.1 + u) * s, power=4.0 * u, decay=1.0 + u
-    ),
-    "grains": lambda s, u: origins.grains(0.7 + 2.0 * u, B=(1.0 + u) / s**2),
-    "grains, printed": lambda s, u: origins.grains(
-        0.7 + 2.0 * u, B=(1.0 + u) / s**2, jacobian="paper"
-    ),
-    "persson": lambda s, u: origins.persson(s, (0.2 + 2.0 * u) * s),
-    "gaussian": lambda s, u: origins.gaussian(s, (0.01 + u) * s),
-    "chord": lambda s, u: origins.gaussian(
-        s, (0.05 + u) * s, form="paper", upper=(1.2 + 3.0 * u) * s
-    ),
-    "mixture": lambda s, u: origins.mixture(
-        [origins.gaussian(s, 0.1 * s), origins.lubricated(s)], [0.5 * u, 1 - 0.5 * u]
-    ),
-    "from_samples": lambda s, u: origins.from_samples(
-        s * np.random.default_rng(3).gamma(1.0 + u, size=300)
+    "from_samples": lambda s: origins.from_samples(
+        s * np.random.default_rng(3).gamma(1.8, size=300)
     ),
 }
 
 
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
 @pytest.mark.parametrize("name", SCALED)
-def test_scale_changes_nothing_but_the_scale(name: str) -> None:
-    for k, u in enumerate(np.random.default_rng(5).random(2)):
-        scale = (1e-9, 1e9)[k % 2]
-        base, scaled = SCALED[name](1.0, u), SCALED[name](scale, u)
-        q = np.array([1e-12, 1e-3, 0.2, 0.5, 0.9])
-        x = base.isf(q)
-        inside = x < base.support()[1]
-        np.testing.assert_allclose(scaled.isf(q), scale * x, rtol=1e-12)
-        np.testing.assert_allclose(scaled.ppf(q), scale * base.ppf(q), rtol=1e-12)
-        np.testing.assert_allclose(
-            scaled.sf(scale * x[inside]), base.sf(x[inside]), rtol=1e-11, atol=4e-16
-        )
-        np.testing.assert_allclose(
-            scaled.pdf(scale * x) * scale, base.pdf(x), rtol=1e-11, atol=1e-15 * base.pdf(x).max()
-        )
-        np.testing.assert_allclose(scaled.breakpoints, scale * base.breakpoints, rtol=1e-12)
-        for n in (1, 2, 3, 4):
-            assert scaled.moment(n) / scale**n == pytest.approx(base.moment(n), rel=1e-12)
-        assert scaled.std() / scale == pytest.approx(base.std(), rel=1e-12)
-        assert scaled.onset_power == pytest.approx(base.onset_power, rel=1e-13)
+def test_scale_changes_nothing_but_the_scale(name: str, scale: float) -> None:
+    base, scaled = SCALED[name](1.0), SCALED[name](scale)
+    q = np.array([1e-12, 1e-3, 0.2, 0.5, 0.9])
+    x = base.isf(q)
+    x, least = x[x < base.support()[1]], 1e-15 * base.pdf(x).max()
+    np.testing.assert_allclose(scaled.isf(q), scale * base.isf(q), rtol=1e-12)
+    np.testing.assert_allclose(scaled.ppf(q), scale * base.ppf(q), rtol=1e-12)
+    np.testing.assert_allclose(scaled.sf(scale * x), base.sf(x), rtol=1e-11, atol=4e-16)
+    np.testing.assert_allclose(scaled.pdf(scale * x) * scale, base.pdf(x), rtol=1e-11, atol=least)
+    np.testing.assert_allclose(scaled.breakpoints, scale * base.breakpoints, rtol=1e-12)
+    for n in (1, 2, 3, 4):
+        assert scaled.moment(n) / scale**n == pytest.approx(base.moment(n), rel=1e-12)
+    assert scaled.onset_power == pytest.approx(base.onset_power, rel=1e-13)
 
 
 def test_mixture_with_atoms_and_gaps() -> None:
@@ -337,28 +316,6 @@ def test_a_family_may_state_its_density_alone() -> None:
     assert law.std() == pytest.approx(closed.std(), rel=1e-12)
 
 
-def test_a_family_that_is_no_law_is_told_by_name() -> None:
-    class Half(origins.Thresholds):
-        def support(self) -> tuple[float, float]:
-            return 0.0, 1.0
-
-        def _pdf(self, x: np.ndarray) -> np.ndarray:
-            return np.full_like(x, 0.5)
-
-    class Wrong(Half):
-        def _sf(self, x: np.ndarray) -> np.ndarray:
-            return 1.2 - x
-
-    with pytest.raises(
-        InputError, match=r"Wrong: its survival at x = 0\.1 is 1\.1, outside 0 to 1"
-    ):
-        Wrong().sf([0.5, 0.1])
-    with pytest.raises(
-        InputError, match=r"Half: its density adds up to 0\.5, not to 1; state it as"
-    ):
-        Half().sf(0.5)
-
-
 # -- averages over a parameter, such as the orientation of grains ----------------------------------
 
 
@@ -368,9 +325,9 @@ def test_averages_of_a_closed_form() -> None:
     first, last = np.exp(-x * x), np.exp(-3.0 * x * x)
     even = (first - last) / (2.0 * x * x)
     rising = ((1.0 + x * x) * first - (1.0 + 3.0 * x * x) * last) / (4.0 * x**4)
-    for density, exact, loss in ((None, even, 1e-10), (lambda rate: rate, rising, 1e-9)):
+    for density, known, loss in ((None, even, 1e-10), (lambda rate: rate, rising, 1e-9)):
         law = origins.continuous_mixture(origins.gw_plastic, 1.0, 3.0, density=density)
-        assert np.abs(law.sf(x) - exact).max() < loss and law.quadrature_error <= 1e-10
+        assert np.abs(law.sf(x) - known).max() < loss and law.quadrature_error <= 1e-10
         assert law.weights.sum() == pytest.approx(1.0, abs=1e-14)
     frozen = origins.continuous_mixture(lambda rate: stats.expon(scale=1.0 / rate), 1.0, 2.0)
     assert frozen.sf(1.0) == pytest.approx(np.exp(-1.0) - np.exp(-2.0), abs=1e-10)

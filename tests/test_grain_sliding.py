@@ -6,34 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from grain_references import psi
-from references import mp
+from references import mp, psi
 from scipy.optimize import brentq, minimize_scalar
 
 import master
-import origins
 from origins import Contacts, Delay, Thermal, growing_grains
-
-
-def test_steady_sliding_against_contacts_one_by_one() -> None:
-    velocity, growth = 0.3, origins.GrainGrowth(alpha=1.0, B=1.0)
-    grains, first = origins.GrainContact(growth), growth.first_pinning_time
-    steady = master.steady_state(Contacts(origins.GrainContact(growth, age=4.0)), velocity=velocity)
-    # each life is a wait and a quantile for good; thresholds by the age, met on a fine grid of stretches
-    x = np.linspace(0.0, last_stretch(velocity), 1001)
-    ranks = np.random.default_rng(3).random(2_000)
-    above = grains.quantile(ranks[:, None], first + x[1:] / velocity) > x[1:]
-    reached = np.where(above.all(axis=1), x[-1], x[np.argmin(above, axis=1)])
-    reached += 0.5 * x[1] * (reached > 0.0)
-    length, area = reached, 0.5 * reached**2
-    cycle = length.mean() + velocity * first
-    force, holding = area.mean() / cycle, length.mean() / cycle
-    error = (area - force * (length + velocity * first)).std() / np.sqrt(ranks.size) / cycle
-    assert abs(force - steady.force) < 4.0 * error + x[1] ** 2
-    spread = (length - holding * (length + velocity * first)).std() / np.sqrt(ranks.size) / cycle
-    assert abs(holding - steady.holding) < 4.0 * spread + x[1]
-    assert steady.force_error < 1e-12
-
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
 
@@ -89,7 +66,7 @@ def test_the_first_fall_of_the_force_in_closed_form() -> None:
     assert line.critical_spring[0, 1] == pytest.approx(line.critical_spring[1, 1], rel=1e-6)
 
 
-def test_decay_to_steady_sliding() -> None:
+def test_steady_sliding_and_the_decay_to_it() -> None:
     """With those that never hold, the travel from break to break has the transform e^(-sd) [lost + held p^(s)]."""
     velocity, contacts = 1.0, Contacts(GRAINS)
     wait, last = velocity * contacts.waiting_time, last_stretch(velocity)
@@ -98,6 +75,9 @@ def test_decay_to_steady_sliding() -> None:
     x, weights = 0.5 * last * (nodes + 1.0), 0.5 * last * weights
     left = np.exp(-GRAINS.hazard(x, GRAINS.growth.first_pinning_time + x / velocity))
     share = float(np.exp(-GRAINS.lost_hazard(velocity)))
+    steady, cycle = master.steady_state(contacts, velocity=velocity), wait + weights @ left
+    assert abs(steady.force - weights @ (x * left) / cycle) < 1e-9
+    assert abs(steady.holding - weights @ left / cycle) < 1e-9 > steady.force_error
     for root in spectrum.roots:
         # the transform of -dE/dx by parts, from that of the survival E
         lost, held = 1.0 - share, share - root * (weights * left) @ np.exp(-root * x)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from heat_references import HEAT, LAWS, PATHS, left_by_definition
+from rate_laws import Tilted
 from scipy.integrate import quad
 from solving import gauss
 
@@ -223,3 +224,35 @@ def test_fast_sliding_loses_force_as_a_power_of_temperature(
         speed = np.geomspace(1e3, 1e5, 3)
         warm = master.kinetic_curve(Contacts(NARROW, thermal=Thermal(law, 0.1)), speed).force
         assert fitted(speed, cold - warm) == pytest.approx(-1.0, abs=0.01)
+
+
+# -- the kinetic force -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("heat", "stiffness", "speed"),
+    [("cooler", "linked", 3.0), ("stiff", "independent", 0.03), ("tilted", "independent", 0.1)],
+)
+def test_the_kinetic_force_is_that_of_the_definition(heat: str, stiffness: str, speed: float):
+    """F_k is the integral of x E over that of E, E as above; a curve over speeds says the same."""
+    (thermal, rate), law, linked = HEAT[heat], LAWS["gaussian"], stiffness == "linked"
+    x, weights = gauss(np.linspace(0.0, 2.6, 11), 10)
+    ways = [np.array([0.0, at]) for at in x]
+    parts = [left_by_definition(law, rate, way, way / speed, linked) for way in ways]
+    length, area = weights @ np.array(parts)
+    contacts = Contacts(law, thermal=thermal, stiffness=stiffness)
+    steady = master.steady_state(contacts, velocity=speed)
+    assert abs(steady.force - area / length) <= steady.force_error + 1e-9
+    curve = master.kinetic_curve(contacts, [speed, 10.0 * speed])
+    assert abs(curve.force[0] - area / length) <= curve.force_error[0] + 1e-9
+
+
+def test_the_kinetic_force_falls_by_alpha_with_each_e_fold_of_a_low_speed():
+    """dF_k/d ln v = α F_k(∞) within 1 % for v/(ω α <x_s>) from 1e-4 to 1e-2."""
+    rates = Tilted(alpha=0.03, omega=2.0)
+    speeds = np.geomspace(1e-4, 1e-2, 9) * rates.omega * rates.alpha
+    step, contacts = 0.05, Contacts(WIDE, thermal=rates)
+    asked = np.concatenate([speeds * np.exp(-step), speeds * np.exp(step)])
+    low, high = master.kinetic_curve(contacts, asked).force.reshape(2, -1)
+    fastest = WIDE.moment(2) / (2.0 * WIDE.mean())  # F_k(∞): contacts break at their thresholds
+    np.testing.assert_allclose((high - low) / (2.0 * step), rates.alpha * fastest, rtol=0.01)

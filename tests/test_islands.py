@@ -5,19 +5,6 @@ import numpy as np
 import pytest
 
 import origins
-from origins import (
-    circular_island,
-    fourier_substrate,
-    hexagonal_island,
-    hexagonal_substrate,
-    irregular_island,
-    rectangular_island,
-    square_island,
-    square_substrate,
-    structure_factors,
-    triangular_island,
-    triangular_structure_factors,
-)
 
 A = 2.5
 
@@ -29,7 +16,7 @@ def neighbours(points: np.ndarray, distance: float) -> np.ndarray:
 
 
 def test_triangular_island_is_the_papers() -> None:
-    island = triangular_island(A, 7, 6)
+    island = origins.triangular_island(A, 7, 6)
     assert isinstance(island, ase.Atoms) and len(island) == 42 and not island.pbc.any()
     points = island.positions[:, :2]
     # the paper's coordinates: i begins at -(j // 2), neither at -j/2 nor at (-j) // 2
@@ -44,28 +31,30 @@ def test_triangular_island_is_the_papers() -> None:
 
 def test_outlines_are_counted() -> None:
     for n in range(6):
-        assert len(hexagonal_island(A, n * A)) == 3 * n * (n + 1) + 1
+        assert len(origins.hexagonal_island(A, n * A)) == 3 * n * (n + 1) + 1
     i, j = np.meshgrid(np.arange(-30, 31), np.arange(-30, 31))
     for radius in (0.0, 1.0, 5.0, 7.3, 12.0):
         for kind, apart in (("triangular", i * i + i * j + j * j), ("square", i * i + j * j)):
             inside = (apart <= radius**2 + 1e-9).sum()
-            assert len(circular_island(A, radius * A, lattice=kind)) == inside
-    assert len(rectangular_island(A, 6 * A, 4 * A, lattice="square")) == 7 * 5
+            assert len(origins.circular_island(A, radius * A, lattice=kind)) == inside
+    assert len(origins.rectangular_island(A, 6 * A, 4 * A, lattice="square")) == 7 * 5
     # rows of a triangular lattice: seven atoms where one stands in the middle, six else; 5 rows within 4 a
-    assert len(rectangular_island(A, 6 * A, 4 * A)) == 7 + 2 * 6 + 2 * 7
-    square = square_island(A, 4, 3)
+    assert len(origins.rectangular_island(A, 6 * A, 4 * A)) == 7 + 2 * 6 + 2 * 7
+    square = origins.square_island(A, 4, 3)
     assert len(square) == 12 and neighbours(square.positions[:, :2], A).max() == 4
-    for outline in (hexagonal_island, circular_island, irregular_island):
+    for outline in (origins.hexagonal_island, origins.circular_island, origins.irregular_island):
         counts = neighbours(outline(A, 6 * A).positions[:, :2], A)
         assert counts.max() == 6 and counts.min() >= 1
 
 
 def test_irregular_islands_come_from_their_seed() -> None:
-    one, same, other = (irregular_island(A, 10 * A, seed=seed).positions for seed in (1, 1, 2))
+    one, same, other = (
+        origins.irregular_island(A, 10 * A, seed=seed).positions for seed in (1, 1, 2)
+    )
     assert np.array_equal(one, same) and not np.array_equal(one, other)
     # of all outlines the smooth one is the nearest to a circle's number of atoms
     sizes = [
-        [len(irregular_island(A, 10 * A, roughness=r, seed=s)) for s in range(20)]
+        [len(origins.irregular_island(A, 10 * A, roughness=r, seed=s)) for s in range(20)]
         for r in (0.0, 0.2)
     ]
     assert np.abs(np.array(sizes[0]) * np.sqrt(0.75) / (np.pi * 100) - 1).max() < 0.03
@@ -75,12 +64,12 @@ def test_irregular_islands_come_from_their_seed() -> None:
 @pytest.mark.parametrize(
     "substrate",
     [
-        square_substrate(2.0, 3.0),
-        hexagonal_substrate(-0.5, 2.5),
-        fourier_substrate([[2.0, 0.0], [3.0, 0.0], [1.0, 5.0]], [1.0, 2.0, 3.0j], constant=7.0),
-        fourier_substrate(
+        origins.square_substrate(2.0, 3.0),
+        origins.hexagonal_substrate(-0.5, 2.5),
+        origins.fourier_substrate(
             np.array([[2, 0], [3, 1], [1, 5], [7, -11]]) @ [[0.9, 0.2], [-0.1, 1.1]],
             [1, 2, 3j, 1 + 1j],
+            constant=7.0,
         ),
     ],
 )
@@ -133,8 +122,8 @@ def test_random_islands_against_sums_over_atoms() -> None:
         )
         waves = rng.normal(size=(3, 2)) if case % 2 else square
         expected = atom_by_atom(a, n_i, n_j, angle, waves)
-        closed = triangular_structure_factors(a, n_i, n_j, angle, waves)
+        closed = origins.triangular_structure_factors(a, n_i, n_j, angle, waves)
         assert np.abs(closed - expected).max() < 1e-12 * n_i * n_j
         if case % 10 == 0:
-            summed = structure_factors(origins.triangular_island(a, n_i, n_j), angle, waves)
+            summed = origins.structure_factors(origins.triangular_island(a, n_i, n_j), angle, waves)
             assert np.abs(summed - expected).max() < 1e-12 * n_i * n_j

@@ -58,31 +58,19 @@ def test_a_drive_in_time_is_drawn_against_time_and_its_holds_in_decades() -> Non
     drive = {"turns": [1.5, 1.5, 2.0], "times": [1.5, 3.5, 4.0], "points": 10}
     result = toolkit.run(scene(contacts={"thresholds": WIDE, "delay": {"time": 0.25}}, drive=drive))
     found = result.master
-    for draw, values in (
-        (plot_force, found.force),
-        (plot_position, found.path),
-        (plot_holding, found.holding),
-    ):
-        axes = draw(Figure().subplots(), result)
-        line = axes.get_lines()[0]
+    drawn = {plot_force: found.force, plot_position: found.path, plot_holding: found.holding}
+    for draw, values in drawn.items():
+        line = draw(axes := Figure().subplots(), result).get_lines()[0]
         assert line.get_xdata() == pytest.approx(result.time)
-        assert np.array_equal(line.get_ydata(), values)
-        assert axes.get_xlabel() == "time $t$"
-    long = {
-        "turns": [1.0, 1.0, 2.0],
-        "times": [1.0, 1.0 + 1e6, 2.0 + 1e6],
-        "points": 91,
-        "hold_scale": 1e-2,
-    }
+        assert np.array_equal(line.get_ydata(), values) and axes.get_xlabel() == "time $t$"
+    times = [1.0, 1.0 + 1e6, 2.0 + 1e6]
+    long = {"turns": [1.0, 1.0, 2.0], "times": times, "points": 91, "hold_scale": 1e-2}
     result = toolkit.run(scene(WIDE, drive=long))
     axes = plot_force(Figure().subplots(), result)
     axes.figure.canvas.draw()
-    at = axes.transAxes.inverted().transform(
-        axes.transData.transform([(time, 0.0) for time in result.time])
-    )[:, 0]
-    np.testing.assert_allclose(
-        np.diff(at), at[1] - at[0], rtol=1e-6
-    )  # points are even, and ticks apart
+    shown = axes.transData.transform([(time, 0.0) for time in result.time])
+    at = axes.transAxes.inverted().transform(shown)[:, 0]
+    np.testing.assert_allclose(np.diff(at), at[1] - at[0], rtol=1e-6)  # points are even
 
 
 def test_slips_are_drawn_where_they_are() -> None:

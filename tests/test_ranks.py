@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import scene, to_toml, write
+from scenes import scene, write
 
 import toolkit
 from toolkit.running.signals import Launch, read_environment
+from toolkit.scene.tables import to_toml
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 
@@ -27,28 +28,19 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("environment", "launch"),
     [
-        ({}, Launch(1, 0)),
-        (
-            {"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "1", "PMIX_RANK": "1"},
-            Launch(2, 1),
-        ),
-        ({"SLURM_STEP_NUM_TASKS": "8", "SLURM_PROCID": "5"}, Launch(8, 5)),
+        ("", Launch(1, 0)),
+        ("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=1 PMIX_RANK=1", Launch(2, 1)),
+        ("SLURM_STEP_NUM_TASKS=8 SLURM_PROCID=5", Launch(8, 5)),
         # mpirun within a step: its own daemons are one, one a node
-        (
-            {"SLURM_STEP_NUM_TASKS": "2", "SLURM_PROCID": "1", "PMI_SIZE": "8", "PMI_RANK": "5"},
-            Launch(8, 5),
-        ),
+        ("SLURM_STEP_NUM_TASKS=2 SLURM_PROCID=1 PMI_SIZE=8 PMI_RANK=5", Launch(8, 5)),
         # a batch script, alone on a machine given for 8 tasks
-        ({"SLURM_NTASKS": "8", "SLURM_PROCID": "0"}, Launch(1, 0)),
+        ("SLURM_NTASKS=8 SLURM_PROCID=0", Launch(1, 0)),
         # ranks of this node only: the whole launch counts
-        (
-            {"PMI_SIZE": "8", "PMI_RANK": "6", "MPI_LOCALNRANKS": "4", "MPI_LOCALRANKID": "2"},
-            Launch(8, 6),
-        ),
+        ("PMI_SIZE=8 PMI_RANK=6 MPI_LOCALNRANKS=4 MPI_LOCALRANKID=2", Launch(8, 6)),
     ],
 )
-def test_environment_is_read(environment: dict[str, str], launch: Launch) -> None:
-    assert read_environment(environment) == launch
+def test_environment_is_read(environment: str, launch: Launch) -> None:
+    assert read_environment(dict(one.split("=") for one in environment.split())) == launch
 
 
 # every kind of ensemble; islands whose sampling is shared; what one rank refuses all refuse
@@ -178,7 +170,9 @@ def test_mpi_that_cannot_be_imported_is_one_line_in_total(broken: str, mpirun: A
     done = mpirun(2, f"import sys; sys.modules['mpi4py'] = {broken}; {SCRIPT}", "run", "small.toml")
     assert done.returncode == 2 and done.stdout == "" and os.listdir() == ["small.toml"]
     (line,) = done.stderr.splitlines()
-    assert line.startswith("mesofriction: mpirun or srun: started 2 ranks, but mpi4py cannot be imported")
+    assert line.startswith(
+        "mesofriction: mpirun or srun: started 2 ranks, but mpi4py cannot be imported"
+    )
 
 
 def test_ranks_that_cannot_meet_are_not_lone_runs(python: Any) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from ase import Atoms
+from ase.calculators.calculator import Calculator
 from ase.constraints import FixAtoms
 from rate_laws import Tilted
 from scipy import stats
@@ -95,6 +96,36 @@ GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1.0, 2
 PAPER, AGEING = Thermal("soft", 0.1, closure="paper"), Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
 
 
+class Wrong(Calculator):
+    """The forces of cos x + cos y, and `share` of its energy."""
+
+    implemented_properties = ["energy", "forces"]  # noqa: RUF012
+
+    def __init__(self, share: float) -> None:
+        super().__init__()
+        self.share = share
+
+    def calculate(self, *given: Any, **named: Any) -> None:
+        super().calculate(*given, **named)
+        xy = self.atoms.positions * [1.0, 1.0, 0.0]
+        self.results = {"energy": self.share * float(np.cos(xy).sum()), "forces": np.sin(xy)}
+
+
+class Half(origins.Thresholds):
+    """A density that adds up to a half, and in Unbound a survival above 1."""
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, 1.0
+
+    def _pdf(self, x: np.ndarray) -> np.ndarray:
+        return np.full_like(x, 0.5)
+
+
+class Unbound(Half):
+    def _sf(self, x: np.ndarray) -> np.ndarray:
+        return 1.2 - x
+
+
 class Careless(origins.Thresholds):
     """Exponential thresholds whose inverse is wrong by a part in 10^4."""
 
@@ -165,10 +196,16 @@ origins.relaxed_barrier(FIXED, ON)  FixAtoms does not fix
 origins.relaxed_barrier(ISLAND, origins.square_substrate())  ASE calculator
 origins.relaxed_barrier(ISLAND, LEVEL)  all parallel
 origins.relaxed_barrier(origins.triangular_island(2.5, 40, 40), ON, rigid=False)  at most 1500
+origins.relaxed_barrier(ISLAND, Wrong(np.nan), periods=6.3 * np.eye(2))  calculator = nan: must give finite
+origins.relaxed_barrier(ISLAND, Wrong(1.5), periods=2.0 * np.pi * np.eye(2))  forces must be those of its
+origins.relaxed_barrier(ISLAND, Wrong(1.0))  periods = None: must be given
+origins.relaxed_barrier(ISLAND, Wrong(1.0), periods=3.0 * np.eye(2))  must leave energies
 origins.harmonic_bonds(ISLAND, 1.0, reach=1.0)  reach = 1.0: bonds no atoms
 origins.grains(2.0 / 3.0, B=1.0)  rho = 0.6666666666666666: no grain pins yet
 origins.grains(alpha=1.0, time=0.2, B=1.0)  time = 0.2: no grain pins yet: the first does
 origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0])  time = 0.0: must be finite and above zero
+Unbound().sf([0.5, 0.1])  Unbound: its survival at x = 0.1 is 1.1, outside 0 to 1
+Half().sf(0.5)  Half: its density adds up to 0.5, not to 1; state it as
 origins.identical(0.0)  value = 0.0:
 origins.gaussian(1.0, -0.1)  std = -0.1:
 origins.gaussian(1.0, 0.1, form="paper", upper=0.9)  mean = 1.0:
@@ -295,6 +332,7 @@ contacts.thresholds.kind = "gausian"  contacts.thresholds.kind = 'gausian': must
 contacts.delays = {"time": 1.0}  contacts.delays: unknown key; known here: thresholds, start,
 contacts.delay = {}  contacts.delay.time: is missing; it takes time
 contacts.thermal = {"law": "weak", "temperature": 0.1}  contacts.thermal.law = 'weak': must be "soft"
+eq.contacts = 2.5  eq.contacts: expected int, got float
 contacts.thermal.temperature = {"kelvin": 300.0}  contacts.thermal.temperature.kelvin = 300.0: needs
 contacts.ageing = {"rate": 1.0, "final": OLD | {"std": 0.0}}  contacts.ageing.final.std = 0.0: must be above
 contacts.reforming = {"kind": "identical", "value": 9.0}  contacts.reforming: a weight of 1 lies beyond

@@ -200,9 +200,13 @@ def test_slips_that_die_out_and_slips_that_do_not():
     assert short.regime.verdict == "undecided" and short.period is None
 
 
-def test_wall_time_cuts_the_path():
-    contacts, path = origins.Contacts(NARROW), np.linspace(0.0, 20.0, 101)
-    solution = master.solve(contacts, path, spring=1.0, slip="instant", wall_time=1e-9)
-    assert not solution.success and "by wall_time; the path is cut there" in solution.message
-    assert solution.path.size == solution.force.size == solution.position.size < path.size
-    assert solution.regime.verdict == "undecided"
+@pytest.mark.parametrize("thermal", [None, origins.Thermal("soft", 0.1)])
+@pytest.mark.parametrize("drive", [{}, {"spring": 1.0, "slip": "instant"}])
+def test_wall_time_cuts_the_path(thermal, drive):
+    contacts = origins.Contacts(origins.gaussian(1.0, 1e-3), thermal=thermal)
+    path = np.linspace(0.0, 50.0, 501)
+    found = master.solve(contacts, path, wall_time=1e-9, **drive)
+    assert not found.success and "wall_time" in found.message
+    assert found.path.size == found.force.size == found.holding.size < path.size
+    if drive:
+        assert found.position.size == found.path.size and found.regime.verdict == "undecided"

@@ -34,15 +34,6 @@ def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -
     assert np.abs(slips.force_after - known.force_after).max() <= solved.force_error
 
 
-def test_twice_the_steps_leave_a_quarter_of_the_error_or_less() -> None:
-    found = [
-        master.solve(Contacts(WIDE, thermal=SOFT), [0.8, 1.6], t, spring=2.0) for t in (1e-5, 1e-6)
-    ]
-    coarse, fine = found
-    assert fine.nodes <= 2 * coarse.nodes and fine.force_error < coarse.force_error / 4.0
-    assert np.abs(coarse.force - fine.force).max() <= coarse.force_error + fine.force_error
-
-
 # Fig. A06
 OLD = Ageing(gaussian(1.0, 0.02), 5e-4)
 A06 = Contacts(gaussian(0.5, 0.05), gaussian_start(0.02, 0.01), ageing=OLD)
@@ -71,41 +62,23 @@ def test_the_force_is_that_of_a_rigid_slider_on_the_same_way(name: str) -> None:
 
 
 REPEATS, COUNT = 6, 1_500
-PULLED: dict[str, tuple[Contacts, float, float, SlipRule, float]] = {
-    "soft, instant": (Contacts(WIDE, thermal=SOFT), 1.0, 0.4, "instant", 3.2),
-    "delay": (
-        Contacts(WIDE, 0.1, Thermal("soft", 0.05), delay=Delay(0.2)),
-        1.0,
-        0.4,
-        "instant",
-        3.2,
-    ),
-    "ageing, reset": (A06, 6.0, 3.5, "reset", 0.95),
-}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n != "soft, instant")) for n in PULLED]
-)
-def test_slips_and_forces_are_those_of_contacts_one_by_one(name: str) -> None:
-    contacts, velocity, spring, rule, end = PULLED[name]
-    path = np.linspace(0.1, 1.0, 10) * end
-    solved = master.solve(contacts, path, 1e-2, velocity=velocity, spring=spring, slip=rule)
+def test_slips_and_forces_are_those_of_contacts_one_by_one() -> None:
+    contacts, spring, path = Contacts(WIDE, thermal=SOFT), 0.4, np.linspace(0.32, 3.2, 10)
+    solved = master.solve(contacts, path, 1e-2, spring=spring, slip="instant")
     assert solved.success and solved.slips.drive.size
-    args = contacts, path, velocity, spring, rule, end / 300, COUNT
-    runs = [pull(*args, seed) for seed in range(REPEATS)]
-    first = np.array([one.slips[:, 0] for one in runs])
-    force = np.array([one.force for one in runs])
-    spread, spread_first = (one.std(axis=0, ddof=1) / REPEATS**0.5 for one in (force, first))
+    runs = [pull(contacts, path, 1.0, spring, COUNT, seed) for seed in range(REPEATS)]
+    first, after, force = (np.array(part) for part in zip(*runs, strict=True))
+    spread = [one.std(axis=0, ddof=1) / REPEATS**0.5 for one in (first, after, force)]
     # finite ensembles slip late
-    late = 0.35 * COUNT ** (-2.0 / 3.0) * contacts.mean_threshold
+    late = 0.35 * COUNT ** (-2.0 / 3.0)
     own, slip = solved.force_error * contacts.mean_threshold, solved.slips
-    allowed = 4.0 * spread_first + [late + own / spring, 0, 0, 0, spring * late + own]
-    assert abs(first[:, 0].mean() - slip.drive[0]) < allowed[0]
-    assert abs(first[:, 4].mean() - slip.force_after[0]) < allowed[4]
+    assert abs(first.mean() - slip.drive[0]) < 4.0 * spread[0] + late + own / spring
+    assert abs(after.mean() - slip.force_after[0]) < 4.0 * spread[1] + spring * late + own
     # of the points beside a slip some runs are before it, some after
-    far = np.abs(path[:, None] - slip.drive).min(axis=1) > 0.05 * end
-    z = (force.mean(axis=0) - solved.force) / (spread + own + 0.25 * spring * late)
+    far = np.abs(path[:, None] - slip.drive).min(axis=1) > 0.16
+    z = (force.mean(axis=0) - solved.force) / (spread[2] + own + 0.25 * spring * late)
     assert far.sum() >= 7 and np.abs(z[far]).max() < 5.0, z
 
 
@@ -128,28 +101,6 @@ def test_a_drive_that_holds_lets_the_slider_creep() -> None:
     assert solved.success, solved.message
     assert (np.diff(solved.position) > 0.0).all() and (np.diff(solved.force[:3]) < 0.0).all()
     assert solved.force[2] < 0.4 * solved.force[0] and solved.force[3] > solved.force[2] + 0.3
-
-
-@pytest.mark.slow
-def test_a_slider_that_creeps_as_fast_as_the_drive_is_smooth_below_the_rigid_critical_spring() -> (
-    None
-):
-    """Until its force stays as it is, only why nothing can be told."""
-    contacts = Contacts(WIDE, thermal=SOFT)
-    early, late = (
-        master.solve(contacts, np.linspace(0.0, end, 25), 1e-2, velocity=0.1, spring=0.4)
-        for end in (2.7, 8.0)
-    )
-    assert (
-        not early.slips.drive.size
-        and not late.slips.drive.size
-        and late.regime.stiffness_ratio < 1.0
-    )
-    assert early.regime.verdict == "undecided" and "K < K*" in early.regime.reason
-    assert late.regime.verdict == "smooth", late.regime.reason
-    assert late.force[-1] == pytest.approx(
-        master.steady_state(contacts, velocity=0.1).force, rel=0.02
-    )
 
 
 BOUNDED: dict[str, tuple[Contacts, dict[str, Any]]] = {
@@ -181,14 +132,3 @@ def test_the_error_bounds_what_finer_steps_change(name: str) -> None:
     told = beside > 2.0 * slips.drive_error
     assert told.sum() > 90
     assert np.abs(rough.force - fine.force)[told].max() <= bound
-
-
-def test_a_solution_ends_with_what_it_has() -> None:
-    """Counting steps, as times are no two machines' own: no time at all is over at the first."""
-    contacts, path = Contacts(WIDE, thermal=Thermal("soft", 0.1)), np.linspace(0.0, 5.0, 51)
-    cut = master.solve(contacts, path, 1e-3, spring=0.4, wall_time=1e-9)
-    assert not cut.success and cut.path.size < path.size and "wall_time" in cut.message
-    assert cut.force.size == cut.position.size == cut.holding.size == cut.path.size
-    assert cut.regime.verdict == "undecided"
-    aged = Contacts(WIDE, ageing=Ageing(gaussian(1.2, 0.1), 1e-2))
-    assert not master.solve(aged, path, 1e-3, spring=0.4, wall_time=1e-9).success

@@ -52,20 +52,12 @@ def test_closed_values(name: str) -> None:
 def test_what_is_not_known_well_enough_says_so() -> None:
     contacts = origins.Contacts(origins.gaussian(1.0, 0.3))
     found = master.propensity(contacts, 1e-6)
-    assert (
-        found.success and found.message.startswith("K* known to ") and "only" not in found.message
-    )
-    assert (
-        master.phase_line(contacts).success.all() and master.kinetic_curve(contacts).success.all()
-    )
-    assert master.steady_state(contacts).success
+    assert found.success and "only" not in found.message
+    assert master.phase_line(contacts).success and master.kinetic_curve(contacts).success
     found = master.propensity(contacts, 1e-14)
     assert not found.success and "only, above 1.0e-14" in found.message
     line = master.phase_line(contacts, [1.0, 2.0], tolerance=1e-14)
-    assert (
-        line.success.tolist() == [False, False]
-        and " only at 2 of 2 points, above 1.0e-14" in line.message
-    )
+    assert not line.success.any() and " only at 2 of 2 points, above 1.0e-14" in line.message
 
 
 NARROW = origins.gaussian(1.0, 0.05)

@@ -54,8 +54,6 @@ KINDS = {
     "turning, re-forming": Kind(contacts(reforming=0.1), LOOP),
     "turning, delay": Kind(contacts(BOX, delay=origins.Delay(0.4)), LOOP),
     "turning, heat": Kind(contacts(thermal=WARM), LOOP, tolerance=1e-5),
-    "turning, ageing": Kind(YOUNG, [0.0, 0.7, 0.1, 0.6], tolerance=1e-3),
-    "turning, grains": Kind(GRAINS, [0.0, 0.7, 0.1, 0.6], tolerance=1e-3),
     "holds, delay": Kind(contacts(start=START, delay=origins.Delay(0.4)), *HELD),
     "holds, heat": Kind(contacts(start=START, thermal=WARM), *HELD, tolerance=1e-5),
     "holds, heat, paper's closure": Kind(
@@ -94,7 +92,6 @@ def integrals(density, low: float, high: float, leave: float) -> np.ndarray:
 
 POINTS = 20
 QUADRATURE = 2e-9  # what the halved integrals may leave, or a thirtieth of the error claimed
-REFUSED = {"turning, ageing", "turning, grains"}  # there Q(x;X) is not told
 SLOW = {
     "turning, delay",
     "forward, heat",
@@ -119,10 +116,6 @@ def test_stretches_add_up_to_what_holds_and_to_the_force(name: str) -> None:
     time = None if kind.times is None else np.interp(points, corners, kind.times)
     solution = master.solve(kind.contacts, path, kind.tolerance, time=time)
     assert solution.success
-    if name in REFUSED:
-        with pytest.raises(origins.InputError, match=r"Q\(x;X\) is not known"):
-            solution.distribution(1)
-        return
     by_index = time is not None or (not forward and bool(kind.contacts.laws))
     low, high = min(kind.turns) - max(kind.turns) - 0.5, max(kind.turns) - min(kind.turns) + 0.5
     leave = max(QUADRATURE, 0.03 * solution.force_error)
@@ -130,12 +123,8 @@ def test_stretches_add_up_to_what_holds_and_to_the_force(name: str) -> None:
         if points[index] in corners:
             continue
         leg = int(points[index])
-        if by_index:
-            found = solution.distribution(index)
-        elif forward:
-            found = solution.distribution(float(path[index]))
-        else:
-            found = solution.distribution(float(path[index]), leg=leg)
+        place = [index] if by_index else [float(path[index])]
+        found = solution.distribution(*place, **({} if by_index or forward else {"leg": leg}))
         share, force = integrals(found.density, low, high, leave)
         share += found.delta_weights.sum()
         force += found.delta_weights @ found.delta_positions

@@ -103,17 +103,6 @@ def test_exponential_thresholds_break_again_and_again_after_two_turns():
     held_to_claim(origins.Contacts(scipy.stats.expon()), path, 1e-10, exact)
 
 
-def test_the_mirror_image_of_a_path_is_the_mirror_image_of_its_force():
-    path = through([0.0, 1.3, -0.4, 0.9], 37)
-    one = master.solve(
-        origins.Contacts(origins.gw_plastic(1.0), origins.gaussian_start(0.1, 0.05)), path, 1e-9
-    )
-    other = master.solve(
-        origins.Contacts(origins.gw_plastic(1.0), origins.gaussian_start(-0.1, 0.05)), -path, 1e-9
-    )
-    assert np.abs(one.force + other.force).max() <= 1e-12
-
-
 WIDE = gaussian(1.0, 0.2)
 
 

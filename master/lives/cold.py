@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.stretches import Moves, averaged
+from master.lives.averages import Moves, averaged
+from master.lives.life import Life
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
@@ -17,23 +18,11 @@ Rows = npt.NDArray[np.intp]
 # Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of the
 # sums that contain them.
 NONE_LEFT = 1e-18
-# Thresholds below LOWEST mean thresholds underflow in sums; their weight must be below LOST.
-LOWEST, LOST = 1e-290, 1e-12
-# The table of a heavy tail has edges at these survivals: without them all nodes could lie beyond most
-# thresholds. A tail is heavy where the reach is over HEAVY times the x at which the survival is 1e-2.
-FEW = np.array([1e-2, 1e-4, 1e-7, 1e-10, 1e-13])
-HEAVY = 20.0
-# Smallest survival by which we divide.
-LEAST_SURVIVAL = 1e-280
+# Thresholds below this many mean thresholds underflow in sums.
+LOWEST = 1e-290
 # An exact threshold within this relative distance above |x| counts as met: a turning point placed
 # exactly at it may be off by rounding.
 TIE = 1e-12
-# Panels of the table narrower than NARROW grains are searched for a corner; panels narrower than
-# CORNER grains always contain one. A jump of P_c below LEAST_BEND per grain is ignored.
-NARROW, CORNER, LEAST_BEND = 1e-2, 1e-4, 1e-6
-# The size of a bend is SEEN times the difference, half a panel beyond it, of the polynomials of its
-# two sides: the panels of the solution may be a few times wider than those of the table.
-SEEN = 30.0
 # Factor on the largest measured error of an average over stretches, as only some errors are measured.
 MARGIN = 2.0
 # Last coefficients below which pieces of the stretches are not halved: near a cusp of S(|r|) the error
@@ -41,15 +30,14 @@ MARGIN = 2.0
 RESOLVED = 1e-12
 
 
-class ColdLife:
+class ColdLife(Life):
     """The life of contacts without heat and without ageing (paper, Eq. Nik04); a Life.
 
     `grain` is the length over which the survival has to be resolved: the mean width, weighted by
     the contacts that break there, of the panels on which a polynomial follows it.
     """
 
-    quick = timeless = fresh_start = True
-    pair_work = 1
+    quick = timeless = True
 
     def __init__(self, contacts: Contacts) -> None:
         law = contacts.thresholds
@@ -59,7 +47,7 @@ class ColdLife:
         self._weights = law.atoms[1]
         upper = law.support()[1]
         beneath = float(law.cdf(LOWEST * self._mean))
-        if beneath > LOST:
+        if beneath > 1e-12:
             raise InputError(
                 f"thresholds: a weight of {beneath:.2g} lies below {LOWEST:g} of the mean, where floating "
                 "point ends; leave such contacts out and count them apart"
@@ -67,7 +55,7 @@ class ColdLife:
         # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         furthest = max(abs(end) for born in births for end in born.span)
-        least = max(float(law.sf(furthest)), LEAST_SURVIVAL)
+        least = max(float(law.sf(furthest)), 1e-280)
         self.reach = min(float(upper), float(law.isf(NONE_LEFT * least)))
         if self.atoms.size:
             self.reach = max(self.reach, float(self.atoms.max()))
@@ -79,8 +67,9 @@ class ColdLife:
         # a narrow law breaks only between `quiet` and `reach`, and nodes of wider panels would miss it
         self._end = self.reach
         edges = np.unique(np.concatenate([[0.0, self.quiet, odd, self.reach], self.bends]))
-        if self.reach > HEAVY * float(law.isf(FEW[0])):
-            far = law.isf(FEW)
+        # in a heavy tail all nodes could lie beyond most thresholds
+        far = law.isf(np.array([1e-2, 1e-4, 1e-7, 1e-10, 1e-13]))
+        if self.reach > 20.0 * float(far[0]):
             edges = np.union1d(edges, far[(far > 0.0) & (far < self.reach)])
             self._end = float(upper)  # the few contacts that hold beyond may carry much force
         shortest = 1e-9 * self._mean
@@ -88,60 +77,6 @@ class ColdLife:
         lost = -np.diff(self._smooth(self._table.edges))
         weight = lost.sum()
         self.grain = float(self._table.widths @ lost / weight) if weight > 0.0 else self.reach
-        self.bends = np.union1d(self.bends, self._corners())
-        self.bend_sizes: Array = np.array([self._size(at) for at in self.bends])
-        self.error = 0.0
-
-    def _corners(self) -> Array:
-        """Corners that the law does not declare, found where halving led to very narrow panels."""
-        begin, widths = self._table.begin, self._table.widths
-        width = NARROW * self.grain
-        narrow = np.flatnonzero(widths < width)
-        known = np.append(0.0, self.bends)
-        away = np.abs(begin[narrow, None] - known).min(axis=1, initial=np.inf)
-        narrow = narrow[away > 10.0 * width]
-        groups = np.split(narrow, np.flatnonzero(np.diff(begin[narrow]) > 10.0 * width) + 1)
-        found = []
-        for group in groups if narrow.size else []:
-            least = group[np.argmin(widths[group])]
-            crossing = self._crossing(float(begin[least]), 4.0 * float(widths[least]))
-            if crossing is not None:
-                found.append(crossing)
-            elif widths[least] < CORNER * self.grain:
-                found.append(float(begin[least]))
-        return np.array(found)
-
-    def _crossing(self, near: float, width: float) -> float | None:
-        """The x near `near` at which the slope of the survival jumps; None if it does not.
-
-        Polynomials fitted on either side cross there. (The panel is within about 1e-9 of the corner,
-        but corners must be exact to rounding, so that sums of them that should coincide form one edge.)
-        """
-        width = max(width, CORNER * self.grain)
-        steps = width * np.arange(1.0, 5.0)
-        left, right = (
-            np.polynomial.Polynomial.fit(x, self._smooth(x), 3)
-            for x in (near - steps, near + steps)
-        )
-        bend = float(right.deriv()(near) - left.deriv()(near))
-        if not abs(bend) * self.grain > LEAST_BEND:
-            return None
-        shift = float(left(near) - right(near)) / bend
-        return near + shift if abs(shift) < width else None
-
-    def _size(self, bend: float) -> float:
-        """Size of the survival's non-smooth part at a bend: at most 1, as where P_c jumps.
-
-        It compares the polynomials of both sides half a panel beyond the bend.
-        """
-        panel = int(np.searchsorted(self._table.begin, bend, "right")) - 1
-        before = int(np.searchsorted(self._table.end, bend * (1.0 - TIE)))
-        widths = self._table.widths[[before, panel]]
-        if bend in self.atoms or before == panel or widths.min() < NARROW * self.grain:
-            return 1.0
-        x = bend + 0.5 * widths.min() * np.array([-1.0, 1.0])
-        left, right = (self._table.extended(x, which) for which in (before, panel))
-        return float(np.clip(SEEN * np.abs(left - right).max(), 1e-16, 1.0))
 
     def marks(self, width: float) -> Array:
         """See Life."""

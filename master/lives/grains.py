@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.halving import Pieces, integrals
-from master.lives.life import UnbentLife
+from master.lives.averages import Pieces, integrals
+from master.lives.life import Life
 from master.motion.motion import History, Legs
 from origins import Contacts, GrainContact
 from origins.grains.lifshitz_slyozov import hazard_beyond
@@ -27,14 +27,9 @@ Rows = npt.NDArray[np.intp]
 
 # H above which the survival e^-H, below 1e-17, counts as 0.
 GONE = 39.2
-# Length over which survivals are resolved, in standard deviations of the thresholds at t = 0.
-GRAIN = 0.25
-# Error of the share by that of the hazards; and factor on the measured error of sums over the
-# starting stretches, as only some are measured.
-ERROR, SEEN = 5e-14, 2.0
 
 
-class GrainLife(UnbentLife):
+class GrainLife(Life):
     """Life (see master.lives.life) of contacts with growing grains, without heat.
 
     Parameters
@@ -48,7 +43,7 @@ class GrainLife(UnbentLife):
     grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
     """
 
-    error, fresh_start = ERROR, False
+    error, fresh_start = 5e-14, False  # the share's error by that of the hazards
     # first number of pieces of a start, and last coefficients below which they are not halved
     pieces, resolved = 8, 1e-12
 
@@ -61,7 +56,7 @@ class GrainLife(UnbentLife):
         self.reach = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
         # no contact of the start is stretched beyond the largest threshold at t = 0
         self.start_reach = grains.at_start.support()[1]
-        self.grain = GRAIN * grains.at_start.std()
+        self.grain = 0.25 * grains.at_start.std()
 
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
@@ -101,7 +96,8 @@ class GrainLife(UnbentLife):
             return np.concatenate([density * found, density[None]])
 
         found = integrals(weighed, Pieces(row, edges[low], edges[low + 1]), count, self.resolved)
-        self.error = max(self.error, SEEN * float(found.missed[0]))
+        # only some of the sums are measured
+        self.error = max(self.error, 2.0 * float(found.missed[0]))
         return found.value[:2] / found.value[2]
 
     def _holding(self, row: Rows, nodes: Array, moves: Legs, since: float, lost: Array) -> Array:

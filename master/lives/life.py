@@ -1,8 +1,6 @@
-"""Life: the protocol by which the master equation uses the laws of contacts."""
+"""Life: what the master equation uses of the laws of contacts."""
 
 from __future__ import annotations
-
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +11,13 @@ from origins.start import Start
 Array = npt.NDArray[np.float64]
 
 
-class Life(Protocol):
+class Life:
     """Survival and force, after any motion of the slider, of contacts that were born together.
 
     The method `left` gives the survival E(t, s) and the force kernel K(t, s) of number conservation for
     contacts born at the stretches at which broken contacts re-form, and G_0(t) and M_0(t) for contacts
-    born at t = 0 at the stretches of the start.
+    born at t = 0 at the stretches of the start. Each law of contacts is a subclass; the attributes are
+    those of contacts that depend on time and whose survival has no bends.
 
     Attributes
     ----------
@@ -32,9 +31,6 @@ class Life(Protocol):
     bends : array of shape (n,)
         Lengths, sorted: the largest |x| at which the survival of a contact is not smooth, such as
         jumps of P_c and exact thresholds.
-    bend_sizes : array of shape (n,)
-        Size of the survival's non-smooth part at each bend, above 0: 1 where P_c jumps, less where only
-        a higher derivative jumps.
     grain : float
         Length over which the survival has to be resolved.
     quick : bool
@@ -50,28 +46,19 @@ class Life(Protocol):
     """
 
     reach: float
-    quiet: float
-    atoms: Array
-    bends: Array
-    bend_sizes: Array
     grain: float
-    quick: bool
-    pair_work: int
-    fresh_start: bool
-    timeless: bool
-
-    @property
-    def error(self) -> float:
-        """See above."""
-        ...
+    quiet, quick, timeless = 0.0, False, False
+    fresh_start, pair_work, error = True, 1, 0.0
+    atoms: Array = np.empty(0)
+    bends: Array = np.empty(0)
 
     def marks(self, width: float) -> Array:
         """The bends, and |x| between which the survival is smooth enough for panels of a width."""
-        ...
+        return self.bends
 
     def atom_share(self, atom: float, stretch: float) -> float:
         """Upper bound of the share of contacts born at a stretch that have the exact threshold `atom`."""
-        ...
+        return 0.0
 
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that still hold, and their mean force per contact born.
@@ -84,23 +71,4 @@ class Life(Protocol):
         Returns an array of shape (2, rows, columns): the share, between 0 and 1, and the force in
         units of <k>, a length.
         """
-        ...
-
-
-class UnbentLife:
-    """Defaults for lives that depend on time and whose survival has no bends; attributes as in Life."""
-
-    bends: Array = np.empty(0)
-    bend_sizes: Array = np.empty(0)
-    atoms: Array = np.empty(0)
-    quiet = 0.0
-    quick = timeless = False
-    fresh_start, pair_work = True, 1
-
-    def marks(self, width: float) -> Array:
-        """See Life."""
-        return self.bends
-
-    def atom_share(self, atom: float, stretch: float) -> float:
-        """See Life; there are no exact thresholds."""
-        return 0.0
+        raise NotImplementedError

@@ -4,31 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from master.lives.age.ageing import LONGEST, AgeingLife
-from master.lives.age.path import AgeingPath
+from master.lives.age.ageing import LONGEST, AgeingLife, AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
 from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.replayed import RESOLVED
-from master.lives.heat.thermal import ThermalLife
+from master.lives.heat.thermal import RESOLVED, ThermalLife
 from master.lives.life import Life
 from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
-
-# Last coefficients of averages over the stretches at birth, over the tolerance, and their least and
-# largest value. The error of averages is their square, or near an onset of P_c some 1e-3 of them.
-_RESOLVED, LEAST_RESOLVED, MOST_RESOLVED = 1e-2, 1e-12, 1e-6
-# Error of the share that holds of contacts that age, in units of the tolerance, and its least.
-_AGED, _FINEST = 0.2, 1e-10
-# The same in steady motion where strands are followed: smaller errors take too long.
-_STEPPED = 1e-7
-# Largest hazard of growing grains as they pin: a share e^-300 holds, close to underflow.
-_MOST_LOST = 300.0
-# For growing grains with heat: change of the share that holds below which no finer nodes are tried,
-# over the tolerance, and its least and largest value.
-_WARM, _WARM_ENDS = 0.02, (1e-11, 1e-6)
 
 
 def life_of(
@@ -47,18 +32,17 @@ def life_of(
         assert motion is not None
         if contacts.thermal is None:
             return GrainLife(contacts, float(motion.times[-1]))
-        accuracy = float(np.clip(_WARM * tolerance, *_WARM_ENDS))
+        accuracy = float(np.clip(0.02 * tolerance, 1e-11, 1e-6))
         return WarmGrainLife(contacts, float(motion.times[-1]), accuracy)
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)
-        accuracy = max(_AGED * tolerance, _FINEST)
+        accuracy = max(0.2 * tolerance, 1e-10)
         return (AgeingLife if motion.one_leg else AgeingPath)(contacts, motion, accuracy, until)
     if contacts.thermal is None:
         return ColdLife(contacts)
-    resolved = (
-        min(max(_RESOLVED * tolerance, LEAST_RESOLVED), MOST_RESOLVED) if tolerance else RESOLVED
-    )
+    # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
+    resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
     return life(contacts, resolved)
 
@@ -68,27 +52,26 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
     Raises InputError for closures in which single contacts have no law, and where no pinned contact holds.
     """
+    ageing, stepped = contacts.ageing, False
     if contacts.grains is not None:
         _check_some_hold(contacts.grains, velocity)
         longest = _outlived(contacts, velocity)
-        if contacts.thermal is None:
-            return GrainLife(contacts, longest)
-        return WarmGrainLife(contacts, longest, _WARM_ENDS[0])
-    if contacts.ageing is not None:
-        check_ageing(contacts)
-        closed = contacts.ageing.normal is not None and contacts.thermal is None
-        laws = contacts.thresholds, contacts.ageing.final
-        way = LONGEST * max(float(law.isf(1e-17)) for law in laws)
-        motion = Motion(np.array([0.0, way / velocity]), np.array([0.0, way]))
-        return AgeingLife(contacts, motion, _FINEST if closed else _STEPPED)
-    return life_of(contacts)
+    elif ageing is not None:
+        laws = contacts.thresholds, ageing.final
+        longest = LONGEST * max(float(law.isf(1e-17)) for law in laws) / velocity
+        stepped = ageing.normal is None or contacts.thermal is not None
+    else:
+        return life_of(contacts)
+    motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * velocity]))
+    # where strands are followed, smaller errors take too long
+    return life_of(contacts, 5e-7 if stepped else 0.0, motion)
 
 
 def _check_some_hold(grains: GrainContact, velocity: float) -> None:
     """Refuse speeds at which so few of the contacts that pin ever hold that their survival underflows."""
     grains.check_speed(velocity)
     lost = grains.lost_hazard(velocity)
-    if lost > _MOST_LOST:
+    if lost > 300.0:  # a share of e^-300 holds, close to underflow
         few = f"none holds but a fraction exp(-{lost:.4g})"
         why = "they are stretched before their grains have grown"
         rule = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"

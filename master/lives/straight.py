@@ -15,18 +15,11 @@ Array = npt.NDArray[np.float64]
 
 # Error of the survival, and of the force over the reach, to which the table is refined.
 ACCURACY = 1e-13
-# Allowed error of polynomials at the ends of panels, over the accuracy: near a root it is larger there
-# than inside.
-_ENDS = 100.0
-# Halvings of the longest time, to resolve lives that are much shorter.
-_RUNGS = 64
 # Relative distance within which a time counts as that at which an exact threshold is reached.
 _TIE = 1e-11
-# The narrowest panel of the table over its length; with heat lives may be far shorter.
-SHORTEST, SHORTEST_IN_HEAT = 1e-12, 1e-20
 
 
-class StraightLife:
+class StraightLife(Life):
     """A Life, tabulated over the time since birth, of contacts born on the present leg.
 
     While the slider keeps its speed, the survival depends only on the time since birth. A table of it
@@ -55,10 +48,7 @@ class StraightLife:
     def __init__(
         self, life: Life, born: Start, speed: float, longest: float, accuracy: float = ACCURACY
     ) -> None:
-        self.life, self.quiet = life, life.quiet
-        self.atoms, self.grain, self.quick = life.atoms, life.grain, True
-        self.timeless, self.fresh_start = life.timeless, life.fresh_start
-        self.pair_work = 1
+        self.life, self.atoms, self.grain, self.quick = life, life.atoms, life.grain, True
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         scale = np.array([1.0, 1.0 / life.reach])[:, None, None]
 
@@ -67,7 +57,8 @@ class StraightLife:
 
         self.asked, ladder = longest, np.empty(0)
         if not life.quick:
-            ladder = longest * 0.5 ** np.arange(_RUNGS, -1.0, -1.0)
+            # halvings of the longest time resolve lives that are much shorter
+            ladder = longest * 0.5 ** np.arange(64.0, -1.0, -1.0)
             left = found(ladder[:, None])[0, :, 0]
             ladder, left = ladder[1.0 - left > accuracy], left[1.0 - left > accuracy]
             dead = np.flatnonzero(left < NONE_LEFT)
@@ -77,10 +68,11 @@ class StraightLife:
         moving = bends_of(life, born, speed)
         # at the longest time an exact threshold may break all remaining contacts
         self.bends: Array = np.append(moving[moving < longest * (1.0 - _TIE)], longest)
-        self.bend_sizes: Array = np.ones(self.bends.size)
         edges = np.unique(np.concatenate([[0.0], self.bends, ladder, [longest]]))
-        shortest = (SHORTEST if life.quick else SHORTEST_IN_HEAT) * longest
-        self.table = Table(found, edges, accuracy, shortest, ends=0.0 if life.quick else _ENDS)
+        # with heat lives may be far shorter than the table, and have roots at their beginning, near
+        # which polynomials are less accurate than inside
+        narrow, ends = (1e-12, 0.0) if life.quick else (1e-20, 100.0)
+        self.table = Table(found, edges, accuracy, narrow * longest, ends=ends)
         self.error = life.error + self.table.error
         ways = bends_of(life, born, speed, life.atoms) if self.atoms.size else np.empty(0)
         self._jumps = ways[ways < longest]
@@ -88,10 +80,6 @@ class StraightLife:
     def marks(self, width: float) -> Array:
         """Times since birth between which the table is smooth enough for panels of a width."""
         return np.union1d(self.bends, self.table.fine(width))
-
-    def atom_share(self, atom: float, stretch: float) -> float:
-        """See Life."""
-        return self.life.atom_share(atom, stretch)
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life; born is the law that the table was made for, and the history is along `clock`."""

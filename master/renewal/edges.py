@@ -165,16 +165,14 @@ def _lump_times(
 def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[Moment]:
     """The moments at which contacts born one delay after a moment make breaks bend again.
 
-    A jump of P_c smooths a bend by one order, weaker bends of P_c by more. An exact threshold keeps
-    the order of a bend and multiplies its size by the share of contacts with that threshold.
+    A jump of P_c smooths a bend by one order. An exact threshold keeps the order of a bend and
+    multiplies its size by the share of contacts with that threshold.
     """
-    found, sizes = [], dict(zip(life.bends.tolist(), life.bend_sizes.tolist(), strict=True))
+    found = []
     for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
         for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
             share = life.atom_share(passing.mark, float(stretch))
-            size = share if share > 0.0 else sizes.get(passing.mark, 1.0)
-            lost = -np.log10(size) / DIGITS_A_GENERATION + (share == 0.0)
-            found.append(Moment(passing.time, moment.generation + lost))
+            found.append(Moment(passing.time, moment.generation + _lost(share)))
     return found
 
 

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives import straight
-from master.lives.age.path import AgeingPath
+from master.lives.age.ageing import AgeingPath
 from master.renewal.births import MOST_WORK, Added, Births, Panels
 from master.renewal.earlier import EarlierBirths
 from master.renewal.kernels import Kernels

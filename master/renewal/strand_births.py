@@ -15,9 +15,8 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.interpolate import BSpline, make_interp_spline
 
-from master.lives.age.ageing import MARGIN
-from master.lives.age.path import AgeingPath, Followed
-from master.lives.age.strands import Strands
+from master.lives.age.ageing import MARGIN, AgeingPath
+from master.lives.age.strands import Followed, Strands
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, Panels

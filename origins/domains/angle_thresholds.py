@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev, legendre
 
-from origins.thresholds.identical import identical
+from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 
 Sizes = Callable[[Array], Array]
@@ -115,8 +115,6 @@ class AngleThresholds(Thresholds):
     `breakpoints` are the ends of the support and the peaks and jumps that hold more than 1e-3 of the
     thresholds within 1e-2 mean thresholds; smaller ones exist, but are not declared.
     """
-
-    knows_breakpoints = False
 
     def __init__(self, sizes: Sizes, fastest: float, scale: float) -> None:
         """`sizes` and `fastest` as in angle_thresholds; |S(-G)| = |S(G)|, so that b repeats after half a turn."""

@@ -157,9 +157,7 @@ def _at_all_angles(island: Island, gain: float, exponent: float) -> Thresholds |
     law = angle_thresholds(island.sizes, island.phase, gain)
     if law is None or exponent == 1.0:
         return law
-    powered = Powered(law, PowerLaw(1.0, exponent))
-    powered.knows_breakpoints = law.knows_breakpoints
-    return powered
+    return Powered(law, PowerLaw(1.0, exponent))
 
 
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import between, one_of, positive, refuse
-from origins.grains.lifshitz_slyozov import OfHazard, hazard_beyond, invert_beyond
+from origins.grains.lifshitz_slyozov import OfHazard, hazard_beyond
 from origins.thresholds.law import Array, Thresholds
 
 _LARGEST = 1e50  # of rho, alpha and 1/alpha, whose powers must stay finite
@@ -212,11 +212,6 @@ class PinningGrains(_Film, OfHazard):
             slope = np.log(3.0 * self._root_b / (2.0 * self._m0 + k)) + np.log(self._root_b * x)
             log = slope + np.log(k) - 2.0 * np.log(left) - hazard_beyond(q, self._y0, self._e0)
         return np.where((x > 0.0) & (left > 0.0), log, -np.inf)
-
-    def _from_hazard(self, hazard: Array) -> Array:
-        q = invert_beyond(hazard, self._y0, self._e0)
-        gap = self._m0 * self._e0 * (q * self._e0 / (1.0 + q * self._e0))
-        return np.minimum(np.sqrt(gap) * np.sqrt(gap + 2.0) / self._root_b, self._upper)
 
 
 class PrintedGrains(_Film):

@@ -99,9 +99,5 @@ class LifshitzSlyozov(OfHazard):
         out[inner] = np.log(3.0 * u * u / ((u + 3.0) * (1.5 - u) ** 2)) - self._hazard(u)
         return out
 
-    def _from_hazard(self, hazard: Array) -> Array:
-        q = invert_beyond(hazard, 0.0, 1.0)
-        return 1.5 * (q / (1.0 + q))
-
     def _moment(self, n: float) -> float:
         return 1.0 if n == 1 else super()._moment(n)

@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from origins.errors import refuse, whole
 from origins.samples.from_samples import Sampled
-from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.mixture import Mixture, mixture
+from origins.thresholds.mixture import ContinuousMixture, Mixture
 
 _CONFIDENCE = 1.96
-_DRAWN = 1 << 15
-_CELLS = 1 << 12
+_CELLS = (
+    1 << 12
+)  # of equal weight: of more samples than these only the number in each cell is drawn
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,11 @@ def bootstrap(
     Raises InputError for thresholds that are not from samples, and for a statistic that is not finite or changes shape.
     """
     laws = bootstrap_laws(thresholds, whole("resamples", resamples, 2), seed)
-    value = _checked(statistic(thresholds), None)
-    resampled = np.stack([_checked(statistic(law), value.shape) for law in laws])
+    found = [np.asarray(statistic(law), dtype=float) for law in (thresholds, *laws)]
+    for one in found:
+        if one.shape != found[0].shape or not np.isfinite(one).all():
+            refuse("statistic", one, "must be finite, and of one shape, for all laws")
+    value, resampled = found[0], np.stack(found[1:])
     return Bootstrapped(
         value, resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - value, resampled
     )
@@ -99,8 +102,10 @@ def bootstrap_laws(
 
 def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
     """The laws from samples that `thresholds` is, or is a mixture of."""
-    parts = thresholds.parts if isinstance(thresholds, Mixture) else ()
-    return [law for _, law in parts if isinstance(law, Sampled)]
+    if isinstance(thresholds, Sampled):
+        return [thresholds]
+    given = thresholds.given if isinstance(thresholds, Mixture) else ()
+    return [part for _, law in given for part in sampled_parts(law)]
 
 
 def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
@@ -108,18 +113,9 @@ def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
         return _resampled(law, generator)
     if not isinstance(law, Mixture):
         return law
-    weights = np.array([weight for weight, _ in law.parts])
-    return mixture([_anew(part, generator) for _, part in law.parts], weights / weights.sum())
-
-
-def _checked(found: npt.ArrayLike, shape: tuple[int, ...] | None) -> Array:
-    values = np.asarray(found, dtype=float)
-    bad = values[~np.isfinite(values)]
-    if bad.size:
-        refuse("statistic", bad.flat[0], "must be finite for the law and all resampled ones")
-    if shape is not None and values.shape != shape:
-        refuse("statistic", values.shape, f"must keep its shape {shape} for the resampled laws")
-    return values
+    return Mixture(
+        [_anew(part, generator) for _, part in law.given], np.array([w for w, _ in law.given])
+    )
 
 
 def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
@@ -137,9 +133,9 @@ def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
 
 def _drawn(law: Thresholds, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
     """`size` samples of a law, some merged: values, and the number of samples that each represents."""
-    if size <= _DRAWN:
+    if size <= _CELLS:
         return law.rvs(size, generator), np.ones(size)
-    # most samples are replaced by the medians of cells of equal weight; those in the two outermost cells are drawn
+    # samples are replaced by the medians of their cells, but for those in the two outermost cells
     counts = generator.multinomial(size, np.full(_CELLS, 1.0 / _CELLS))
     inner = np.flatnonzero(counts[1:-1]) + 1
     low = law.ppf(generator.random(counts[0]) / _CELLS)

@@ -6,18 +6,20 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError, finite_array, positive, refuse
-from origins.samples.repeats import distinct, exact
 from origins.samples.smoothing import smooth
-from origins.thresholds.identical import identical
+from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
 
 _DOUBT = 0.05
 _NARROWEST = 1e-9  # of the largest sample: samples that all lie closer together are one value
 _SMALLEST, _LARGEST = 1e-100, 1e100
-_LEAST_GROUP = 5  # samples of a group beyond a gap
-_GAP = 10.0  # a gap's least width over those around it, to which the log of the number of samples is added
 _NOTHING = 1e-6  # of one effective sample
+_OFTEN = 10  # times that a value occurs which is exact
+_STANDS_OUT = 5  # least ratio of an exact value's count to that of its neighbours
+_SAME = 1e-12  # relative distance at which samples count as equal
+_SURELY_EXACT, _FEW = 3, 8  # numbers of different values
+_EVEN = 1e-3  # deviation from equal spacing, over the step of a grid
 
 
 def from_samples(
@@ -35,8 +37,7 @@ def from_samples(
     are at most 8 values in all, each 10 times or more, that are not equally spaced, or at most 3. Equal means to within
     1e-12. Samples rounded to a grid, whose neighbours repeat equally often, stay smooth.
 
-    Five samples or more beyond a gap that is 10 + log(n) times as wide as those around it are a group with its own
-    smooth law; fewer far samples keep their effect on the mean, though not always their place. Where a law misplaces
+    Few samples far from all others keep their effect on the mean, though not always their place. Where a law misplaces
     a tenth of the samples more than sampling explains, they are refused: give each narrow peak or group separately, in
     a mixture. P_c diverges at 0 only where the samples accumulate there: half of the lowest tenth below half of its
     reach.
@@ -76,22 +77,17 @@ def from_samples(
     counts = np.ones(lengths.size)
     if weights is not None:
         counts = _above_zero("weights", weights, lengths.size)
-    lengths, shares = _that_count(lengths, counts)
-    if lengths[-1] - lengths[0] <= _NARROWEST * lengths[-1]:
-        return identical(float(shares @ lengths))
-    return Sampled(lengths, shares, counts.size, float(1.0 / (shares @ shares)))
-
-
-def _that_count(lengths: Array, counts: Array) -> tuple[Array, Array]:
-    """Sorted lengths and their shares, without the lightest, which together weigh less than a millionth of one
-    sample: by the Cauchy-Schwarz inequality they change the mean by less than a thousandth of its error."""
     order = np.argsort(lengths, kind="stable")
     lengths, shares = lengths[order], counts[order] / counts.max()
     shares /= shares.sum()
+    # by the Cauchy-Schwarz inequality those left out change the mean by less than a thousandth of its error
     by_share = np.sort(shares)
     light = np.searchsorted(np.cumsum(by_share), _NOTHING * float(shares @ shares))
     heavy = shares >= by_share[light]
-    return lengths[heavy], shares[heavy] / shares[heavy].sum()
+    lengths, shares = lengths[heavy], shares[heavy] / shares[heavy].sum()
+    if lengths[-1] - lengths[0] <= _NARROWEST * lengths[-1]:
+        return identical(float(shares @ lengths))
+    return Sampled(lengths, shares, counts.size, float(1.0 / (shares @ shares)))
 
 
 def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None) -> Array:
@@ -117,26 +113,36 @@ def _above_zero(name: str, value: object, size: int | None = None) -> Array:
     return array
 
 
-def _groups(x: Array, shares: Array) -> list[tuple[Array, Array]]:
-    """Samples (distinct, sorted) and shares of each group, separated where a gap is far wider than those around it."""
-    place = np.arange(_LEAST_GROUP, x.size - _LEAST_GROUP + 1)
-    if not place.size:
-        return [(x, shares)]
-    many = max(int(np.sqrt(x.size)), _LEAST_GROUP)
-    low, high = np.maximum(place - 1 - many, 0), np.minimum(place + many, x.size - 1)
-    below = (x[place - 1] - x[low]) / (place - 1 - low)
-    above = (x[high] - x[place]) / (high - place)
-    wider = (x[place] - x[place - 1]) / np.maximum(below, above)
-    if wider.max() < _GAP + np.log(x.size):
-        return [(x, shares)]
-    cut = int(place[wider.argmax()])
-    return _groups(x[:cut], shares[:cut]) + _groups(x[cut:], shares[cut:])
+def _distinct(ordered: Array, shares: Array) -> tuple[Array, Array, Array]:
+    """Sorted values that differ, their shares, and their counts, from sorted samples and their shares."""
+    first = np.append(0, np.flatnonzero(np.diff(ordered) > _SAME * ordered[1:]) + 1)
+    counts = np.diff(np.append(first, ordered.size)).astype(float)
+    return ordered[first], np.add.reduceat(shares, first), counts
+
+
+def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
+    """Which of the values (sorted, each occurring `counts` times) are exact, by the rule that from_samples states."""
+    if 1 < values.size <= _FEW and counts.min() >= _OFTEN:
+        return np.full(values.size, values.size <= _SURELY_EXACT or not _on_a_grid(values))
+    around = np.pad(counts, 2)
+    beside = np.sort([np.roll(around, shift)[2:-2] for shift in (-2, -1, 1, 2)], axis=0)
+    # the second largest: another exact value may be next to it, and a rounded density may be steep
+    return counts >= _OFTEN + _STANDS_OUT * beside[-2]
+
+
+def _on_a_grid(values: Array) -> bool:
+    """Whether values, or their squares (lengths from rounded forces), are equally spaced."""
+    for y in (values, values * values):
+        steps = np.diff(y) / np.diff(y).min()
+        if (np.abs(steps - np.round(steps)) < _EVEN).all() and np.median(steps) < 1.5:
+            return True
+    return False
 
 
 class Sampled(Mixture):
     """A smooth law through samples, with their exact values as atoms.
 
-    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/likelihood.py). The likelihood
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/smoothing.py). The likelihood
     also determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest sample, and
     whether it ends as an exponential or with an edge at the largest; for thresholds over decades the polynomial's
     variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is that of the
@@ -175,31 +181,21 @@ class Sampled(Mixture):
         values, if they are given."""
         self.n_samples, self.effective_samples = n_samples, effective_samples
         self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * effective_samples)))
-        values, shares, counts = distinct(ordered, shares)
-        atom = exact(values, counts) if known is None else np.isin(values, known)
+        values, shares, counts = _distinct(ordered, shares)
+        atom = _exact(values, counts) if known is None else np.isin(values, known)
         if (~atom).sum() == 1:  # its width cannot be estimated
             atom[:] = True
         laws: list[Thresholds] = [identical(float(value)) for value in values[atom]]
         weights = shares[atom]
         self.smooth_part: Thresholds | None = None
         if not atom.all():
-            groups = _groups(values[~atom], shares[~atom])
-            own = np.array([share.sum() for _, share in groups])
-            found = [
-                smooth(x, share / share.sum(), effective_samples * float(share.sum()))
-                for x, share in groups
-            ]
-            self.smooth_part = found[0] if len(found) == 1 else Mixture(found, own / own.sum())
-            laws += found
-            weights = np.append(weights, own)
+            own = float(shares[~atom].sum())
+            part = smooth(values[~atom], shares[~atom] / own, effective_samples * own)
+            laws, weights, self.smooth_part = [*laws, part], np.append(weights, own), part
         super().__init__(laws, weights / weights.sum())
-        self.parts = ((1.0, self),)
         self.samples, self.shares = values, shares
-        self.onset_power_error = 0.0
         if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:
-            # a group above a gap reaches down to 0 as well, with negligible weight: the first one counts
-            self.onset_power = found[0].onset_power
-            self.onset_power_error = found[0].onset_power_error
+            self.onset_power_error = self.smooth_part.onset_power_error
         up_to, steps = self.cdf(values), np.cumsum(shares)
         below = up_to.copy()
         below[atom] -= self.atoms[1]

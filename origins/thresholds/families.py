@@ -1,17 +1,19 @@
-"""Families of thresholds: rectangles, summits of exponential heights, lubricant films, Persson's stresses."""
-
-from functools import cached_property
+"""Families of thresholds: one value, rectangles, exponential summits, lubricant films, Persson's stresses."""
 
 import numpy as np
-from scipy.special import erf, exprel, gamma, poch, xlogy
+from scipy.special import erf, exprel, gamma, log_ndtr, ndtr, poch, xlogy
 
 from origins.errors import finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.numerical import NumericalLaw
 
 _STEEPEST, _SLOWEST = 100.0, 0.1  # limits of powers and decays, for quantiles in floats
 _FURTHEST = 1e6  # largest centre over width of Persson's law
-_HEAVY = 40.0  # (centre/width)^2 above which the weight near x = 0 is negligible
+_HEAVY = 40.0  # (centre/width)^2 above which the weight near x = 0 is below the smallest float
+
+
+def identical(value: float) -> Thresholds:
+    """P_c(x) = delta(x - value); value is a length above zero, else InputError (paper, App. E)."""
+    return Identical(positive("value", value))
 
 
 def rectangular(lower: float, upper: float) -> Thresholds:
@@ -44,25 +46,37 @@ class Rectangular(Thresholds):
     def _sf(self, x: Array) -> Array:
         return (self.upper - x) / self._width
 
-    def _logsf(self, x: Array) -> Array:
-        with np.errstate(divide="ignore"):
-            return np.where(self._cdf(x) < 0.5, np.log1p(-self._cdf(x)), np.log(self._sf(x)))
-
     def _ppf(self, q: Array) -> Array:
         return self.lower + self._width * q
 
     def _isf(self, q: Array) -> Array:
         return self.upper - self._width * q
 
-    def _moment(self, n: float) -> float:
-        if n != round(n):
-            return super()._moment(n)
-        # (u^(n+1) - l^(n+1)) / (n+1)(u - l) without the cancellation
-        powers = self.upper ** np.arange(n + 1.0) * self.lower ** np.arange(n, -1.0, -1.0)
-        return float(powers.sum()) / (n + 1)
-
     def _variance(self) -> float:
         return self._width**2 / 12.0
+
+
+class Identical(Rectangular):
+    """A rectangle of no width, all weight in one atom; pdf is zero everywhere."""
+
+    onset_power = np.inf
+
+    def __init__(self, value: float) -> None:
+        super().__init__(value, value)
+
+    @property
+    def breakpoints(self) -> Array:
+        return np.array([self.lower])
+
+    @property
+    def atoms(self) -> tuple[Array, Array]:
+        return np.array([self.lower]), np.array([1.0])
+
+    def _pdf(self, x: Array) -> Array:
+        return np.zeros(x.shape)
+
+    def _moment(self, n: float) -> float:
+        return self.lower**n
 
 
 def gw_elastic(B: float) -> Thresholds:
@@ -138,8 +152,11 @@ class Weibull(Thresholds):
     def _cdf(self, x: Array) -> Array:
         return -np.expm1(self._logsf(x))
 
-    def _from_hazard(self, hazard: Array) -> Array:
-        return self._width * hazard ** (1.0 / self._shape)
+    def _ppf(self, q: Array) -> Array:
+        return self._width * (-np.log1p(-q)) ** (1.0 / self._shape)
+
+    def _isf(self, q: Array) -> Array:
+        return self._width * (-np.log(q)) ** (1.0 / self._shape)
 
     def _moment(self, n: float) -> float:
         with np.errstate(over="ignore"):
@@ -158,7 +175,7 @@ def persson(centre: float, width: float) -> Thresholds:
         one = f"take identical, value = {centre:g}"
         rule = f"is more than {_FURTHEST:g} widths: one value to round-off; {one}"
         refuse("centre", centre, rule)
-    return Persson(centre, width)
+    return (HeavyPersson if (centre / width) ** 2 > _HEAVY else Persson)(centre, width)
 
 
 class Persson(Thresholds):
@@ -172,29 +189,43 @@ class Persson(Thresholds):
         # (2a/sqrt(pi)) / erf(a), 1 at a = 0
         kappa = 2.0 * self._a / np.sqrt(np.pi) / float(erf(self._a)) if self._a > 0.0 else 1.0
         self._log_front = float(np.log(4.0 * kappa / width))
-        # a law far narrower than its centre is a function of x - c, to keep its digits
-        self._origin = centre if self._a > _HEAVY else 0.0
 
     def support(self) -> tuple[float, float]:
         return 0.0, np.inf
 
-    @cached_property
-    def _numerical(self) -> NumericalLaw:
-        ends = 0.0, np.inf
-        return NumericalLaw(self._log_beside, *ends, [self.centre], 3.0, self._origin)
-
-    def _log_beside(self, y: Array) -> Array:
-        """log P_c at the distance y from the origin."""
-        x = y + self._origin
-        away = y if self._origin else x - self.centre
-        u = x / self.width
-        with np.errstate(divide="ignore", over="ignore"):
-            off = away / self.width * ((x + self.centre) / self.width)  # f - a
-            peaks = np.log(exprel(-4.0 * self._a * u * u)) - off * off
-            return self._log_front + 3.0 * np.log(u) + peaks
+    def _off(self, x: Array) -> Array:
+        """f - a, without the cancellation."""
+        with np.errstate(over="ignore"):
+            return (x - self.centre) / self.width * ((x + self.centre) / self.width)
 
     def _logpdf(self, x: Array) -> Array:
-        return self._log_beside(x - self._origin)
+        u = x / self.width
+        with np.errstate(divide="ignore", over="ignore"):
+            peaks = np.log(exprel(-4.0 * self._a * u * u)) - self._off(x) ** 2
+            return self._log_front + 3.0 * np.log(u) + peaks
+
+
+class HeavyPersson(Persson):
+    """Under a heavy load f - a is normal, of variance 1/2; in closed form, as x may be all but one value."""
+
+    def _cdf(self, x: Array) -> Array:
+        return ndtr(np.sqrt(2.0) * self._off(x))
+
+    def _sf(self, x: Array) -> Array:
+        return ndtr(-np.sqrt(2.0) * self._off(x))
+
+    def _logsf(self, x: Array) -> Array:
+        return self._near_one(x, log_ndtr(-np.sqrt(2.0) * self._off(x)))
+
+    def _rises(self) -> tuple[Array, Array]:
+        """x/c - 1 at nodes of Gauss and Hermite, and their weights."""
+        nodes, weights = np.polynomial.hermite.hermgauss(40)
+        return np.expm1(0.5 * np.log1p(nodes / self._a)), weights / weights.sum()
 
     def _moment(self, n: float) -> float:
-        return float(self.width**n * gamma(1.0 + n / 4.0)) if self._a == 0.0 else super()._moment(n)
+        rises, weights = self._rises()
+        return float(self.centre**n * (weights @ (1.0 + rises) ** n))
+
+    def _variance(self) -> float:
+        rises, weights = self._rises()
+        return float(self.centre**2 * (weights @ (rises - weights @ rises) ** 2))

@@ -4,21 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError, refuse
-from origins.thresholds.inversion import invert_hazard
 from origins.thresholds.numerical import NumericalLaw
-from origins.thresholds.quadrature import panel_moment
+from origins.thresholds.quadrature import finite_density, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
 
 _LOOSE = 1e-6  # error of a density's norm that no rounding explains
 _ROUNDING = 1e-9  # by which sums of a family's survival may leave [0, 1]
+
+
+@runtime_checkable
+class ThresholdLaw(Protocol):
+    """All that solvers use of the law P_c(x) of the thresholds x_s >= 0 (lengths) at which contacts break.
+
+    A law may have a density, exact single values (`atoms`), or both. The methods take numbers or
+    arrays of any shape and return that shape; outside the support they give the limits 0, 1 and
+    -inf. origins.Thresholds, which all origins of thresholds return, explains each of them and
+    conforms to this protocol.
+
+    Required accuracy, a relative 1e-10 of the exact value: pdf where it does not underflow, sf (also
+    where it is small, so never as 1 - cdf), logsf (finite where sf underflows, accurate also where sf
+    is near 1), mean, and sf at isf(q), or isf itself to 1e-12; logpdf to 1e-10 of max(1, |logpdf|).
+    isf raises InputError for q outside [0, 1].
+    """
+
+    def pdf(self, x: npt.ArrayLike) -> Array: ...
+    def logpdf(self, x: npt.ArrayLike) -> Array: ...
+    def sf(self, x: npt.ArrayLike) -> Array: ...
+    def logsf(self, x: npt.ArrayLike) -> Array: ...
+    def isf(self, q: npt.ArrayLike) -> Array: ...
+    def mean(self) -> float: ...
+    def support(self) -> tuple[float, float]: ...
+    @property
+    def atoms(self) -> tuple[Array, Array]: ...
+    @property
+    def breakpoints(self) -> Array: ...
+    @property
+    def onset_power(self) -> float: ...
 
 
 class Thresholds:
@@ -31,11 +60,11 @@ class Thresholds:
       They must be accurate to a relative 1e-10, logarithms to 1e-10 max(1, |log|), also where the density underflows.
     - required where they differ from the defaults here: `breakpoints` inside the support, `onset_power`, `atoms`.
     - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
-      `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other), `_logsf`
-      (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or 1e-10 in the probability), `_moment`
-      and `_variance` (1e-10). A family with atoms defines `_cdf` and `_sf`.
+      `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other; also asked at
+      the support's lower end), `_logsf` (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or
+      1e-10 in the probability), `_moment` and `_variance` (1e-10). A family with atoms defines `_cdf` and `_sf`.
 
-    Raises InputError, with the family's name, where its survival leaves [0, 1]: when first evaluated, and in Contacts.
+    Raises InputError, with the family's name, where its survival leaves [0, 1].
 
     Attributes
     ----------
@@ -50,8 +79,6 @@ class Thresholds:
         Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
     cut_weight : float
         Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
-    knows_breakpoints : bool
-        Whether `breakpoints` are complete; a law of the user may have other kinks or jumps.
     """
 
     onset_power: float = np.inf
@@ -59,22 +86,42 @@ class Thresholds:
     interface: Any = None
     domains: Any = None
     cut_weight: float = 0.0
-    knows_breakpoints: bool = True
-    # weight of an atom at the lower end of a support that reaches further
-    _lowest_atom: float = 0.0
-    _survival_checked = False
 
     # -- methods that a family defines, for x inside the support ----------------------------------------
+    def support(self) -> tuple[float, float]:
+        """Ends (lower, upper) of the support; upper may be inf."""
+        raise NotImplementedError
+
+    @property
+    def breakpoints(self) -> Array:
+        """Sorted finite points where P_c or one of its derivatives is not smooth, the support's ends included."""
+        return np.array([end for end in self.support() if np.isfinite(end)])
+
+    @property
+    def atoms(self) -> tuple[Array, Array]:
+        """(positions, weights) of the exact single values in the law; empty where it is continuous."""
+        return np.empty(0), np.empty(0)
+
+    @cached_property
+    def _numerical(self) -> NumericalLaw:
+        """The law computed from the density; InputError where a density that must be normalised is not."""
+        found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
+        normalised = type(self)._log_weight is Thresholds._log_weight
+        if normalised and not abs(found.log_whole) < _LOOSE:
+            whole = f"{np.exp(found.log_whole):.6g}, not to 1"
+            rule = "state it as _log_weight, which need not be normalised"
+            raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
+        return found
+
     def _log_weight(self, x: Array) -> Array:
-        if type(self)._logpdf is Thresholds._logpdf and type(self)._pdf is Thresholds._pdf:
-            raise NotImplementedError(f"{type(self).__name__}: state _log_weight, _logpdf or _pdf")
         return self._logpdf(x)
 
     def _logpdf(self, x: Array) -> Array:
         if type(self)._pdf is Thresholds._pdf:
             return self._numerical.logpdf(x)
-        with np.errstate(divide="ignore"):
-            return np.log(self._pdf(x))
+        density = self._pdf(x)
+        with np.errstate(divide="ignore"):  # the last digits before underflow are no smooth density
+            return np.log(np.where(density > 1e-300, density, 0.0))
 
     def _pdf(self, x: Array) -> Array:
         # where the density diverges it may overflow
@@ -91,39 +138,53 @@ class Thresholds:
         if type(self)._sf is Thresholds._sf:
             return self._numerical.logsf(x)
         with np.errstate(divide="ignore"):
-            out = np.log(self._sf(x))
-        return self._near_one(x, out)
+            return self._near_one(x, np.log(self._sf(x)))
+
+    def _near_one(self, x: Array, log_survival: Array) -> Array:
+        """log_survival, computed from the cdf where it is near 0, which has more digits there."""
+        near = log_survival > -0.5
+        if near.any():
+            log_survival[near] = np.log1p(-self._cdf(x[near]))
+        return log_survival
 
     def _ppf(self, q: Array) -> Array:
-        return self._from_hazard(-np.log1p(-q))
+        return self._reaching(q, 1.0 - q)
 
     def _isf(self, q: Array) -> Array:
-        return self._from_hazard(-np.log(q))
+        return self._reaching(1.0 - q, q)
 
-    def _from_hazard(self, hazard: Array) -> Array:
-        """Thresholds at which -log of the survival is `hazard`."""
-        left, right = self._bracket(hazard.ravel())
-        middle = 0.5 * left + 0.5 * right
-        return invert_hazard(self, hazard.ravel(), left, right, middle).reshape(hazard.shape)
+    def _reaching(self, below: Array, above: Array) -> Array:
+        """The least floats of the support with these weights below and above them, the smaller of which is exact.
 
-    def _bracket(self, hazard: Array) -> tuple[Array, Array]:
-        """Lengths between which -log of the survival reaches each hazard, shape (n,)."""
-        if type(self)._sf is Thresholds._sf:
-            return self._numerical.bracket(hazard)
+        They are left ends of gaps and places of atoms, too. The bits of floats above zero, read as whole numbers,
+        count them in order: 64 halvings find one among all. For few, 15 places at once take hardly longer than one.
+        """
         lower, upper = self.support()
-        if np.isinf(upper):
-            upper, most = max(2.0 * lower, 1.0), float(hazard.max())
-            while -self._logsf(np.array([upper]))[0] < most and upper < 1e300:
-                upper *= 2.0
-        return np.full(hazard.shape, lower), np.full(hazard.shape, upper)
+        low = np.full(below.size, lower).view(np.int64) - 1
+        high = np.full(below.size, upper).view(np.int64)
+        lowly, own = below < above, np.arange(below.size)
+        ways = np.arange(17 if below.size < 32 else 3)[:, None]
+        while (high - low > 1).any():
+            places = low + np.maximum((high - low) // ways[-1], 1) * ways
+            places = np.append(np.minimum(places[:-1], high), high[None], axis=0)
+            x = places[1:-1].view(np.float64)
+            far = np.empty(x.shape, dtype=bool)
+            far[:, lowly] = self.cdf(x[:, lowly]) >= below[lowly]
+            far[:, ~lowly] = self.sf(x[:, ~lowly]) <= above[~lowly]
+            first = (~far).sum(axis=0)
+            low, high = places[first, own], places[first + 1, own]
+        return high.view(np.float64)
 
     def _moment(self, n: float) -> float:
         return self._central_moment(n, 0.0)
 
     def _central_moment(self, n: float, centre: float) -> float:
-        # where a law defines density and survival, its density may be too rough for panels of the log-density
-        rough = type(self)._logpdf is Thresholds._logpdf and type(self)._sf is not Thresholds._sf
-        return panel_moment(self, n, centre) if rough else self._numerical.moment(n, centre)
+        if type(self)._pdf is Thresholds._pdf or type(self)._sf is Thresholds._sf:
+            return self._numerical.moment(n, centre)
+        # a density stated beside its survival may be too rough for the numerical law
+        edges = panel_edges(self, tail=1e-60)
+        x, weights = gauss(edges[:-1], edges[1:])
+        return float((weights * finite_density(self, x) * (x - centre) ** n).sum())
 
     def _variance(self) -> float:
         mean, square = self.moment(1), self.moment(2)
@@ -131,63 +192,32 @@ class Thresholds:
             return square - mean * mean
         return self._central_moment(2, mean)
 
-    def support(self) -> tuple[float, float]:
-        """Ends (lower, upper) of the support; upper may be inf."""
-        raise NotImplementedError
-
-    @property
-    def breakpoints(self) -> Array:
-        """Sorted finite points where P_c or one of its derivatives is not smooth, the support's ends included."""
-        return np.array([end for end in self.support() if np.isfinite(end)])
-
-    @cached_property
-    def _numerical(self) -> NumericalLaw:
-        """The law computed from the density; InputError where a density that must be normalised is not."""
-        found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
-        normalised = type(self)._log_weight is Thresholds._log_weight
-        if normalised and not abs(found.log_whole) < _LOOSE:
-            whole = f"{np.exp(found.log_whole):.6g}, not to 1"
-            rule = "state it as _log_weight, which need not be normalised"
-            raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
-        return found
-
-    @property
-    def atoms(self) -> tuple[Array, Array]:
-        """(positions, weights) of the exact single values in the law; empty where it is continuous."""
-        return np.empty(0), np.empty(0)
-
     # -- public methods -------------------------------------------------------------------------------
     def pdf(self, x: npt.ArrayLike) -> Array:
         """Density P_c(x), per length; atoms left out, the limit from inside at the support's ends. Shape as x."""
-        return self._inside(self._pdf, x, 0.0, 0.0)
+        return self._inside(self._pdf, x, 0.0)
 
     def logpdf(self, x: npt.ArrayLike) -> Array:
         """log P_c(x), finite where P_c underflows."""
-        return self._inside(self._logpdf, x, -np.inf, -np.inf)
+        return self._inside(self._logpdf, x, -np.inf)
 
     def cdf(self, x: npt.ArrayLike) -> Array:
         """Probability that a threshold is at most x."""
-        return self._inside(self._cdf, x, 0.0, 1.0, self._lowest_atom)
+        return self._inside(self._cdf, x, 0.0, 1.0)
 
     def sf(self, x: npt.ArrayLike) -> Array:
         """Survival: probability that a threshold exceeds x."""
-        survival = self._inside(self._sf, x, 1.0, 0.0, 1.0 - self._lowest_atom)
-        if not self._survival_checked:
-            self.check_survival(x, survival)
-            self._survival_checked = True
-        return survival
-
-    def check_survival(self, x: npt.ArrayLike, survival: Array) -> None:
-        """InputError, with the family's name, where `survival` at the lengths x leaves [0, 1]."""
+        survival = self._inside(self._sf, x, 1.0, 0.0)
         bad = (survival < -_ROUNDING) | (survival > 1.0 + _ROUNDING)
-        if np.any(bad):
+        if bad.any():
             at, value = np.asarray(x)[bad].flat[0], survival[bad].flat[0]
             told = f"its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
             raise InputError(f"{type(self).__name__}: {told}")
+        return survival
 
     def logsf(self, x: npt.ArrayLike) -> Array:
         """log of the survival, finite where it underflows."""
-        return self._inside(self._logsf, x, 0.0, -np.inf, np.log1p(-self._lowest_atom))
+        return self._inside(self._logsf, x, 0.0, -np.inf)
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         """Threshold below which a fraction q lies. InputError for q outside [0, 1]."""
@@ -218,35 +248,23 @@ class Thresholds:
         generator = np.random.default_rng(random_state)
         return self.isf(1.0 - generator.random(size))
 
-    # -- shared machinery -------------------------------------------------------------------------------
-    def _near_one(self, x: Array, log_survival: Array) -> Array:
-        """log_survival, computed from the cdf where it is near 0, which has more digits there."""
-        near = log_survival > -0.5
-        if near.any():
-            log_survival[near] = np.log1p(-self._cdf(x[near]))
-        return log_survival
-
     def _inside(
         self,
         inner: Callable[[Array], Array],
         x: npt.ArrayLike,
         below: float,
-        above: float,
-        at_lower: float | None = None,
+        above: float | None = None,
     ) -> Array:
-        """inner(x) inside the support, else limits; a density has no `at_lower` and is evaluated at the ends too."""
+        """inner(x) inside the support, else limits; densities, of one limit only, at its upper end, too."""
         x = np.asarray(x, dtype=float)
         lower, upper = self.support()
-        if at_lower is None:
-            within = (x >= lower) & (x <= upper) & np.isfinite(x)
-        else:
-            within = (x > lower) & (x < upper)
+        within = (x >= lower) & (x < upper)
+        if above is None:
+            within |= (x == upper) & np.isfinite(x)
         if x.ndim and x.size and within.all():
             return inner(x)
         # a NaN compares false everywhere and stays NaN
-        out = np.where(x >= upper, above, np.where(x < lower, below, x))
-        if at_lower is not None:
-            out[x == lower] = at_lower if lower < upper else above
+        out = np.where(x >= upper, below if above is None else above, np.where(x < lower, below, x))
         if within.any():
             out[within] = inner(x[within])
         return out[()]

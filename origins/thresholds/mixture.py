@@ -1,18 +1,22 @@
-"""A weighted mixture of threshold laws."""
+"""Weighted mixtures of threshold laws, of finitely many or averaged over a continuous parameter."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import finite_array, positive, refuse
-from origins.thresholds.inversion import invert_hazard
-from origins.thresholds.law import Array, RandomState, Thresholds
+from origins.errors import InputError, finite, finite_array, positive, refuse
+from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
-_ROUNDING = 16.0 * np.finfo(float).eps  # relative error within which hazards count as equal
+_NODES = (8, 16, 32, 64, 128, 256, 512)  # orders of Gauss's rule over a parameter
+_SAME, _JUMP = (
+    1e-9,
+    1e-4,
+)  # relative distance of places that count as equal; least jump, in units of 1/<x_s>
+_TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
 
 
 def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
@@ -36,44 +40,131 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
     return Mixture([as_thresholds(component) for component in components], shares / whole)
 
 
+def continuous_mixture(
+    law: Callable[[float], object],
+    lower: float,
+    upper: float,
+    density: Callable[[float], float] | None = None,
+    accuracy: float = 1e-10,
+) -> ContinuousMixture:
+    """P_c(x) = integral of R(phi) P_c(x; phi) dphi from lower to upper (paper, Sec. VI, grains of all orientations).
+
+    Finitely many orientations are a mixture: mixture([law(phi_1), law(phi_2)], [R_1, R_2]).
+
+    Parameters
+    ----------
+    law : function of phi
+        The normalised law of one phi: Thresholds or a frozen scipy.stats distribution, smooth in phi. Where a misfit
+        multiplies the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
+    lower, upper : float
+        Ends of phi, in any unit.
+    density : function of phi
+        R(phi) >= 0, normalised here; left out: all phi equal. Smooth in phi.
+    accuracy : float
+        Of the survival, absolute, and of <x_s>, relative. Gauss's rule takes 8 phi, 16, ... up to 512, until doubling
+        them changes the sums by less.
+
+    Returns
+    -------
+    thresholds : ContinuousMixture
+        A mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability below it
+        is that of the laws at the nodes.
+
+    Raises InputError for values outside these, where 512 laws do not reach the accuracy, and where P_c(x; phi) has
+    exact values or jumps that move with phi: the average has none, while a finite mixture has one for each law, and
+    therefore another K*.
+    """
+    lower, upper = finite("lower", lower), finite("upper", upper)
+    accuracy = positive("accuracy", accuracy)
+    if not upper > lower:
+        refuse("upper", upper, f"must be above lower = {lower:g}")
+    if not callable(law):
+        such = "such as lambda phi: origins.grains(2.0, B=1.0 / strength(phi))"
+        refuse("law", law, f"must be a function of phi, {such}")
+    if density is not None and not callable(density):
+        refuse("density", density, "must be a function of phi")
+    x, before = np.empty(0), np.empty(0)
+    for count in _NODES:
+        nodes, weights = np.polynomial.legendre.leggauss(count)
+        phis = lower + (upper - lower) * 0.5 * (1.0 + nodes)
+        if density is not None:
+            weights = weights * [_height(density, float(phi)) for phi in phis]
+        if not weights.sum() > 0.0:
+            refuse("density", density, "is zero at all phi asked")
+        laws = [as_thresholds(law(float(phi))) for phi in phis]
+        if not x.size:
+            _check_moving(laws)
+            x = np.unique([x for one in laws for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
+        shares = weights / weights.sum()
+        mean = shares @ [one.mean() for one in laws]
+        sums = np.append(shares @ [one.sf(x) for one in laws], mean)
+        if before.size:
+            error = float(np.abs((sums - before) / np.append(np.ones(x.size), mean)).max())
+            if error <= accuracy:
+                used = np.flatnonzero(shares)
+                found = ContinuousMixture([laws[i] for i in used], shares[used])
+                found.quadrature_error = error
+                return found
+        before = sums
+    told = f"{_NODES[-1]} laws reach {error:.2g} only; ask for less, or smooth the law"
+    refuse("accuracy", accuracy, told)
+
+
+def _check_moving(laws: Sequence[Thresholds]) -> None:
+    """InputError where exact values, jumps or poles of the density are not at the same places in all laws."""
+    found = []
+    for law in laws:
+        points = law.breakpoints[law.breakpoints > 0.0]
+        below, above = (law.pdf(points * (1.0 + side)) * law.mean() for side in (-_SAME, _SAME))
+        with np.errstate(invalid="ignore"):
+            found.append(points[~(np.abs(above - below) <= _JUMP) | np.isin(points, law.atoms[0])])
+    for points in found:
+        if points.size != found[0].size or (np.abs(points / found[0] - 1.0) > _SAME).any():
+            told = "an exact value or a jump of the density moves with phi"
+            rule = "the average has none, a mixture of many laws has them all and a K* of its own; average it yourself"
+            raise InputError(
+                f"law: {told}: {rule}, as scipy.stats.uniform(1.0, 1.0) for identical(1.0 + phi)"
+            )
+
+
+def _height(density: Callable[[float], float], phi: float) -> float:
+    height = finite("density", density(phi))
+    if height < 0.0:
+        refuse("density", height, f"must not be below zero, as at phi = {phi:g}")
+    return height
+
+
 class Mixture(Thresholds):
     """Sums of the components' functions, all positive, so that no accuracy is lost.
 
-    Mixtures among the components are taken apart, so that none lies within another.
-
-    parts : pairs of weight and law, the laws as they were given: those from samples are whole there, while
-        `components` are what they are made of.
+    given : pairs of weight and law, as they were given.
+    components, weights : the same with mixtures among them taken apart, so that none lies within another.
     """
 
+    weights: Array
+    components: tuple[Thresholds, ...]
+
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
-        self.parts: tuple[tuple[float, Thresholds], ...] = ()
-        self.components: tuple[Thresholds, ...] = ()
-        self.weights = np.empty(0)
-        for law, share in zip(components, weights.tolist(), strict=True):
-            inner = law if isinstance(law, Mixture) else None
-            self.parts += tuple(
-                (share * w, part) for w, part in (inner.parts if inner else [(1.0, law)])
-            )
-            self.components += inner.components if inner else (law,)
-            self.weights = np.append(self.weights, share * inner.weights if inner else share)
-        ends = [component.support() for component in self.components]
+        self.given = tuple(zip(weights.tolist(), components, strict=True))
+        flat: list[tuple[float, Thresholds]] = []
+        for share, law in self.given:
+            if isinstance(law, Mixture):
+                flat += zip((share * law.weights).tolist(), law.components, strict=True)
+            else:
+                flat.append((share, law))
+        self.weights = np.array([weight for weight, _ in flat])
+        self.components = tuple(part for _, part in flat)
+        ends = [part.support() for part in self.components]
         self._support = min(end[0] for end in ends), max(end[1] for end in ends)
         self.onset_power = min(
             c.onset_power for c in self.components if c.support()[0] == self._support[0]
         )
         self._breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
-        self.knows_breakpoints = all(component.knows_breakpoints for component in self.components)
-        self.cut_weight = float(
-            self.weights @ [component.cut_weight for component in self.components]
-        )
+        self.cut_weight = float(self._sum([np.array(part.cut_weight) for part in self.components]))
         positions = np.concatenate([c.atoms[0] for c in self.components])
-        shares = np.concatenate(
-            [w * c.atoms[1] for c, w in zip(self.components, self.weights, strict=True)]
-        )
+        shares = np.concatenate([weight * part.atoms[1] for weight, part in flat])
         atoms, place = np.unique(positions, return_inverse=True)
         self._atoms = atoms, np.bincount(place, shares, atoms.size).astype(float)
-        if self._support[0] < self._support[1]:
-            self._lowest_atom = float(self._atoms[1][atoms == self._support[0]].sum())
 
     def support(self) -> tuple[float, float]:
         return self._support
@@ -110,29 +201,6 @@ class Mixture(Thresholds):
     def _logsf(self, x: Array) -> Array:
         return self._near_one(x, self._log_sum([c.logsf(x) for c in self.components]))
 
-    def _ppf(self, q: Array) -> Array:
-        return self._between([c.ppf(q) for c in self.components], -np.log1p(-q))
-
-    def _isf(self, q: Array) -> Array:
-        return self._between([c.isf(q) for c in self.components], -np.log(q))
-
-    def _between(self, quantiles: list[Array], hazard: Array) -> Array:
-        """Thresholds at which -log of the survival is `hazard`, among the components' own quantiles."""
-        goal = hazard.ravel()
-        # quantiles within an atom's weight are its value, and those at a gap the gap's left end
-        marks = self.breakpoints
-        before, after = (-self.logsf(x) for x in (np.nextafter(marks, 0.0), marks))
-        first = np.minimum(np.searchsorted(after, goal * (1.0 - _ROUNDING)), marks.size - 1)
-        here = (goal >= before[first] * (1.0 - _ROUNDING)) & (
-            goal <= after[first] * (1.0 + _ROUNDING)
-        )
-        out, left = marks[first], ~here
-        # the components' quantiles are good to their last bits only
-        low = np.minimum.reduce(quantiles).ravel()[left] * (1.0 - 1e-14)
-        high = np.maximum.reduce(quantiles).ravel()[left] * (1.0 + 1e-14)
-        out[left] = invert_hazard(self, goal[left], low, high, 0.5 * (low + high))
-        return out.reshape(hazard.shape)
-
     def _moment(self, n: float) -> float:
         return float(self.weights @ [c._moment(n) for c in self.components])
 
@@ -142,14 +210,8 @@ class Mixture(Thresholds):
             self.weights @ [c._variance() + (c.mean() - mean) ** 2 for c in self.components]
         )
 
-    def rvs(
-        self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None
-    ) -> Array:
-        """Independent thresholds, each from a component drawn by weight."""
-        generator = np.random.default_rng(random_state)
-        out = np.empty(() if size is None else size)
-        chosen = generator.choice(self.weights.size, size=out.shape, p=self.weights)
-        for i, component in enumerate(self.components):
-            here = chosen == i
-            out[here] = component.rvs(int(here.sum()), generator)
-        return out[()]
+
+class ContinuousMixture(Mixture):
+    """The mixture at the nodes; quadrature_error as in continuous_mixture."""
+
+    quadrature_error: float

@@ -96,10 +96,3 @@ def _cdf_mass(thresholds: Any, left: Array, right: Array) -> Array:
     for position, weight in zip(*thresholds.atoms, strict=True):
         mass = mass - weight * ((left < position) & (position <= right))
     return mass
-
-
-def panel_moment(thresholds: Any, n: float, centre: float) -> float:
-    """<(x_s - centre)^n> of a law without atoms, whose tail falls faster than any power."""
-    edges = panel_edges(thresholds, tail=_FAINT)
-    nodes, weights = gauss(edges[:-1], edges[1:])
-    return float((weights * finite_density(thresholds, nodes) * (nodes - centre) ** n).sum())

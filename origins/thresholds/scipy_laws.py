@@ -1,6 +1,5 @@
 """Continuous scipy.stats distributions, frozen ones and those of the newer interface, as Thresholds."""
 
-from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +10,6 @@ from origins.thresholds.law import Array, Thresholds
 
 _BELOW_ZERO = 1e-15  # weight at or below x = 0 that may be due to rounding
 _CUT_LIMIT = 1e-6  # largest weight there that is cut off, the same as for starts
-_LOOSE = 1e-9  # relative error of a distribution's own quantiles above which they are recomputed
 _FROZEN = ("pdf", "logpdf", "cdf", "sf", "logsf", "ppf", "isf", "moment", "support")
 _NEWER = ("pdf", "logpdf", "cdf", "ccdf", "icdf", "iccdf", "mean", "support", "sample")
 
@@ -31,22 +29,21 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     mean = single_mean(name, frozen)
     lower, upper = (float(end) for end in frozen.support())
     below = float(frozen.cdf(0.0)) if lower <= 0.0 else 0.0
-    told = ""
-    if not (np.isfinite(lower) or lower == -np.inf) or np.isnan(upper) or upper <= lower:
-        told = "the frozen distribution has no valid support; check its parameters"
-    elif upper <= 0.0 or below > _CUT_LIMIT:
-        rule = (
-            "a threshold is a positive length, so cut it there, or use origins.gaussian, which does"
+    if not lower < upper:
+        rule = "the frozen distribution has no valid support; check its parameters"
+        raise InputError(f"{name}: {rule}")
+    if upper <= 0.0 or below > _CUT_LIMIT:
+        rule = "a threshold is a positive length: cut it there, or use origins.gaussian, which does"
+        raise InputError(
+            f"{name}: the distribution has weight {below:.3g} at or below x = 0; {rule}"
         )
-        told = f"the distribution has weight {below:.3g} at or below x = 0; {rule}"
-    elif not np.isfinite(mean):
-        told = f"the mean is {mean}; with an infinite mean contacts never reach a steady state"
-    if told:
-        raise InputError(f"{name}: {told}")
+    if not np.isfinite(mean):
+        rule = "with an infinite mean contacts never reach a steady state"
+        raise InputError(f"{name}: the mean is {mean}; {rule}")
     ends = max(lower, 0.0), upper
     if below > _BELOW_ZERO or frozen is not law:
         return ScipyDensity(frozen, ends, below)
-    return FrozenThresholds(frozen, ends, below, mean, name)
+    return FrozenThresholds(frozen, ends, below)
 
 
 def as_frozen(law: Any) -> Any:
@@ -78,8 +75,6 @@ class ScipyDensity(Thresholds):
     A distribution gives the ends of its support, but no other breakpoints; its onset is fitted.
     """
 
-    knows_breakpoints = False
-
     def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
         self.distribution, self._support = distribution, ends
         self.cut_weight = below if below > _BELOW_ZERO else 0.0
@@ -90,9 +85,13 @@ class ScipyDensity(Thresholds):
     def support(self) -> tuple[float, float]:
         return self._support
 
-    def _log_weight(self, x: Array) -> Array:
+    def _ask(self, method: str, x: Array) -> Array:
+        # warnings inside the distribution are ignored: only its result counts
         with np.errstate(all="ignore"):
-            return np.asarray(self.distribution.logpdf(x))
+            return np.asarray(getattr(self.distribution, method)(x))
+
+    def _log_weight(self, x: Array) -> Array:
+        return self._ask("logpdf", x)
 
     def _fit_onset(self) -> tuple[float, float]:
         """Limit of (x - a) P_c / cdf - 1 at the support's lower end a, and its error; inf where there is no limit."""
@@ -110,22 +109,7 @@ class ScipyDensity(Thresholds):
 
 
 class FrozenThresholds(ScipyDensity):
-    """Delegates to a frozen distribution on x >= 0."""
-
-    def __init__(
-        self, frozen: Any, ends: tuple[float, float], below: float, mean: float, name: str
-    ) -> None:
-        self._mean, self._name = mean, name
-        super().__init__(frozen, ends, below)
-
-    def _ask(self, method: str, x: Array) -> Array:
-        # warnings inside the distribution are ignored: only its result counts
-        with np.errstate(all="ignore"):
-            try:
-                return getattr(self.distribution, method)(x)
-            except OverflowError as error:
-                own = f"the distribution's own {method} overflows"
-                raise InputError(f"{self._name}: {own}; use milder parameters") from error
+    """Delegates to a frozen distribution on x >= 0, whose own quantiles contradict its cdf in some far tails."""
 
     def _pdf(self, x: Array) -> Array:
         return self._ask("pdf", x)
@@ -142,25 +126,11 @@ class FrozenThresholds(ScipyDensity):
     def _logsf(self, x: Array) -> Array:
         return self._near_one(x, self._ask("logsf", x))
 
-    def _ppf(self, q: Array) -> Array:
-        return self._mended("ppf", "cdf", q, super()._ppf)
-
-    def _isf(self, q: Array) -> Array:
-        return self._mended("isf", "sf", q, super()._isf)
-
-    def _mended(self, quantile: str, of: str, q: Array, invert: Callable[[Array], Array]) -> Array:
-        """The distribution's own quantiles; recomputed where they contradict its `of`, as in some far tails."""
-        x = np.maximum(self._ask(quantile, q), self._support[0])
-        bad = ~(np.abs(self._ask(of, x) - q) <= _LOOSE * q) | ~np.isfinite(x)
-        if bad.any():
-            x[bad] = invert(q[bad])
-        return x
-
     def _moment(self, n: float) -> float:
-        value = self._mean if n == 1 else float(self.distribution.moment(n))
+        mean = float(self.distribution.mean())
+        value = mean if n == 1 else float(self.distribution.moment(n))
         # where a moment is infinite some distributions evaluate a formula that is not valid there
-        beyond = not value >= self._mean**n * (1.0 - 1e-9)
-        return np.inf if beyond or np.isnan(value) else value
+        return value if value >= mean**n * (1.0 - 1e-9) else np.inf
 
     def _variance(self) -> float:
         return float(self.distribution.var())

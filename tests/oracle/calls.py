@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 import scipy.stats
+from phase_type import coxian  # noqa: F401 (named by texts)
 
 import master
 import origins
@@ -14,7 +15,6 @@ import origins
 Array = npt.NDArray[np.float64]
 VERDICTS = ("smooth", "stick-slip", "decaying transient", "undecided")
 STRETCHES = np.linspace(-1.05, 1.55, 27)  # in mean thresholds, where Q(x;X) is read
-SCHEME_CLAIM = 1e-9  # the paper's schemes are sums of a fixed order: only round-off may differ
 
 
 class Answer(NamedTuple):
@@ -28,9 +28,9 @@ class Answer(NamedTuple):
     success: bool = True
 
 
-def answer(call: str) -> Answer:
-    """The answer to the text of a call."""
-    return eval(call, {**vars(origins), "stats": scipy.stats, "np": np, **globals()})
+def evaluated(call: str, **others: Any) -> Any:
+    """What the text of a call gives, by the functions of this module or by others of the same names."""
+    return eval(call, {**vars(origins), "stats": scipy.stats, "np": np, **globals(), **others})
 
 
 def turns(corners: npt.ArrayLike, points: int) -> Array:
@@ -158,27 +158,6 @@ def critical_velocity(contacts: origins.Contacts, *asked: Any) -> Answer:
     return Answer([found.velocity, found.position], claims)
 
 
-def explicit(*asked: Any) -> Answer:
-    """The paper's explicit scheme."""
-    from master.paper.explicit import explicit as scheme
-
-    found = scheme(*asked)
-    return Answer([*few(found.force), *few(found.holding, 5)], SCHEME_CLAIM)
-
-
-def explicit_loop(*asked: Any) -> Answer:
-    """The paper's explicit scheme on paths that turn."""
-    from master.paper.explicit_loop import explicit_loop as scheme
-
-    found = scheme(*asked)
-    return Answer([*few(found.force), *few(found.holding, 5)], SCHEME_CLAIM)
-
-
-def number(value: float) -> Answer:
-    """A property of a law, of which nine digits were kept."""
-    return Answer(value, 1e-9 * abs(value))
-
-
 def scene(name: str) -> Answer:
     """The force of a shipped scene; with a spring also where the drive stands at each slip."""
     from toolkit.scene.scene import load_scene
@@ -195,18 +174,3 @@ def scene(name: str) -> Answer:
         values = np.append(values, own.drive / unit)
         claims = np.append(claims, np.full(own.drive.size, own.drive_error / unit))
     return Answer(values, claims, found.success)
-
-
-def swept(name: str) -> Answer:
-    """The kinetic force over the sweep of a shipped scene, at some of its speeds."""
-    from toolkit.scene.scene import load_scene
-
-    asked = load_scene(name)
-    others = {one: getattr(asked.sweep, one) for one in ("temperature", "rate", "delay")}
-    found = master.kinetic_curve(asked.contacts, asked.sweep.velocity, **others)
-    longest = int(np.argmax(found.force.shape))
-    values, claims = (
-        few(np.moveaxis(table, longest, 0), 15).ravel()
-        for table in (found.force / asked.contacts.mean_threshold, found.force_error)
-    )
-    return Answer(values, claims, bool(found.success.all()))

@@ -8,8 +8,8 @@ import numpy as np
 from origins import Contacts
 from origins.errors import InputError
 from origins.samples.bootstrap import bootstrap_laws, sampled_parts
-from origins.thresholds.continuous_mixture import ContinuousMixture
 from origins.thresholds.law import Thresholds
+from origins.thresholds.mixture import ContinuousMixture
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")

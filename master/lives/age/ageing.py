@@ -1,28 +1,28 @@
-"""Survival of contacts whose thresholds age independently, on a slider that moves straight.
+"""Survival of contacts whose thresholds age independently.
 
 At one speed it is a function of the time since the birth, for each stretch at birth. For a Gaussian
 final law without heat it comes from the integral equation of the first passage; for other final
 laws, or with heat, strands follow the thresholds in time (master.lives.age.strands). Strands have two
 resolutions, whose errors differ by a factor of eight; their survivals are extrapolated, and the error
-is measured.
+is measured. On a path that turns round, rests or changes its speed, contacts of the start, and births
+of earlier legs, are strands that follow the slider leg by leg.
 """
 
 from __future__ import annotations
 
 import time as clock
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev
-from scipy.interpolate import BSpline, make_interp_spline
+from scipy.interpolate import BSpline
 
-from master.lives.age.grid import narrowest
+from master.lives.age.cells import narrowest
 from master.lives.age.passage import Passage
-from master.lives.age.strands import TRAVEL_STEP, Mesh, Strands
-from master.lives.life import UnbentLife
-from master.lives.stretch_rule import StretchRule, StretchRules
+from master.lives.age.strands import TRAVEL_STEP, Followed, Mesh, Strands, StrandSurvival
+from master.lives.averages import StretchRule, stretch_rule
+from master.lives.life import Life
 from master.motion.motion import History, Motion
 from origins import Contacts
 from origins.start import SingleStart, Start
@@ -34,28 +34,14 @@ Array = npt.NDArray[np.float64]
 FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
 # The largest difference at any moment, over the largest at the moments that are compared.
 MARGIN = 2.0
-# Error by rounding of the share that holds.
-ROUND_OFF = 1e-13
-# The finest resolution. To choose one, TRIALS births are followed and compared at LOOKS or more points
-# of each leg, until only the share FAINT holds.
-FINEST, TRIALS, LOOKS, FAINT = 6, 4, 12, 1e-9
-# Further points right after a birth, in units of the time to the first point.
-EARLY = np.array([0.01, 0.1])
-# Error of each panel of a first passage, in units of the accuracy.
-PER_PANEL = 1e-3
-# Survival at which a table of strands ends, and the degree of its splines.
-SPENT, DEGREE = 1e-12, 5
-# Number of stretches at birth between which survivals are interpolated.
-BETWEEN = 22
-# Number of equal parts of the reach, each tabulated on its own panels.
-MARKS = 16
-# Time, in units of reach over speed, after which hardly any contact holds.
-LONGEST = 3.0
-# Share of thresholds above the largest stretch at birth that counts for the reach.
-LEAST = 1e-6
+# Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
+# represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where
+# survivals have a kink.
+BETWEEN, COUNTS = 22, (6, 9, 13, 19, 28)
+LONGEST = 3.0  # reaches over speed: a time after which hardly any contact holds
 
 
-class AgeingLife(UnbentLife):
+class AgeingLife(Life):
     """Life (see master.lives.life) of contacts that age, closure "exact", where X = v t.
 
     Parameters
@@ -73,15 +59,11 @@ class AgeingLife(UnbentLife):
     mesh : Mesh
         Cells and steps that suffice for strands.
     furthest : float
-        Length beyond which there are hardly any thresholds. (On one leg no contact holds beyond `reach`.)
+        Length beyond which there are hardly any thresholds.
     """
 
     def __init__(
-        self,
-        contacts: Contacts,
-        motion: Motion,
-        accuracy: float = 1e-10,
-        until: float = np.inf,
+        self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
@@ -92,30 +74,24 @@ class AgeingLife(UnbentLife):
         self.reach = self.furthest
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
         self.fastest = float(np.abs(motion.speeds).max())
-        ends = np.array(ageing.final.support() if ageing.normal is None else [])
-        # at an end of P_cf, where thresholds are reflected, breaking begins abruptly
-        self.bends: Array = ends[np.isfinite(ends) & (ends > 0.0) & motion.one_leg]
-        self.bend_sizes: Array = np.ones(self.bends.size)
         self._closed = ageing.normal is not None and contacts.thermal is None
-        most = contacts.thresholds.support()[1]
-        self._rules = StretchRules(most, accuracy, self._shares, until)
+        self._rules: list[tuple[Start, StretchRule]] = []
         self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
-        self._missed = self._differed = 0.0
+        self._missed = self._ruled = self._tabled = self._differed = 0.0
         if not motion.one_leg:
             _ = self.mesh
             return
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         last = max(abs(end) for law in births for end in law.span)
-        last = min(last, float(contacts.thresholds.isf(LEAST)))
+        # a millionth of the thresholds beyond the largest stretch at birth counts for the reach
+        last = min(last, float(contacts.thresholds.isf(1e-6)))
         speed = float(motion.speeds[0])
         reached = [r + self._table(speed, r).reach_lag * abs(speed) for r in {0.0, last}]
         self.reach = min(self.furthest, max(reached))
 
-    @property
-    def error(self) -> float:
-        """Error of the share that holds, as measured so far."""
-        tables = max((table.error for table in self._tables.values()), default=0.0)
-        return self._rules.error + max(self._missed, tables) + ROUND_OFF
+    def _judge(self) -> None:
+        """Error of the share that holds: of rules, of strands, of tables, and 1e-13 by rounding."""
+        self.error = self._ruled + self._missed + self._tabled + 1e-13
 
     @cached_property
     def mesh(self) -> Mesh:
@@ -124,7 +100,7 @@ class AgeingLife(UnbentLife):
         before = self._trial(mesh)
         # the difference between two resolutions, before they are extrapolated
         self._missed = MARGIN * self._differed
-        while self._missed > self._accuracy and mesh.resolution < FINEST:
+        while self._missed > self._accuracy and mesh.resolution < 6:
             if not mesh.cells[1].can_be_finer or clock.monotonic() > self._until:
                 break
             finer = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
@@ -137,11 +113,13 @@ class AgeingLife(UnbentLife):
             self._missed = min(FELL * change, MARGIN * self._differed)
             if self._missed > HARDLY * last:
                 break
+        self._judge()
         return mesh
 
     def marks(self, width: float) -> Array:
-        """See Life; on wider panels integrals may be off by more than their last coefficients."""
-        return np.union1d(self.bends, np.linspace(0.0, self.reach, MARKS + 1)[1:])
+        """See Life; on panels wider than a part of the reach integrals may be off by more than their
+        last coefficients."""
+        return np.linspace(0.0, self.reach, 17)[1:]
 
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
@@ -155,29 +133,28 @@ class AgeingLife(UnbentLife):
             share = self._held(speed, np.broadcast_to(born, lag.shape), lag)
             return np.stack([share, share * (born + speed * lag)])
         out = np.zeros((2, *lag.shape))
-        rule = self._rules.of(born)
+        rule = self._rule(born)
         for stretch, weight in zip(rule.stretch, rule.weight, strict=True):
             held = weight * self._table(speed, float(stretch)).survival(lag)
             out += held * np.stack([np.ones(lag.shape), stretch + speed * lag])
         return out
 
     def _held(self, speed: float, stretch: Array, lag: Array) -> Array:
-        """Share that holds of contacts born at one stretch, or within the start's span.
-
-        Arrays of one shape; a polynomial of the stretch on either side of 0.
-        """
-        if stretch.size and not np.ptp(stretch):
-            return self._table(speed, float(stretch.flat[0])).survival(lag)
-        out = np.zeros(lag.shape)
-        first, last = self.contacts.start.span
-        nodes = np.cos(np.pi * (np.arange(BETWEEN) + 0.5) / BETWEEN)
-        for low, high in ((first, min(last, 0.0)), (max(first, 0.0), last)):
-            here = (low <= stretch) & (stretch < high)
+        """Share that holds of contacts born at these stretches, arrays of one shape; of many stretches
+        a polynomial on either side of 0."""
+        places = np.unique(stretch)
+        if places.size <= BETWEEN:
+            parts = [self._table(speed, float(x)).survival(lag) * (stretch == x) for x in places]
+            return np.add.reduce(parts)
+        out, nodes = np.zeros(lag.shape), np.cos(np.pi * (np.arange(BETWEEN) + 0.5) / BETWEEN)
+        for here in (stretch < 0.0, stretch >= 0.0):
             if here.any():
-                places = 0.5 * (low + high) + 0.5 * (high - low) * nodes
-                known = [self._table(speed, float(x)).survival(lag[here]) for x in places]
+                low, high = float(stretch[here].min()), float(stretch[here].max())
+                middle, half = 0.5 * (low + high), max(0.5 * (high - low), 1e-12 * self.reach)
+                tables = [self._table(speed, float(x)) for x in middle + half * nodes]
+                known = [table.survival(lag[here]) for table in tables]
                 series = np.linalg.solve(chebyshev.chebvander(nodes, BETWEEN - 1), np.array(known))
-                z = (2.0 * stretch[here] - low - high) / (high - low)
+                z = (stretch[here] - middle) / half
                 out[here] = np.clip(chebyshev.chebval(z, series, tensor=False), 0.0, 1.0)
         return out
 
@@ -189,28 +166,46 @@ class AgeingLife(UnbentLife):
             table: Passage | StrandSurvival
             if self._closed and speed:
                 assert contacts.ageing is not None
-                aim = float(np.clip(PER_PANEL * self._accuracy, 1e-13, 1e-10))
+                aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
                 table = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
             else:
                 lasts = np.diff(self.motion.times)
-                most = float(lasts[self.motion.speeds == speed].max(initial=lasts.min()))
-                table = StrandSurvival(self, along, abs(speed), most)
+                longest = float(lasts[self.motion.speeds == speed].max(initial=lasts.min()))
+                if speed:
+                    longest = min(longest, LONGEST * (self.furthest - along) / abs(speed))
+                table = StrandSurvival(self.begin(SingleStart(along)), abs(speed), longest)
+            self._tabled = max(self._tabled, table.error)
+            self._judge()
             self._tables[speed, stretch] = table
         return self._tables[speed, stretch]
 
-    def begin(self, born: Start, count: int = 1) -> Strands:
-        """`count` strands of contacts that are born now at stretches of the law `born`."""
-        return self._born(self.mesh, born, count)
+    def _rule(self, born: Start) -> StretchRule:
+        """Stretches for births of the law `born`, as many as the survivals need."""
+        for known, rule in self._rules:
+            if known is born:
+                return rule
+        most, missed = self.contacts.thresholds.support()[1], 0.0
+        rule = stretch_rule(born, most, COUNTS[0])
+        if rule.stretch.size > 1:
+            before = self._shares(rule)
+            for count in COUNTS[1:]:
+                rule = stretch_rule(born, most, count)
+                now = self._shares(rule)
+                missed, before = float(np.abs(now - before).max()), now
+                if missed <= self._accuracy or clock.monotonic() > self._until:
+                    break
+        self._ruled = max(self._ruled, missed)
+        self._judge()
+        self._rules.append((born, rule))
+        return rule
 
-    def _born(self, mesh: Mesh, born: Start, count: int = 1) -> Strands:
-        rule = self._rules.of(born)
-        return Strands(mesh, np.tile(rule.stretch, count), np.tile(rule.weight, (count, 1)))
+    def begin(self, born: Start) -> Strands:
+        """A strand of contacts that are born now at stretches of the law `born`."""
+        return Strands(self.mesh, *self._rule(born))
 
     def _shares(self, rule: StretchRule) -> Array:
-        """Share that holds of contacts born at the rule's stretches at the motion's beginning.
-
-        Strands use few cells here, as the errors of the cells hardly depend on the rule.
-        """
+        """Share that holds of contacts born at the rule's stretches at the motion's beginning; strands
+        use few cells, whose errors hardly depend on the rule."""
         if self._closed and self.motion.one_leg and self.fastest:
             speed = float(self.motion.speeds[0])
             lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
@@ -218,19 +213,18 @@ class AgeingLife(UnbentLife):
             return rule.weight @ np.array([table.survival(lags) for table in tables])
         mesh = Mesh(self.contacts, 1, self.fastest)
         # the same way for any stretches, so that two rules are compared at the same moments
-        return self._followed(
-            Strands(mesh, rule.stretch, rule.weight[None]), 0, 2.0 * self.furthest
-        )
+        return self._followed(Strands(mesh, *rule), 0, 2.0 * self.furthest)
 
     def _trial(self, mesh: Mesh) -> Array:
         """Share that holds, along the whole motion, of the contacts of the start and of some births."""
         legs = self.motion.speeds.size
-        births = np.linspace(0, legs - 1, min(TRIALS, legs)).astype(int)
+        births = np.linspace(0, legs - 1, min(4, legs)).astype(int)
         self._differed = 0.0
-        start, relaxed = self._born(mesh, self.contacts.start), SingleStart(0.0)
+        start = Strands(mesh, *self._rule(self.contacts.start))
         parts = [self._followed(start, 0, self.furthest - min(float(start.stretch.min()), 0.0))]
         for first in births.tolist():
-            parts.append(self._followed(self._born(mesh, relaxed), first, self.furthest))
+            relaxed = Strands(mesh, np.zeros(1), np.ones(1))
+            parts.append(self._followed(relaxed, first, self.furthest))
         return np.concatenate(parts)
 
     def _followed(self, strand: Strands, first: int, furthest: float) -> Array:
@@ -241,12 +235,12 @@ class AgeingLife(UnbentLife):
             duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
             if motion.one_leg and speed:
                 duration = min(duration, furthest / abs(speed))
-            looks = LOOKS + int(abs(speed) * duration / length)
+            looks = 12 + int(abs(speed) * duration / length)
             ends = np.linspace(0.0, duration, looks + 1)
-            if leg == first:
-                ends = np.insert(ends, 1, ends[1] * EARLY)
+            if leg == first:  # further points right after a birth
+                ends = np.insert(ends, 1, ends[1] * np.array([0.01, 0.1]))
             for time in np.diff(ends):
-                if held > FAINT:
+                if held > 1e-9:
                     strand.advance(speed, time)
                     held = float(strand.left()[0, 0])
                 shares.append(held)
@@ -254,47 +248,53 @@ class AgeingLife(UnbentLife):
         return np.array(shares)
 
 
-class StrandSurvival:
-    """Survival of contacts born at one stretch that age at one speed >= 0, followed by a strand.
+class AgeingPath(AgeingLife):
+    """Life (see master.lives.life) of contacts that age, closure "exact", on any motion.
 
-    A new table begins where |x| turns at 0, and where it reaches the lower end of the final law; the
-    variable of each is the root of the time since its beginning, in which survivals are smooth there.
+    `left` is for contacts that moved straight since their birth, and for those of the start;
+    master.renewal.strand_births follows births of earlier legs.
     """
 
-    def __init__(self, life: AgeingLife, stretch: float, speed: float, most: float) -> None:
-        strands = life.begin(SingleStart(stretch))
-        marks, longest = np.empty(0), most
-        if speed > 0.0:
-            longest = min(longest, LONGEST * (life.furthest - stretch) / speed)
-            marks = (np.array([0.0, life.mesh.cells[0].floor]) - stretch) / speed
-        marks = np.unique([0.0, *marks[(marks > 0.0) & (marks < longest)], longest])
-        self._begins: list[float] = []
-        self._splines: list[BSpline] = []
-        share = 1.0
-        for begin, end in pairwise(marks):
-            times, shares = [0.0], [share]
-            strands.torn = True  # thresholds may have gathered right above the new level
-            for time in np.diff(strands.steps_of(speed, end - begin)):
-                strands.advance(speed, time)
-                strands.torn = False
-                times.append(times[-1] + float(time))
-                share = float(strands.left()[0, 0])
-                shares.append(share)
-                if share < SPENT:
-                    break
-            self._begins.append(begin)
-            self._splines.append(make_interp_spline(np.sqrt(times), shares, k=DEGREE))
-            self.reach_lag = float(begin + times[-1])
-            strands.since = 0.0
-            if share < SPENT:
-                break
-        self.error = life.error + (share if share < SPENT else 0.0)
+    _start: Strands | None = None
 
-    def survival(self, lag: Array) -> Array:
-        """Share at times `lag` >= 0 since the birth, same shape."""
-        out = np.zeros(lag.shape)
-        ends = [*self._begins[1:], self.reach_lag]
-        for begin, end, spline in zip(self._begins, ends, self._splines, strict=True):
-            here = (lag >= begin) & (lag <= end)
-            out[here] = np.clip(spline(np.sqrt(lag[here] - begin)), 0.0, 1.0)
-        return out
+    def left(self, born: Start | Array, history: History) -> Array:
+        """See Life."""
+        legs = history.legs()
+        lived = (legs.duration.reshape(-1, legs.speed.size).max(axis=0) > 0.0).sum()
+        # strands of all stretches of a start follow the slider together
+        all_at_once = born is self.contacts.start and not self.contacts.start.is_single
+        if lived <= 1 and not all_at_once:
+            return super().left(born, history)
+        last = history.motion.leg_of_all(history.t)
+        t = history.t - history.motion.times[last]
+        return self._of_start(last, np.broadcast_to(t, legs.duration.shape[:-1]))
+
+    def _of_start(self, leg: int, t: Array) -> Array:
+        """Share and force of the contacts of the start, at times since the beginning of a leg."""
+        if self._start is None:
+            self._start = self.begin(self.contacts.start)
+            self._started: list[BSpline] = []
+        while len(self._started) <= leg:
+            found = self.follow(self._start, len(self._started))
+            self._started.append(found.over_root(found.left[..., 0]))
+        spline = self._started[leg]
+        found = spline(np.sqrt(np.clip(t, 0.0, float(spline.t[-1]) ** 2)))
+        return np.moveaxis(found, -1, 0)
+
+    def aged(self, born: Start, speed: float, ages: Array) -> Strands:
+        """Strands of contacts that have moved straight on since their births, `ages` (n,) ago.
+
+        At one speed one strand gives all of them, at different times.
+        """
+        order, strand = np.argsort(ages), self.begin(born)
+        found, age = [], 0.0
+        for later in ages[order]:
+            strand.advance(speed, later - age)
+            found.append(strand.take(np.zeros(1, dtype=np.intp)))
+            age = later
+        return found[0].join(*found[1:]).take(np.argsort(order))
+
+    def follow(self, strands: Strands, leg: int) -> Followed:
+        """Move strands along a leg; returns their shares and forces on the way."""
+        duration = float(np.diff(self.motion.times)[leg])
+        return strands.follow(float(self.motion.speeds[leg]), duration)

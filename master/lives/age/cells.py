@@ -1,50 +1,37 @@
 """The density of the thresholds of contacts that age and hold, above a level that moves.
 
-A contact holds while its threshold ξ is above the level ℓ = |x|. With y = ξ - ℓ, D the diffusivity,
-U' the drift's potential (P_cf ~ e^-U) and h the rate of breaking early,
+A contact holds while its threshold ξ is above |x|. With y = ξ - |x|, D the diffusivity, U' the
+drift's potential (P_cf ~ e^-U) and h the rate of breaking early,
 
-    du/dt = d/dy [(D U' + dℓ/dt) u + D du/dy] - h u,        u = 0 at y = 0.
+    du/dt = d/dy [(D U' + d|x|/dt) u + D du/dy] - h u,        u = 0 at y = 0.
 
 The density u is stored as weights of cells in y, small ones towards y = 0; the flux through their
-faces comes from cubics through the four cells around, of fourth order, and weight is conserved. Where
-the final law ends at a wall, cells shrink as the level approaches it; where it begins above 0, the
-level stays there as a closed wall until |x| reaches it.
+faces comes from cubics through the four cells around, of fourth order, and weight is conserved.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.special import ndtr
 
-from master.lives.age.grid import (
-    FAR,
-    FINER,
-    LAYER,
-    MOST_CELLS,
-    THINNEST,
-    FinalSlope,
-    cell_edges,
-    faces_of,
-    narrowest,
-)
-from origins import Contacts
+from origins import Contacts, Thresholds
 from origins.errors import InputError
 from origins.thresholds.gaussian import CutGaussian
 
 Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.intp]
 
-# Weight below which a cell counts as empty; most standard deviations that a threshold diffuses in a step.
-FAINT, FURTHEST = 1e-18, 8.0
+# Each resolution divides cells by 2 to this power: errors, of fourth order, fall by 8.
+FINER = 0.75
+# Survival of both laws at which the cells end, and most of them.
+FAR, MOST_CELLS = 1e-16, 4000
 # Strands sleep while |x| is this many standard deviations below the mean of normal thresholds: a
 # share below 1e-11 may have met it.
 ASLEEP = 7.0
-# Cells that a step uses at least: those of one cubic.
-LEAST_CELLS = 4
 
 
 class Move(NamedTuple):
@@ -55,8 +42,16 @@ class Move(NamedTuple):
     duration: Array
 
 
+class Faces(NamedTuple):
+    """Coefficients that give the density and its slope at the lower face f of each cell from the weights
+    of the cells f - 2 to f + 1; arrays (cells, 4)."""
+
+    value: Array
+    slope: Array
+
+
 class Cells:
-    """Cells above the level, and the change of their weights, arrays (strands, cells), in time.
+    """Cells above |x|, and the change of their weights, arrays (strands, cells), in time.
 
     Parameters
     ----------
@@ -71,10 +66,15 @@ class Cells:
     ----------
     width : float
         The smaller of the narrowest widths of both laws (a length).
+    edges : array of shape (cells + 1,)
+        Of the cells, from 0 on (lengths).
+
+    Raises InputError for exact thresholds, for a final law that begins above 0, ends or has gaps,
+    and for laws so sharp that they need too many cells.
     """
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
-        from master.lives.age import kernel as ageing_kernel
+        from master.lives.age import kernel
 
         ageing, law = contacts.ageing, contacts.thresholds
         assert ageing is not None
@@ -83,21 +83,26 @@ class Cells:
                 f"thresholds: hold the single value {law.atoms[0][0]:g}: contacts that age need a "
                 "fresh law with a density here; give it a width"
             )
-        self._kernel, self._law, self._thermal = ageing_kernel, law, contacts.thermal
+        low, high = ageing.final.support()
+        if low > 0.0 or high < np.inf:
+            raise InputError(
+                f"ageing: the final law ends at {low:g} and {high:g}, where thresholds would be reflected: "
+                "only eq_model.simulate takes it; use one from 0 on that does not end, such as gaussian"
+            )
+        self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
         self._diffusion, self._normal = ageing.rate, ageing.normal
         self.width = min(narrowest(law), narrowest(ageing.final))
-        self.floor, self.wall = (0.0, np.inf) if self._normal else ageing.final.support()
-        furthest = min(max(float(law.isf(FAR)), float(ageing.final.isf(FAR))), self.wall)
-        layer = LAYER * ageing.rate / fastest if fastest > 0.0 else np.inf
-        self.edges = cell_edges(
-            furthest - self.floor,
+        # the edge of the density at |x| is D/v thick; thinner ones contain too few thresholds to matter
+        layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
+        self.edges = _cell_edges(
+            max(float(law.isf(FAR)), float(ageing.final.isf(FAR))),
             self.width,
-            float(np.clip(layer, THINNEST * self.width, 0.1 * self.width)),
-            max(float(law.isf(1e-4)), float(ageing.final.isf(1e-4))) - self.floor,
+            float(np.clip(layer, 2e-6 * self.width, 0.1 * self.width)),
+            max(float(law.isf(1e-4)), float(ageing.final.isf(1e-4))),
             2.0 ** (-FINER * resolution),
         )
-        self._faces = faces_of(self.edges)
-        self._slope = None if self._normal else FinalSlope(ageing.final, self.width)
+        self._faces = _faces_of(self.edges)
+        self._slope = None if self._normal else _final_slope(ageing.final, self.width)
         self._gaussian = self._normal is not None and isinstance(law, CutGaussian)
         self._gaussian &= self._thermal is None
 
@@ -106,14 +111,9 @@ class Cells:
         """Whether the next resolution does not need too many cells."""
         return bool(self.edges.size * 2.0**FINER < MOST_CELLS)
 
-    def level(self, stretch: Array) -> Array:
-        """Where thresholds begin for contacts of these stretches."""
-        return np.maximum(np.abs(stretch), self.floor)
-
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch| (n,), one row of sum 1 for each."""
-        level = self.level(stretch)
-        at = level[:, None] + self.edges * self._scale(level)[:, None]
+        at = np.abs(stretch)[:, None] + self.edges
         return _between(self._law.cdf(at), self._law.sf(at))
 
     def far_above(self, stretch: Array, age: Array, deviations: float) -> npt.NDArray[np.bool_]:
@@ -136,59 +136,54 @@ class Cells:
         kept = law.parent_std * np.exp(-normal.rate * age)
         return normal.mean_after(law.parent_mean, age), np.hypot(normal.std_after(age), kept)
 
-    def move(self, weights: Array, move: Move) -> Array:
-        """Weights after a straight move, in which |x| neither turns nor passes `floor`."""
-        begin, end = self.level(move.begin), self.level(move.end)
-        gone = end >= self.wall * (1.0 - 1e-12)
-        if gone.any():
-            out = np.zeros(weights.shape)
-            some = Move(*(part[~gone] for part in move))
-            out[~gone] = self.move(weights[~gone], some)
-            return out
+    def stepped(self, weights: Array, begin: Array, way: Array, time: Array, ends: Array) -> Array:
+        """Weights after a move by `way` from the stretches `begin` within `time`, arrays (n,), in steps
+        that end at `ends`, shares of the move."""
+        for a, b in pairwise(ends):
+            first, last, lasts = begin + way * a, begin + way * b, time * (b - a)
+            # cut the step where |x| turns at 0
+            turns = first * last < 0.0
+            share = np.where(turns, first / np.where(turns, first - last, 1.0), 1.0)
+            lowest = np.where(turns, 0.0, np.abs(last))
+            weights = self._moved(weights, Move(np.abs(first), lowest, lasts * share))
+            if turns.any():
+                rest = Move(lowest[turns], np.abs(last)[turns], (lasts * (1.0 - share))[turns])
+                weights[turns] = self._moved(weights[turns], rest)
+        return weights
+
+    def _moved(self, weights: Array, move: Move) -> Array:
+        """Weights after a straight move, in which |x| does not turn."""
         if not move.duration.any():
-            return self._shift(weights, begin, end)
+            return self._shifted(weights, move)
         times = move.duration * np.ones((2, 1))
-        stages = self._kernel.STAGES[:, None]
-        level = begin + (end - begin) * stages
-        scale = self._scale(level)
-        faces = self.edges[:-1] * scale[:, :, None]
-        # faces of cells that shrink towards a wall come down
-        rise = (end - begin)[:, None] * (1.0 - self.edges[:-1] / (self.wall - self.floor))
-        flow = self._drift(level[:, :, None] + faces) * times[:, :, None] + rise
-        flow /= scale[:, :, None]
+        rise = (move.end - move.begin)[:, None]
+        level = move.begin + rise[:, 0] * self._kernel.STAGES[:, None]
+        faces = level[:, :, None] + self.edges[:-1]
+        flow = self._drift(faces) * times[:, :, None] + rise
         # at least a cell wide: a thinner edge of the density need not be resolved
-        spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(end - begin))
+        spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise[:, 0]))
         leaving = entering = flow
-        breaking = np.empty((2, begin.size, 0))
+        breaking = np.empty((2, level.shape[1], 0))
         if self._thermal is not None:
-            stretch = move.begin + (move.end - move.begin) * stages
-            breaking, tilt = self._early(stretch, level, scale, times)
+            breaking, tilt = self._early(level, times)
             leaving = flow - tilt
             entering = flow - np.concatenate([tilt[:, :, :1], tilt[:, :, :-1]], axis=2)
-        closed = (0.5 * (move.begin + move.end) < self.floor).astype(np.intp)
-        used = self._used(weights, flow * scale[:, :, None], move.duration)
-        spread = np.ascontiguousarray(spread / scale**2)
-        return self._kernel.step(
-            weights, used, leaving, entering, breaking, spread, *self._faces, closed
-        )
-
-    def _scale(self, level: Array) -> Array:
-        """Width of cells above this level over that of cells above the floor."""
-        if not np.isfinite(self.wall):
-            return np.ones(np.shape(level))
-        return np.asarray((self.wall - level) / (self.wall - self.floor))
+        spread = np.ascontiguousarray(spread)
+        return self._kernel.step(weights, leaving, entering, breaking, spread, *self._faces)
 
     def _drift(self, threshold: Array) -> Array:
         """D U' at thresholds above 0."""
         if self._normal is not None:
             return self._diffusion * (threshold - self._normal.mean) / self._normal.std**2
         assert self._slope is not None
-        # the slope is 0 at the very end of the final law
-        return self._diffusion * self._slope(threshold)
+        at = np.log(np.maximum(threshold, 1e-300) / self.width)
+        at = np.clip(at, self._slope.x[0], self._slope.x[-1])
+        # no threshold is at 0
+        return np.asarray(
+            self._diffusion * self._slope(at) / np.where(threshold > 0.0, threshold, np.inf)
+        )
 
-    def _early(
-        self, stretch: Array, level: Array, scale: Array, times: Array
-    ) -> tuple[Array, Array]:
+    def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
         """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope.
 
         The mean of a product over a cell of width w is that of h times that of u plus
@@ -196,35 +191,24 @@ class Cells:
         """
         thermal = self._thermal
         assert thermal is not None
-        ends = level[:, :, None] + self.edges * scale[:, :, None]
+        ends = level[:, :, None] + self.edges
         middle = 0.5 * (ends[:, :, :-1] + ends[:, :, 1:])
         at_ends, at_middle = (
-            thermal.plain_rate(stretch[:, :, None], np.maximum(at, 1e-300)) * times[:, :, None]
+            thermal.plain_rate(level[:, :, None], np.maximum(at, 1e-300)) * times[:, :, None]
             for at in (ends, middle)
         )
         mean = (at_ends[:, :, :-1] + 4.0 * at_middle + at_ends[:, :, 1:]) / 6.0
-        # densities are per length of the cells above the floor
         return mean, np.diff(self.edges) * np.diff(at_ends, axis=2) / 12.0
 
-    def _used(self, weights: Array, flow: Array, duration: Array) -> Whole:
-        """Number of cells that contain thresholds now or may do so within the step."""
-        if np.isfinite(self.wall):
-            return np.full(weights.shape[0], weights.shape[1])
-        further = np.maximum(-flow.min(axis=(0, 2)), 0.0)
-        further += FURTHEST * np.sqrt(2.0 * self._diffusion * duration)
-        last = weights.shape[1] - np.argmax(weights[:, ::-1] > FAINT, axis=1)
-        found = np.searchsorted(self.edges, self.edges[last] + further)
-        return np.clip(found, LEAST_CELLS, weights.shape[1]).astype(np.intp)
-
-    def _shift(self, weights: Array, begin: Array, end: Array) -> Array:
-        """Weights that remain above a level that jumps from begin to end."""
+    def _shifted(self, weights: Array, move: Move) -> Array:
+        """Weights that remain above |x| when it jumps."""
         out = np.empty(weights.shape)
-        below = np.concatenate([np.zeros((begin.size, 1)), np.cumsum(weights, axis=1)], axis=1)
-        before, after = self._scale(begin), self._scale(end)
-        for i, row in enumerate(below):
-            at = (end[i] - begin[i] + self.edges * after[i]) / before[i]
-            series = PchipInterpolator(self.edges, row)
-            out[i] = np.diff(series(np.clip(at, 0.0, self.edges[-1])))
+        below = np.concatenate(
+            [np.zeros((weights.shape[0], 1)), np.cumsum(weights, axis=1)], axis=1
+        )
+        for row, way, series in zip(out, move.end - move.begin, below, strict=True):
+            at = np.clip(way + self.edges, 0.0, self.edges[-1])
+            row[:] = np.diff(PchipInterpolator(self.edges, series)(at))
         return out
 
 
@@ -232,3 +216,67 @@ def _between(cdf: Array, sf: Array) -> Array:
     """Weights between neighbouring places of each row, of sum 1."""
     weights = np.where(cdf[:, :-1] < 0.5, np.diff(cdf), -np.diff(sf))
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+
+
+def narrowest(law: Thresholds) -> float:
+    """Standard deviation of a normal law whose narrowest tenth of the weight is as narrow as this law's."""
+    spread = np.diff(law.ppf(np.linspace(0.1, 0.9, 9)))
+    # the narrowest tenth of a normal law of standard deviation 1 is 0.25 wide
+    return float(spread[spread > 0.0].min(initial=law.mean())) / 0.25
+
+
+def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:
+    """Ends of cells from 0 to `reach`: their widths grow from `thinnest` with the distance to 0.4 times
+    `width`, and grow further beyond `bulk`, where tails are smooth; all are multiplied by `share`.
+
+    Errors in space then equal those in time for steps of a quarter of `width`.
+    """
+    edges = [0.0]
+    while edges[-1] < reach:
+        widest = 0.4 * width + 0.05 * max(edges[-1] - bulk, 0.0)
+        room = 1.0 / (thinnest + 0.3 * edges[-1]) + 1.0 / widest
+        edges.append(edges[-1] + share / room)
+        if len(edges) > MOST_CELLS:
+            raise InputError(
+                f"ageing: laws as sharp as {width:.3g} that reach to {reach:.3g} need more than "
+                f"{MOST_CELLS} cells of thresholds; use wider laws, or a larger tolerance"
+            )
+    # scale so that the last cell ends at `reach`
+    return np.array(edges) * (reach / edges[-1])
+
+
+def _faces_of(edges: Array) -> Faces:
+    """Cubics through the cells around each face, and lower polynomials at both ends."""
+    m = edges.size - 1
+    faces = Faces(np.zeros((m, 4)), np.zeros((m, 4)))
+    for f in range(m):
+        cells = np.arange(max(f - 2, 0), min(f + 2, m))
+        scale = edges[cells[-1] + 1] - edges[cells[0]]
+        # near y = 0, where the density vanishes, powers begin at y; elsewhere at 1
+        least, origin = (1, 0.0) if f < 2 else (0, edges[f])
+        powers = least + np.arange(cells.size)
+        left, right = ((edges[cells + k, None] - origin) / scale for k in (0, 1))
+        weights = (right ** (powers + 1) - left ** (powers + 1)) / (powers + 1) * scale
+        at = (edges[f] - origin) / scale
+        rows = np.stack([at**powers, powers * at ** np.maximum(powers - 1, 0) / scale])
+        faces.value[f, cells - f + 2], faces.slope[f, cells - f + 2] = np.linalg.solve(
+            weights.T, rows.T
+        ).T
+    return faces
+
+
+def _final_slope(final: Thresholds, width: float) -> CubicSpline:
+    """x_s U' of a final law, P_cf ~ e^-U, over ln(x_s/width): smooth and finite also where the law
+    begins as a power, and good to some 1e-11."""
+    nodes, step = 4096, 2e-3
+    furthest = float(np.log(3.0 * final.isf(FAR) / width))
+    # below 1e-8 widths P_cf is treated as a power
+    at = np.linspace(min(-furthest, float(np.log(1e-8))), furthest, nodes)
+    logs = [final.logpdf(width * np.exp(at + k * step)) for k in (-2, -1, 1, 2)]
+    slope = (8.0 * logs[1] - logs[0] - 8.0 * logs[2] + logs[3]) / (12.0 * step)
+    if not np.isfinite(slope).all():
+        raise InputError(
+            "ageing: the final law has no finite density where thresholds age to; use a law "
+            "without gaps, such as gaussian(mean=1.0, std=0.05)"
+        )
+    return CubicSpline(at, slope)

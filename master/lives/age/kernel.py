@@ -14,7 +14,6 @@ import numpy.typing as npt
 from numba import njit
 
 Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.intp]
 
 # Radau's method of two stages, of third order: its last stage is the end of the step, so that stiff
 # components, such as the thin edge of a density at the level, are damped to their final values.
@@ -52,31 +51,27 @@ def solve_band(band: Array, right: Array) -> None:
 @compiled
 def step(
     weights: Array,
-    used: Whole,
     leaving: Array,
     entering: Array,
     breaking: Array,
     spread: Array,
     value: Array,
     slope: Array,
-    closed: Whole,
 ) -> Array:
     """Weights of thresholds in cells at the end of a step, shape (strands, cells).
 
-    weights : array (strands, cells) at its beginning; strand i has some in its first used[i] cells
+    weights : array (strands, cells) at its beginning
     leaving, entering : arrays (2, strands, cells), at both stages: the flux out of a cell through its
         lower face, and that into the cell below, both per density at the face
     breaking : array (2, strands, cells), or of no cells, rate at which contacts in a cell break
     spread : array (2, strands), the diffusivity; the last four are multiplied by the step
-    value, slope : arrays (2, cells, 4), the density and its slope at the cells' lower faces from
-        the weights of four cells, with an open (0) and with a closed (1) lowest face
-    closed : array (strands,), 1 where there is no flux through the lowest face
+    value, slope : arrays (cells, 4), the density and its slope at the cells' lower faces from the
+        weights of four cells
     """
     out = np.zeros(weights.shape)
-    most = weights.shape[1]
-    band, found = np.zeros((2 * most, 11)), np.zeros(2 * most)
+    m = weights.shape[1]
+    band, found = np.zeros((2 * m, 11)), np.zeros(2 * m)
     for i in range(weights.shape[0]):
-        m, kind = used[i], closed[i]
         for row in range(2 * m):
             found[row] = weights[i, row // 2]
             for k in range(11):
@@ -88,21 +83,19 @@ def step(
                 if breaking.shape[2] > 0:
                     band[2 * j, 5 + stage] += first * breaking[stage, i, j]
                     band[2 * j + 1, 4 + stage] += last * breaking[stage, i, j]
-                if j == 0 and kind == 1:
-                    continue
                 # the face below cell j: from the cells j - 2 to j + 1, out of j and into j - 1
                 for k in range(4):
                     if 0 <= j - 2 + k < m:
                         at = 5 + 2 * (k - 2) + stage
-                        diffused = spread[stage, i] * slope[kind, j, k]
-                        gone = leaving[stage, i, j] * value[kind, j, k] + diffused
+                        diffused = spread[stage, i] * slope[j, k]
+                        gone = leaving[stage, i, j] * value[j, k] + diffused
                         band[2 * j, at] += first * gone
                         band[2 * j + 1, at - 1] += last * gone
                         if j > 0:
-                            come = entering[stage, i, j] * value[kind, j, k] + diffused
+                            come = entering[stage, i, j] * value[j, k] + diffused
                             band[2 * j - 2, at + 2] -= first * come
                             band[2 * j - 1, at + 1] -= last * come
-        solve_band(band[: 2 * m], found[: 2 * m])
+        solve_band(band, found)
         for j in range(m):
             out[i, j] = found[2 * j + 1]
     return out

@@ -20,32 +20,88 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
+from scipy.special import ndtr
 
-from master.lives.age.free import FreeThresholds
 from master.renewal import rule
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
+from origins.thresholds.quadrature import gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Survival that counts as 0: the size of rounding.
-SPENT = 1e-14
-# Error of every survival by rounding.
-ROUND_OFF = 1e-13
-# Least D/v over the mean threshold that has an effect in floating point.
-AT_REST = 1e-28
-# Panels of one march; a smooth law takes some 50.
-MOST_PANELS = 4000
-# The march ends at the latest so many standard deviations of the final law above all thresholds.
-BEYOND_ALL = 12.0
-# Halvings of the integral's cuts towards its upper end: from D/v up to any length.
-DOUBLINGS = 40
 # Nodes and weights on (0, 1) of the integral over earlier breaks, between two of its cuts.
 _INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
 _SIZE = rule.DEGREE
 # Factor by which the last coefficients of a density enter its integral.
 IN_NUMBER = 1.0 / (2.0 * _SIZE)
+
+
+class _FreeThresholds:
+    """The share of thresholds below a level, if they continue to age after they meet it.
+
+    The way of the slider takes the place of time. The law `fresh` at time 0 is conditional on being
+    above `least`, the |x| of the contacts then; `mean` and `std` are those of the final normal law, not
+    cut at 0, and `diffusion` is D/v > 0 (all lengths).
+    """
+
+    def __init__(
+        self, fresh: Thresholds, mean: float, std: float, diffusion: float, least: float
+    ) -> None:
+        self._fresh, self._mean, self._std = fresh, mean, std
+        self.rate = diffusion / std**2
+        self._least, self._held = least, float(fresh.sf(least))
+        values, weights = fresh.atoms
+        self._values, self._weights = values[values > least], weights[values > least]
+        edges = panel_edges(fresh)
+        if edges.size:
+            edges = np.append(edges[edges > least], max(least, float(edges[0])))
+        self._edges = np.unique(edges)
+
+    def below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
+        """Share now below `level` of thresholds that were, `elapsed` ago, at the level of then, `rise` lower."""
+        decay, lost = np.exp(-self.rate * elapsed), -np.expm1(-self.rate * elapsed)
+        distance = (level - self._mean) * lost + rise * decay
+        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
+
+    def below_from_fresh(self, time: Array, level: Array) -> Array:
+        """Share below `level` of the thresholds that were fresh `time` > 0 ago; all of shape (n,)."""
+        decay, lost = np.exp(-self.rate * time), -np.expm1(-self.rate * time)
+        offset, std = level - self._mean, self._std * np.sqrt(lost * (1.0 + decay))
+        z = (offset[:, None] - (self._values - self._mean) * decay[:, None]) / std[:, None]
+        out = ndtr(z) @ self._weights
+        if self._edges.size > 1:
+            kept = np.maximum(decay, 1e-150)  # of the initial distance from the mean
+            out = out + self._continuous(self._mean + offset / kept, std / kept)
+        return np.asarray(out / self._held)
+
+    def _continuous(self, centre: Array, width: Array) -> Array:
+        """The mean of the continuous part of the cdf over normal laws of these parameters."""
+        edges = self._edges
+        # in units of the width from `base`, so that differences stay exact however narrow it is
+        base = np.clip(centre, edges[0], edges[-1])
+        away = (centre - base) / width
+        fixed = (edges - base[:, None]) / width[:, None]
+        # panels one standard deviation wide: eight Gauss nodes on each integrate a normal density
+        spread = np.arange(-9.0, 9.5)
+        around = np.clip(away[:, None] + spread, fixed[:, :1], fixed[:, -1:])
+        ends = np.sort(np.concatenate([fixed, around], axis=1), axis=1)
+        seen = np.clip(ends, (away + spread[0])[:, None], (away + spread[-1])[:, None])
+        row, column = np.nonzero(seen[:, 1:] > seen[:, :-1])
+        z, weights = gauss(ends[row, column], ends[row, column + 1])
+        x = np.clip(base[row, None] + width[row, None] * z, edges[0], edges[-1])
+        weights = weights * np.exp(-0.5 * (z - away[row, None]) ** 2) / np.sqrt(2.0 * np.pi)
+        sums = (weights * self._smooth(x)).sum(axis=-1)
+        beyond = self._smooth(edges[-1:]) * ndtr(away - fixed[:, -1])
+        return np.asarray(beyond + np.bincount(row, weights=sums, minlength=centre.size))
+
+    def _smooth(self, x: Array) -> Array:
+        """Weight of the fresh law, without its exact values, between `least` and x >= least."""
+        below, first = self._fresh.cdf(x), self._fresh.cdf(self._least)
+        beneath = np.where(
+            below < 0.5, below - first, self._fresh.sf(self._least) - self._fresh.sf(x)
+        )
+        return np.asarray(beneath - (x[..., None] >= self._values) @ self._weights)
 
 
 class _Leg:
@@ -70,6 +126,17 @@ class _Leg:
         return rule.legendre_sum(
             np.array(self.series)[panel], (2.0 * s - left - right) / (right - left)
         )
+
+    def survival(self, way: Array) -> Array:
+        """E after ways since `begin`, up to the last panel's end."""
+        edges = np.array(self.edges)
+        s = np.sqrt(np.clip(way, 0.0, edges[-1] ** 2))
+        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, len(self.series) - 1)
+        low, high = edges[panel], edges[panel + 1]
+        breaks = legendre.legint(np.array(self.series).T, lbnd=1.0) * (-0.5 * np.diff(edges))
+        z = (2.0 * s - low - high) / (high - low)
+        found = np.array(self.after)[panel] + legendre.legval(z, breaks[:, panel], tensor=False)
+        return np.clip(found, 0.0, 1.0)
 
 
 class _Earlier(NamedTuple):
@@ -102,7 +169,7 @@ class Passage:
     reach_lag : float
         Time after which none holds.
     error : float
-        Estimate of the largest error of the survival.
+        Estimate of the largest error of the survival, without that by rounding.
 
     Raises InputError where no threshold lies above |start|.
     """
@@ -119,60 +186,41 @@ class Passage:
         assert normal is not None and velocity > 0.0
         if not float(fresh.sf(abs(start))) > 0.0:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
-        diffusion = max(ageing.rate / velocity, AT_REST * fresh.mean())
+        # less ageing has no effect in floating point
+        diffusion = max(ageing.rate / velocity, 1e-28 * fresh.mean())
         self.velocity, self._accuracy = velocity, accuracy
-        self._free = FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
+        self._free = _FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
         # least way over which the share that is below now changes
         self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._free.rate)
         self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._free.rate, 0.1 * normal.std)))
         self._legs: list[_Leg] = []
-        self._left, self.error = 1.0, ROUND_OFF
+        self._left, self.error = 1.0, 0.0
         if start < 0.0:
             self._legs.append(_Leg(0.0, -start, -1.0))
             self._march(self._legs[0], -start)
         leg = _Leg(max(-start, 0.0), max(start, 0.0), 1.0)
         self._legs.append(leg)
-        furthest = max(float(fresh.isf(1e-16)), normal.mean) + BEYOND_ALL * normal.std
+        # the march ends at the latest where no threshold has ever been
+        furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
         # for thresholds that hardly age b jumps at breakpoints and exact values of the fresh law
         corners = np.concatenate([[-start, furthest], fresh.breakpoints, fresh.atoms[0]])
         for corner in np.unique(corners[(corners > leg.level) & (corners <= furthest)]):
             self._march(leg, float(corner - leg.level))
-        self._finish()
+        self._legs = [leg for leg in self._legs if leg.series]
+        self.error += max(self._left, 0.0)
+        self.reach_lag = (self._legs[-1].begin + self._legs[-1].edges[-1] ** 2) / velocity
 
     def survival(self, lag: Array) -> Array:
         """E at times `lag` >= 0 since the birth, same shape."""
-        way = np.asarray(lag, dtype=float) * self.velocity
-        found = np.where(way < self._end, self._read(way), 0.0)
-        return np.asarray(np.clip(found, 0.0, 1.0))
-
-    def _finish(self) -> None:
-        """Join the panels of all legs into the arrays that `_read` uses."""
-        legs = [leg for leg in self._legs if leg.series]
-        self._begin = np.concatenate([np.full(len(leg.series), leg.begin) for leg in legs])
-        self._low, self._high = (
-            np.concatenate([leg.edges[part] for leg in legs])
-            for part in (slice(None, -1), slice(1, None))
-        )
-        self._ways = self._begin + self._low**2
-        self._after = np.concatenate([leg.after for leg in legs])
-        series = np.concatenate([np.array(leg.series) for leg in legs]).T
-        self._breaks = legendre.legint(series, lbnd=1.0) * (-0.5 * (self._high - self._low))
-        self._end = float(self._begin[-1] + self._high[-1] ** 2)
-        self.error += max(self._left, 0.0)
-        self.reach_lag = self._end / self.velocity
-
-    def _read(self, way: Array) -> Array:
-        """E at ways up to the last panel's end, same shape."""
-        panel = np.clip(np.searchsorted(self._ways, way, side="right") - 1, 0, None)
-        low, high = self._low[panel], self._high[panel]
-        s = np.clip(np.sqrt(np.maximum(way - self._begin[panel], 0.0)), low, high)
-        z = (2.0 * s - low - high) / (high - low)
-        return self._after[panel] + legendre.legval(z, self._breaks[:, panel], tensor=False)
+        way, out = np.asarray(lag, dtype=float) * self.velocity, np.ones(np.shape(lag))
+        for leg in self._legs:
+            out = np.where(way < leg.begin, out, leg.survival(way - leg.begin))
+        return np.where(lag < self.reach_lag, out, 0.0)
 
     def _march(self, leg: _Leg, length: float) -> None:
         """Add panels to the leg until the level has moved by `length` or hardly any contact holds."""
         last, width, left = float(np.sqrt(length)), self._first, leg.edges[-1]
-        while left < last and self._left > SPENT:
+        while left < last and self._left > 1e-14:  # the size of rounding
             step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
             series = self._panel(leg, left, step)
             tail = float(np.abs(series[-2:]).max()) * step * IN_NUMBER
@@ -189,10 +237,10 @@ class Passage:
             width = step * (
                 2.0 if early < self._accuracy else 1.3 if tail < 0.1 * self._accuracy else 1.0
             )
-            if len(leg.series) > MOST_PANELS:
+            if len(leg.series) > 4000:  # a smooth law takes some 50
                 raise InputError(
-                    f"ageing: the first passage needs more than {MOST_PANELS} panels; use a "
-                    "smoother law of fresh thresholds"
+                    "ageing: the first passage needs more than 4000 panels; use a smoother law of "
+                    "fresh thresholds"
                 )
 
     def _panel(self, leg: _Leg, left: float, width: float) -> Array:
@@ -222,9 +270,8 @@ class Passage:
         top = s if present else np.full(s.size, other.edges[-1])
         after = np.zeros(s.size) if present else s * s
         first = np.sqrt(np.minimum(self._finest / (2.0 * s), top))
-        cut = np.maximum(
-            top[:, None] - np.square(first[:, None] * 2.0 ** np.arange(DOUBLINGS)), 0.0
-        )
+        # 40 doublings: from D/v up to any length
+        cut = np.maximum(top[:, None] - np.square(first[:, None] * 2.0 ** np.arange(40)), 0.0)
         cut = cut[:, : int((cut > 0.0).any(axis=0).sum()) + 1]
         fixed = np.minimum(np.array(other.edges), top[:, None])
         ends = np.sort(np.concatenate([fixed, cut, top[:, None]], axis=1), axis=1)
@@ -232,15 +279,9 @@ class Passage:
         far = np.sqrt(top[row] - ends[row, column])
         near = np.sqrt(np.maximum(top[row] - ends[row, column + 1], 0.0))
 
-        def below(root: Array, row: Rows) -> Array:
-            back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
-            rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
-            return self._free.below_from_level(level[row, None], rise, elapsed)
-
-        seen = below(np.stack([far, 0.5 * (near + far), np.maximum(near, 1e-3 * far)], 1), row).any(
-            axis=1
-        )
-        row, near, far = row[seen], near[seen], far[seen]
         root = near[:, None] + (far - near)[:, None] * _INNER
-        weight = (far - near)[:, None] * _INNER_WEIGHTS * 2.0 * root * below(root, row)
+        back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
+        rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
+        below = self._free.below_from_level(level[row, None], rise, elapsed)
+        weight = (far - near)[:, None] * _INNER_WEIGHTS * 2.0 * root * below
         return _Earlier(row, top[row, None] - root * root, weight)

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from copy import copy
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import BSpline, make_interp_spline
 
-from master.lives.age.cells import Cells, Move
+from master.lives.age.cells import Cells
 from origins import Contacts
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+Whole = npt.NDArray[np.intp]
 
 # Ratio of the errors of the coarse and the fine resolution.
 RATIO = 8.0
@@ -23,18 +25,14 @@ DEAD = 1e-15
 TRAVEL_STEP = 0.25
 # Share of fresh contacts that heat breaks in one step at most, at resolution 0.
 HEAT_STEP = 0.15
-# Steps after a change of speed over the time since then, at resolution 0: the edge of the density at
-# the level changes, first fast and then ever more slowly.
-AFTER_CHANGE = 0.5
-# The first of these steps over the shortest of three times: D/v², in which an edge forms at the
-# largest speed; the time in which thresholds spread by the narrowest width; and that of the move, as
-# survivals are interpolated between its steps. LEAST_STEP is its least value, over the time to spread.
-FIRST_STEP, LEAST_STEP = 0.02, 1e-10
-# Share TORN of fresh thresholds within CLOSE widths above the level, which break at once, above which
-# the first steps must be shorter; at resolution 0, where errors are a tenth of it.
-TORN, CLOSE = 1e-3, 0.1
+# Steps after a birth or a change of speed over the time since then, at resolution 0: the edge of the
+# density at |x| changes, first fast and then ever more slowly. The first step over the time in which
+# thresholds spread by the narrowest width.
+AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10
 # Steps of one move of a strand; some 30 seconds of work.
 MOST_STEPS = 200_000
+# Survival at which a table of strands ends, and the degree of splines in time.
+SPENT, DEGREE = 1e-12, 5
 
 
 class Mesh:
@@ -51,34 +49,21 @@ class Mesh:
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
         assert contacts.ageing is not None
-        self.law, self.diffusion = contacts.thresholds, contacts.ageing.rate
-        self.resolution, self.fastest = resolution, fastest
+        self.diffusion, self.resolution = contacts.ageing.rate, resolution
         self.cells = tuple(Cells(contacts, k, fastest) for k in (resolution - 1, resolution))
         self.width = self.cells[0].width
         self.heat_rate = fresh_rate(contacts)
 
-    def torn(self, stretch: Array, share: Array) -> bool:
-        """Whether fresh thresholds are right above |stretch|, so that they break at once."""
-        least = np.abs(stretch)
-        held = self.law.sf(least)
-        near = held - self.law.sf(least + CLOSE * self.width)
-        share = share * near / np.where(held > 0.0, held, 1.0)
-        return bool(share.max(initial=0.0) > TORN / RATIO**self.resolution)
-
-    def fractions(self, speed: float, since: float, duration: float, torn: bool) -> Array:
-        """Ends of the coarse steps of a move, from 0 to 1.
+    def steps(self, speed: float, since: float, duration: float) -> Array:
+        """Ends of the coarse steps of a move, times from 0 to `duration`.
 
         since : time at the beginning since the speed changed, or the birth
-        torn : whether strands are born with thresholds right above the level, which break at once
         """
         scale = 2.0 ** (self.resolution - 1)
         longest = HEAT_STEP / self.heat_rate if self.heat_rate > 0.0 else np.inf
         if speed != 0.0:
             longest = min(longest, TRAVEL_STEP * self.width / abs(speed))
-        shortest = LEAST_STEP * self.width**2 / self.diffusion
-        if self.fastest > 0.0 and not torn:
-            forming = min(self.diffusion / self.fastest**2, self.width**2 / self.diffusion)
-            shortest = max(shortest, FIRST_STEP * min(forming, duration))
+        shortest = FIRST_STEP * self.width**2 / self.diffusion
         times = [0.0]
         while times[-1] < duration:
             step = min(AFTER_CHANGE * (since + times[-1]) + shortest, longest) / scale
@@ -88,116 +73,147 @@ class Mesh:
                     f"ageing: a move of {duration:.3g} in time needs more than {MOST_STEPS} steps; "
                     "use a shorter path, or a larger tolerance"
                 )
-        return np.array(times) / times[-1]
+        return duration * (np.array(times) / times[-1])
+
+
+class Followed(NamedTuple):
+    """Strands along a leg: times since its beginning, shape (n,), and the share that holds and the
+    force of each strand, shape (n, 2, strands)."""
+
+    times: Array
+    left: Array
+
+    def over_root(self, values: Array) -> BSpline:
+        """Values at the times, shape (n, ...), as a spline over the root of the time on the leg."""
+        return make_interp_spline(np.sqrt(self.times), values, k=min(DEGREE, self.times.size - 1))
 
 
 class Strands:
     """Any number of strands: groups of contacts born together, each with its law of thresholds.
 
-    A strand has one or more parts, which were born at different stretches.
+    The contacts of a strand were born at one or more stretches, its parts.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    stretch, share : arrays (parts,)
+        Stretches at birth, and weights of sum 1.
 
     Attributes
     ----------
-    stretch : array (n, parts), of each part now (lengths)
-    share : array (n, parts), weights of sum 1 over the parts
-    torn : bool
-        Whether there are thresholds right above the stretch, which break at once, as after a birth.
+    stretch : array (strands, parts), now (lengths)
     error : float
         Largest estimate so far of the error of the finer resolution, which is extrapolated.
     """
 
     def __init__(self, mesh: Mesh, stretch: Array, share: Array) -> None:
-        self.mesh, self.share = mesh, share
-        self.stretch = stretch.reshape(share.shape).copy()
+        self.mesh, self.share, self.stretch = mesh, share, stretch[None].copy()
         self.since, self.speed, self.error = 0.0, np.nan, 0.0
-        self.torn = mesh.torn(self.stretch, share)
-        self._weights = [cells.fresh(self.stretch.ravel()) for cells in mesh.cells]
-
-    @property
-    def count(self) -> int:
-        return self.share.shape[0]
-
-    def advance(self, speed: float, duration: Array | float) -> None:
-        """All strands move on at the speed dX/dt for a time, one number or one for each strand."""
-        duration = np.broadcast_to(np.asarray(duration, dtype=float), self.count)
-        if not duration.any():
-            return
-        longest = float(duration.max())
-        steps = self.steps_of(speed, longest) / longest
-        if speed != self.speed:
-            self.speed, self.since = speed, 0.0
-        lasts = np.repeat(duration, self.share.shape[1])
-        halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
-        for own, weights, ends in zip(self.mesh.cells, self._weights, (steps, halves), strict=True):
-            rows = np.flatnonzero(weights.sum(axis=1) > DEAD)
-            begin, time = self.stretch.ravel()[rows], lasts[rows]
-            weights[rows] = stepped(own, weights[rows], begin, speed * time, time, ends)
-        self.stretch = self.stretch + speed * lasts.reshape(self.share.shape)
-        self.since += longest
-        self.torn = False
+        # arrays (strands, parts, cells) for both resolutions
+        self._weights = [cells.fresh(stretch)[None] for cells in mesh.cells]
 
     def steps_of(self, speed: float, duration: float) -> Array:
         """Ends, from 0, of the coarse steps that `advance` would take at this speed."""
         since = self.since if speed == self.speed else 0.0
-        return duration * self.mesh.fractions(speed, since, duration, self.torn)
+        return self.mesh.steps(speed, since, duration)
+
+    def advance(self, speed: float, duration: float) -> None:
+        """All strands move on at the speed dX/dt for a time."""
+        if not duration:
+            return
+        steps = self.steps_of(speed, duration) / duration
+        if speed != self.speed:
+            self.speed, self.since = speed, 0.0
+        halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
+        for own, weights, ends in zip(self.mesh.cells, self._weights, (steps, halves), strict=True):
+            alive = weights.sum(axis=2) > DEAD
+            begin, time = self.stretch[alive], np.full(alive.sum(), duration)
+            weights[alive] = own.stepped(weights[alive], begin, speed * time, time, ends)
+        self.stretch = self.stretch + speed * duration
+        self.since += duration
+
+    def follow(self, speed: float, duration: float, spent: float = 0.0) -> Followed:
+        """Advance, until less than the share `spent` holds; returns shares and forces on the way."""
+        times, told = self.steps_of(speed, duration), [self.left()]
+        for time in np.diff(times):
+            self.advance(speed, float(time))
+            told.append(self.left())
+            if (told[-1][0] < spent).all():
+                break
+        return Followed(times[: len(told)], np.array(told))
 
     def left(self) -> Array:
-        """Share of each strand that holds, and its force per contact born, shape (2, count)."""
-        told = [weights.sum(axis=1).reshape(self.share.shape) for weights in self._weights]
-        missed = (told[1] - told[0]) / (RATIO - 1.0)
-        self.error = max(self.error, float(np.abs(self.share * missed).sum(axis=1).max(initial=0)))
-        holds = self.share * np.clip(told[1] + missed, 0.0, 1.0)
-        return np.stack([holds.sum(axis=1), (holds * self.stretch).sum(axis=1)])
+        """Share of each strand that holds, and its force per contact born, shape (2, strands)."""
+        coarse, fine = (weights.sum(axis=2) for weights in self._weights)
+        missed = (fine - coarse) / (RATIO - 1.0)
+        self.error = max(self.error, float((np.abs(missed) @ self.share).max(initial=0.0)))
+        holds = np.clip(fine + missed, 0.0, 1.0)
+        return np.stack([holds @ self.share, (holds * self.stretch) @ self.share])
 
-    def take(self, which: Mask | npt.NDArray[np.intp]) -> Strands:
+    def take(self, which: Whole) -> Strands:
         """Some of the strands, as a copy."""
-        out = object.__new__(Strands)
-        out.__dict__.update(self.__dict__)
-        rows = np.arange(self.count)[which]
-        parts = (rows[:, None] * self.share.shape[1] + np.arange(self.share.shape[1])).ravel()
-        for name in ("share", "stretch"):
-            setattr(out, name, getattr(self, name)[rows])
-        out._weights = [weights[parts] for weights in self._weights]
+        out = copy(self)
+        out.stretch = self.stretch[which]
+        out._weights = [weights[which] for weights in self._weights]
         return out
 
-    def join(self, other: Strands) -> Strands:
-        """These strands, followed by others of the same law that move on together with them."""
-        return together([self, other])
+    def join(self, *others: Strands) -> Strands:
+        """These strands, followed by others of the same births that move on together with them."""
+        out, parts = copy(self), (self, *others)
+        out.stretch = np.concatenate([part.stretch for part in parts])
+        weights = zip(*(part._weights for part in parts), strict=True)
+        out._weights = [np.concatenate(own) for own in weights]
+        out.error = max(part.error for part in parts)
+        alike = all(part.speed == out.speed for part in parts)
+        out.since = min(part.since for part in parts) if alike else 0.0
+        return out
 
 
-def together(parts: Sequence[Strands]) -> Strands:
-    """Strands of the same law that move on together, joined in the order of `parts`."""
-    out = parts[0].take(np.zeros(0, dtype=np.intp))
-    for name in ("share", "stretch"):
-        setattr(out, name, np.concatenate([getattr(part, name) for part in parts]))
-    out._weights = [np.concatenate(own) for own in zip(*(p._weights for p in parts), strict=True)]
-    out.error = max(part.error for part in parts)
-    alike = all(part.speed == out.speed for part in parts)
-    out.since = min(part.since for part in parts) if alike else 0.0
-    return out
+class StrandSurvival:
+    """Survival of contacts born at one stretch that age at one speed >= 0, followed by a strand.
 
+    A new table begins where |x| turns at 0; the variable of each is the root of the time since its
+    beginning, in which survivals are smooth there.
 
-def stepped(
-    cells: Cells, weights: Array, begin: Array, way: Array, time: Array, ends: Array
-) -> Array:
-    """Weights of strands after a move by `way` from `begin` within `time`, in steps that end at `ends`."""
-    for a, b in pairwise(ends):
-        first, last, lasts = begin + way * a, begin + way * b, time * (b - a)
-        # cut the step at the stretches where the level turns or leaves the floor
-        marks = [0.0] if cells.floor == 0.0 else [-cells.floor, cells.floor]
-        across = [(first < mark) != (last < mark) for mark in marks]
-        if not any(mark.any() for mark in across):
-            weights = cells.move(weights, Move(np.abs(first), np.abs(last), lasts))
-            continue
-        length = np.where(last == first, 1.0, last - first)
-        cuts = [np.where(c, (m - first) / length, 1.0) for m, c in zip(marks, across, strict=True)]
-        length = last - first
-        cuts = [np.zeros(first.size), *np.sort(cuts, axis=0), np.ones(first.size)]
-        for near, far in pairwise(cuts):
-            rows = far > near
-            one, two = (np.abs(first + length * cut)[rows] for cut in (near, far))
-            weights[rows] = cells.move(weights[rows], Move(one, two, (lasts * (far - near))[rows]))
-    return weights
+    Parameters
+    ----------
+    strands : Strands
+        One, of one part, right after its birth.
+    speed : float
+    longest : float
+        Time after which no survival is asked.
+
+    Attributes
+    ----------
+    reach_lag : float
+        Time after which hardly any contact holds, or `longest`.
+    error : float
+        The share that is taken as 0 from then on; beside it is the error of the strand.
+    """
+
+    def __init__(self, strands: Strands, speed: float, longest: float) -> None:
+        turn = -float(strands.stretch[0, 0]) / speed if speed > 0.0 else 0.0
+        marks = [0.0, turn, longest] if 0.0 < turn < longest else [0.0, longest]
+        self._begins: list[float] = []
+        self._splines: list[BSpline] = []
+        for begin, end in pairwise(marks):
+            strands.since = 0.0  # thresholds may have gathered right above |x|
+            found = strands.follow(speed, end - begin, SPENT)
+            self._begins.append(begin)
+            self._splines.append(found.over_root(found.left[:, 0, 0]))
+            self.reach_lag, share = begin + float(found.times[-1]), float(found.left[-1, 0, 0])
+            if share < SPENT:
+                break
+        self.error = share if share < SPENT else 0.0
+
+    def survival(self, lag: Array) -> Array:
+        """Share at times `lag` >= 0 since the birth, same shape."""
+        out = np.zeros(lag.shape)
+        ends = [*self._begins[1:], self.reach_lag]
+        for begin, end, spline in zip(self._begins, ends, self._splines, strict=True):
+            here = (lag >= begin) & (lag <= end)
+            out[here] = np.clip(spline(np.sqrt(lag[here] - begin)), 0.0, 1.0)
+        return out
 
 
 def fresh_rate(contacts: Contacts) -> float:

@@ -7,12 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.halving import Integrals, Pieces, integrals
-from master.lives.heat.replay import Replay
-from master.lives.heat.threshold_panels import SMALLEST, Stiffness, law_edges
+from master.lives.averages import Integrals, Pieces, integrals
+from master.lives.heat.replay import Replay, Stiffness
 from origins.laws.rate_law import RateLaw
 from origins.thresholds.law import Thresholds
-from origins.thresholds.quadrature import finite_density, gauss
+from origins.thresholds.quadrature import finite_density, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -27,8 +26,16 @@ _RESOLVED = 2e-12
 # Rounding of the distance between two lengths, relative to these lengths.
 _ROUNDING = 1e-14
 # Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
-# taken as 0; below _QUIET all contacts hold. Panels with a share of contacts below _NO_WEIGHT are left out.
-_GONE, _DEAD, _QUIET, _NO_WEIGHT = np.log(67.0), 7.0, np.log(1e-17), 1e-18
+# taken as 0. Panels with a share of contacts below _NO_WEIGHT are left out.
+_GONE, _DEAD, _NO_WEIGHT = np.log(67.0), 7.0, 1e-18
+SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
+
+
+def law_edges(law: Thresholds) -> Array:
+    """Edges of panels on which 16 nodes sum P_c and x_s P_c; none where there are only atoms."""
+    if float(law.atoms[1].sum()) > 1.0 - 1e-14:
+        return np.empty(0)
+    return np.maximum(panel_edges(law, tail=1e-30), SMALLEST)
 
 
 class Above:
@@ -36,7 +43,7 @@ class Above:
 
     The continuous part of P_c is summed on the law's own panels, which are halved. Where the rate
     vanishes at the threshold, A is a series in (x_s - m)^(1/2), which is then the variable of
-    integration; at rest that A is 0 at x_s = m, has its maximum just above m and falls beyond.
+    integration.
 
     Parameters
     ----------
@@ -56,21 +63,7 @@ class Above:
         self.missed, self._rooted = 0.0, rates.vanishes_at_threshold
         self.edges: Array = law_edges(law)
         xi, weight = gauss(self.edges[:-1], self.edges[1:])
-        mass = self._weighed(xi, weight * finite_density(law, xi)).sum(axis=-1)
-        self._beyond = np.zeros((2, self.edges.size))
-        self._beyond[:, :-1] = mass[:, ::-1].cumsum(axis=1)[:, ::-1]
-        if self._rooted and self.edges.size:
-            self._places = self.edges[-1] * np.append(0.0, np.geomspace(1e-8, 1.0, 400))
-            self._fastest = self._fastest_at(self._places)
-
-    def _fastest_at(self, x: Array) -> Array:
-        """The threshold with the largest rate at each stretch x >= 0; same shape.
-
-        Accurate to some 10 % of x_s - x, enough to know beyond which threshold A falls.
-        """
-        xi = np.maximum(x, SMALLEST)[:, None] * (1.0 + np.geomspace(1e-10, 1e10, 201))
-        rate = self.rates.log_rate(x[:, None], xi, self._weighed(xi, np.ones(xi.shape))[1])
-        return xi[np.arange(x.size), rate.argmax(axis=1)]
+        self._mass = (weight * finite_density(law, xi)).sum(axis=-1)
 
     def _weighed(self, xi: Array, weight: Array) -> Array:
         """Weights, and these times the relative stiffness at thresholds; shape (2, *xi.shape)."""
@@ -88,16 +81,7 @@ class Above:
         least = np.maximum(replay.least, SMALLEST)
         ends = np.maximum(self.edges, least[:, None])
         level = replay.log_spent(np.arange(least.size), ends)
-        quiet = level < _QUIET
-        if self._rooted:
-            fastest = np.clip(np.interp(least, self._places, self._fastest), least, self.edges[-1])
-            quiet &= ends >= fastest[:, None]
-        # the first edge beyond which A counts as 0; sums beyond are known only from edges above `least`
-        loud = np.where(quiet.all(axis=1), 0, quiet.shape[1] - quiet[:, ::-1].argmin(axis=1))
-        loud = np.maximum(loud, np.searchsorted(self.edges, least))
-        known = np.minimum(loud, self.edges.size - 1)
-        felt = np.arange(self.edges.size - 1) < known[:, None]
-        felt &= -np.diff(self._beyond[0]) * share[:, None] > _NO_WEIGHT
+        felt = self._mass * share[:, None] > _NO_WEIGHT
         # A rises up to a threshold and falls beyond, so that it is least at an end of a panel
         felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
 
@@ -107,7 +91,7 @@ class Above:
 
         found = self._over(least, felt, held, _RESOLVED)
         self.missed = max(self.missed, float(found.missed.max()))
-        return found.value + share * np.where(loud < self.edges.size, self._beyond[:, known], 0.0)
+        return found.value
 
     def mean_rate(self, x: Array) -> Integrals:
         """H at x >= 0, per time: h averaged over the thresholds above (paper, Eq. temper3).
@@ -115,7 +99,8 @@ class Above:
         Returns it as shape (1, n), with the largest relative error; independent stiffness.
         """
         if not self.edges.size:
-            return Integrals(np.zeros((1, x.size)), np.zeros(1))
+            nothing = Pieces(np.zeros(0, dtype=int), np.empty(0), np.empty(0))
+            return Integrals(np.zeros((1, x.size)), np.zeros(1), nothing)
 
         def breaking(row: Rows, xi: Array, weight: Array) -> Array:
             return (weight * self.rates.rate(x[row, None], xi, 1.0))[None]
@@ -153,4 +138,4 @@ class Above:
 
         pieces = Pieces(row, low, high)
         found = integrals(integrand, pieces, least.size, accuracy, relative)
-        return Integrals(found.value[1:], found.missed[1:])
+        return found._replace(value=found.value[1:], missed=found.missed[1:])

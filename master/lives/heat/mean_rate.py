@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.averages import Moves
 from master.lives.cold import TIE
 from master.lives.heat.above import Above
-from master.lives.heat.replayed import RESOLVED, ReplayedLife, rates_of
-from master.lives.stretches import Moves
+from master.lives.heat.replay import rates_of
+from master.lives.heat.thermal import RESOLVED, ReplayedLife
 from master.motion.motion import Legs
 from master.renewal.table import Table
 from origins import Contacts
@@ -19,25 +20,10 @@ from origins.thresholds.quadrature import gauss
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Largest relative last coefficients of H on a panel of its table, and the number of coefficients.
-_ACCURACY, _SIZE = 1e-13, 14
 # Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35
-# Relative rounding of h per k_BT of the barrier; halving cannot reduce it.
-_ROUNDINGS = 16.0 * float(np.finfo(float).eps)
-# The narrowest panel of the table, over the reach.
-_NARROW = 1e-13
-# Width of a panel over the reach, and its share of L, below which its error counts in proportion.
-_FELT = 1e-3
-# Median thresholds: about the reach of all laws without a heavy tail.
-_SPAN = 4.0
-# Place on a panel (0 to 1), away from its nodes, at which the table is checked.
-_BESIDE = 0.02
 _EPSILON = float(np.finfo(float).eps)
 _CHUNK = 400  # stretches at which H is summed at once
-# Relative distance from an exact threshold within which rounding may put a contact on the wrong side.
-_TOLD = 1e-9
-_LARGEST_SLOPE = 1.0 / np.e  # of e^-A over ln A: bounds the error of E by that of ln A
 
 
 class MeanRateLife(ReplayedLife):
@@ -64,20 +50,18 @@ class MeanRateLife(ReplayedLife):
         super().__init__(contacts.thresholds, self._above.edges, resolved)
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self._above.edges]))
         barrier = float(np.log(rates.scale) - rates.log_rate(0.0, self.reach, 1.0))
-        rounding = _ROUNDINGS * max(barrier, 1.0)
+        # relative rounding of h per k_BT of the barrier; halving cannot reduce it
+        rounding = 16.0 * _EPSILON * max(barrier, 1.0)
         self.table = RateTable(self._mean_rate, edges[edges <= self.reach], rates.scale, rounding)
-        widths = self.table.widths
-        at = self.table.begin + _BESIDE * widths
-        wrong = np.abs(self.table.rate(at) - self._mean_rate(at))
-        ends = np.stack([self.table.begin + share * widths for share in (0.0, 0.5, 1.0 - 1e-12)])
-        wrong /= np.maximum(self.table.rate(ends).max(axis=0), _NEVER * rates.scale)
-        wrong += [min(self._above.mean_rate(np.array([x])).missed[0], 1.0) for x in at]
-        # on a panel that adds little to L an error of H hardly changes the survival
-        span = min(self.reach, _SPAN * float(contacts.thresholds.isf(0.5)))
-        grown = self.table.grown(self.table.edges)
-        share = np.diff(grown) / np.maximum(grown[1:], np.finfo(float).tiny)
-        felt = np.minimum(1.0, np.minimum(share, widths / span) / _FELT)
-        self.error = _LARGEST_SLOPE * float((felt * wrong).max(initial=0.0))
+        # the table is checked away from its nodes; an error of H counts by its part of L, the integral
+        # of H, and one of ln L changes the survival e^-L by at most 1/e of it
+        at = self.table.begin + 0.02 * self.table.widths
+        right = self._mean_rate(at)
+        missed = [min(self._above.mean_rate(np.array([x])).missed[0], 1.0) for x in at]
+        wrong = (np.abs(self.table.rate(at) - right) + right * missed) * self.table.widths
+        grown = self.table.grown(self.table.edges[1:])
+        least = _NEVER * rates.scale * self.reach
+        self.error = float((np.cumsum(wrong) / np.maximum(grown, least)).max(initial=0.0)) / np.e
 
     def _mean_rate(self, x: Array) -> Array:
         """H at stretches x >= 0, shape (n,), by its definition."""
@@ -129,7 +113,8 @@ class MeanRateLife(ReplayedLife):
         """S(x), x of shape (n,); near exact thresholds those below `side` are broken."""
         held = np.asarray(self._law.sf(x), dtype=float)
         for position, weight in zip(self.atoms, self._weights, strict=True):
-            near = np.abs(x - position) <= _TOLD * position
+            # rounding may put a contact on the wrong side
+            near = np.abs(x - position) <= 1e-9 * position
             here = np.less(side, position * (1.0 - TIE)).astype(float)
             held += np.where(near, weight * (here - np.less(x, position)), 0.0)
         return held
@@ -152,17 +137,18 @@ class RateTable(Table):
     def __init__(
         self, function: Callable[[Array], Array], edges: Array, scale: float, rounding: float
     ) -> None:
+        accuracy, span = 1e-13, float(edges[-1])
+
         def found(x: Array) -> Array:
             return function(x.ravel()).reshape(1, *x.shape)
 
         def felt(values: Array, widths: Array) -> Array:
             most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
             # near a bend panels get narrow and add little to L
-            return np.asarray(most / np.minimum(1.0, widths / (_FELT * edges[-1])))
+            return np.asarray(most / np.minimum(1.0, widths / (1e-3 * span)))
 
-        shortest, rounding = _NARROW * float(edges[-1]), rounding / _ACCURACY
-        given = found, edges, _ACCURACY, shortest
-        super().__init__(*given, size=_SIZE, felt=felt, rounding=rounding)
+        given = found, edges, accuracy, 1e-13 * span
+        super().__init__(*given, size=14, felt=felt, rounding=rounding / accuracy)
 
     def rate(self, x: Array) -> Array:
         """H at x >= 0; same shape."""

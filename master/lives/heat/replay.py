@@ -8,19 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 from master.motion.motion import Legs
+from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT, RateLaw
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
+Stiffness = Callable[[Array], Array]
 
 # ln A in place of -inf, where A = 0 or underflows.
 _NOTHING = -740.0
-# A move's share of the integral from 0 below which a difference of integrals would lose 3 digits.
-_SHORT = 1e-3
 
 
 class Replay:
-    """The rate of n contacts, integrated leg by leg: closed integrals on moves, h times the time in holds.
+    """The rate of n contacts, integrated leg by leg: the mean rate on each leg times the time there.
 
     Parameters
     ----------
@@ -39,31 +39,20 @@ class Replay:
     """
 
     def __init__(
-        self,
-        rates: RateLaw,
-        stiffness: Callable[[Array], Array] | None,
-        born: Array,
-        legs: Legs,
+        self, rates: RateLaw, stiffness: Stiffness | None, born: Array, legs: Legs
     ) -> None:
         self._rates, self._stiffness = rates, stiffness
         used = np.flatnonzero((legs.duration > 0.0).any(axis=0))
         self._near = born[:, None] + legs.displacement[:, used]
         self._far = born[:, None] + legs.displacement[:, used + 1]
         self._duration, self._speed = legs.duration[:, used], legs.speed[used]
-        # on the leg of birth speed times time is more accurate than the difference of two positions
-        first = legs.displacement[:, used] == 0.0
-        since = born[:, None] + self._speed * self._duration
-        self._far = np.where(first & (self._speed != 0.0), since, self._far)
-        self._joined = np.append(False, np.diff(used) == 1)
         ends = np.abs(np.concatenate([born[:, None], self._near, self._far], axis=1))
         self.least: Array = ends.max(axis=1)
         self._in_proportion: tuple[Array, Array] | None = None
         if rates.separable and stiffness is None:
             # A at one threshold gives A at all others
-            with np.errstate(divide="ignore"):
-                log_spent = np.log(self.spent(np.arange(born.size), self.least[:, None])[:, 0])
-            log_rate = rates.log_rate(0.0, self.least, 1.0)
-            self._in_proportion = np.maximum(log_spent, _NOTHING), log_rate
+            log_spent = self.log_spent(np.arange(born.size), self.least[:, None])[:, 0]
+            self._in_proportion = log_spent, rates.log_rate(0.0, self.least, 1.0)
 
     @classmethod
     def known(cls, rates: RateLaw, least: Array, log_spent: Array) -> Replay:
@@ -84,62 +73,38 @@ class Replay:
                 level = np.log(self.spent(row, threshold))
         return np.maximum(level, _NOTHING)
 
-    def spent_at(self, threshold: float) -> Array:
-        """A of all contacts at one threshold, which |x| has exceeded at most by rounding; shape (n,)."""
-        near, far = self._near, self._far
-        self._near, self._far = (np.clip(part, -threshold, threshold) for part in (near, far))
-        every = np.arange(self.least.size)
-        spent = self.spent(every, np.full((every.size, 1), threshold))[:, 0]
-        self._near, self._far = near, far
-        return spent
-
     def spent(self, row: Rows, threshold: Array) -> Array:
-        """A of the contacts `row`, shape (n,), at thresholds of shape (n, k)."""
+        """A of the contacts `row`, shape (n,), at thresholds of shape (n, k), which |x| has exceeded at
+        most by rounding."""
         stiffness = 1.0 if self._stiffness is None else self._stiffness(threshold)
         spent = np.zeros(threshold.shape)
-        passed: Array | None = None
         for leg, speed in enumerate(self._speed):
-            near = self._near[row, leg][:, None]
+            near, far = self._near[row, leg][:, None], self._far[row, leg][:, None]
+            first, last = (np.minimum(np.abs(end), threshold) for end in (near, far))
+            low, high = np.minimum(first, last), np.maximum(first, last)
             if speed == 0.0:
-                duration = self._duration[row, leg][:, None]
-                spent += self._rates.rate(np.abs(near), threshold, stiffness) * duration
-                passed = None
-                continue
-            if passed is None or not self._joined[leg]:
-                passed = self._passed(near, threshold, stiffness)
-            far = self._far[row, leg][:, None]
-            before, passed = passed, self._passed(far, threshold, stiffness)
-            gone = np.abs(passed - before)
-            short = gone < _SHORT * np.abs(passed)
-            if short.any():
-                way = np.abs(speed) * self._duration[row, leg][:, None]
-                arrays = np.broadcast_arrays(near, far, way, threshold, stiffness)
-                gone[short] = self._short_way(*(array[short] for array in arrays))
-            spent += gone / np.abs(speed)
+                mean = self._rates.rate(high, threshold, stiffness)
+            else:
+                across = near * far < 0.0
+                begin = np.where(across, 0.0, low)
+                passed, way = self._passed(begin, high, threshold, stiffness), high - begin
+                if across.any():
+                    passed += across * self._passed(0.0 * low, low, threshold, stiffness)
+                    way += across * low
+                # this mean hardly suffers from the rounding of the way's ends, unlike the integral
+                mean = np.divide(passed, way, out=np.zeros(way.shape), where=way > 0.0)
+                if not way.all():
+                    mean = np.where(way > 0.0, mean, self._rates.rate(high, threshold, stiffness))
+            spent += mean * self._duration[row, leg][:, None]
         return spent
 
-    def _passed(self, x: Array, threshold: Array, stiffness: Array | float) -> Array:
-        """Integral of h from 0 to x; x of shape (n, 1)."""
-        if not x.any():
-            return np.zeros(threshold.shape)
-        far = np.minimum(np.abs(x), threshold)
-        log_passed = self._rates.log_passed(0.0, far, threshold, stiffness)
-        return np.sign(x) * np.exp(np.minimum(log_passed, LARGEST_EXPONENT))
+    def _passed(self, low: Array, high: Array, threshold: Array, stiffness: Array | float) -> Array:
+        """Integral of h over stretches from low to high; all of one shape."""
+        log_passed = self._rates.log_passed(low, high, threshold, stiffness)
+        return np.exp(np.minimum(log_passed, LARGEST_EXPONENT))
 
-    def _short_way(
-        self, near: Array, far: Array, way: Array, threshold: Array, stiffness: Array
-    ) -> Array:
-        """The integral of h over a way much shorter than the stretch; all of shape (n,).
 
-        `way` is its length, more accurate than the difference of the rounded ends.
-        """
-        near, far = np.minimum(np.abs(near), threshold), np.minimum(np.abs(far), threshold)
-        near, far = np.minimum(near, far), np.maximum(near, far)
-        apart = far - near
-        at_rest = apart == 0.0
-        log_passed = self._rates.log_passed(near, far, threshold, stiffness)
-        mean_rate = np.exp(log_passed) / np.where(at_rest, 1.0, apart)
-        if at_rest.any():
-            some = near[at_rest], threshold[at_rest], stiffness[at_rest]
-            mean_rate[at_rest] = self._rates.rate(*some)
-        return mean_rate * way
+def rates_of(contacts: Contacts) -> RateLaw:
+    """The law by which contacts break below their thresholds."""
+    assert contacts.thermal is not None
+    return contacts.thermal.rates

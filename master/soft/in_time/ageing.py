@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.age.cells import ASLEEP, Cells
-from master.lives.age.strands import fresh_rate, stepped
+from master.lives.age.strands import fresh_rate
 from master.soft.in_time.memory import Leg, Memory, Scales
 from origins import Contacts
 
@@ -66,7 +66,7 @@ class AgeingMemory(Memory):
         if awake.size:
             begin, way = leg.begin[awake], (leg.end - leg.begin)[awake]
             time, ends = np.full(awake.size, leg.duration), np.array([0.0, 1.0])
-            out[awake, CELLS:] = stepped(self._cells, out[awake, CELLS:], begin, way, time, ends)
+            out[awake, CELLS:] = self._cells.stepped(out[awake, CELLS:], begin, way, time, ends)
         return out
 
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import KroghInterpolator
 
-from master.lives.stretch_rule import StretchRule, stretch_rule
+from master.lives.averages import StretchRule, stretch_rule
 from master.soft.in_time.memory import Leg, Memory
 from origins import Contacts
 from origins.start import SingleStart, Start

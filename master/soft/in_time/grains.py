@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.lives.grains import GrainLife, pinned_hazard
-from master.lives.growing_thresholds import GrowingThresholds
+from master.lives.warm_grains import GrowingThresholds
 from master.soft.in_time.memory import Leg, Memory
 from origins import Contacts
 

@@ -16,11 +16,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import exp1
 
-from master.lives.age.grid import narrowest
+from master.lives.age.cells import narrowest
 from master.lives.cold import TIE
 from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.replay import Replay
-from master.lives.heat.replayed import rates_of
+from master.lives.heat.replay import Replay, rates_of
 from master.motion.motion import Legs
 from origins import Contacts
 
