@@ -97,7 +97,7 @@ def solve(
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            from master.soft.in_time.solution import solve_given
+            from master.soft.in_time.refining import solve_given
 
             return solve_given(contacts, drive, tolerance, progress, wall_time)
         until = np.inf if wall_time is None else clock.monotonic() + wall_time
@@ -105,23 +105,7 @@ def solve(
         if wall_time is not None:
             wall_time = max(until - clock.monotonic(), 0.0)
         return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
-    if _by_steps(contacts, drive):
-        from master.soft.in_time.solution import solve_in_time
-
-        return solve_in_time(contacts, drive, tolerance, progress, wall_time)
     return solve_soft(contacts, drive, tolerance, progress, wall_time)
-
-
-def _by_steps(contacts: Contacts, drive: Drive) -> bool:
-    """Whether a soft slider is followed in steps of time, instead of panels of its position X.
-
-    It is where the contacts' laws depend on time; and where contacts re-form stretched backward and
-    the drive turns, since each then comes back to its largest |x| at a different X.
-    """
-    if {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws):
-        return True
-    again = contacts.reforming
-    return again is not None and again.law.span[0] < 0.0 and not drive.forward
 
 
 def solve_paper(
