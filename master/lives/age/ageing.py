@@ -250,6 +250,7 @@ class AgeingPath(AgeingLife):
     master.renewal.strand_births follows births of earlier legs.
     """
 
+    has_strands = True
     _start: Strands | None = None
 
     def left(self, born: Start | Array, history: History) -> Array:
