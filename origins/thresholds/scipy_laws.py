@@ -40,6 +40,9 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     if not np.isfinite(mean):
         rule = "with an infinite mean contacts never reach a steady state"
         raise InputError(f"{name}: the mean is {mean}; {rule}")
+    middle = mean * np.array([0.5, 1.0, 2.0])
+    if np.isnan(frozen.cdf(middle) + frozen.sf(middle)).any():
+        raise InputError(f"{name}: cdf or sf is not a number near the mean, {mean:g}")
     ends = max(lower, 0.0), upper
     if below > _BELOW_ZERO or frozen is not law:
         return ScipyDensity(frozen, ends, below)
@@ -111,20 +114,26 @@ class ScipyDensity(Thresholds):
 class FrozenThresholds(ScipyDensity):
     """Delegates to a frozen distribution on x >= 0, whose own quantiles contradict its cdf in some far tails."""
 
+    def _told(self, method: str, x: Array, below: float, above: float) -> Array:
+        """What the distribution gives; where it gives no number, far from its mean, the limit on that side."""
+        found = self._ask(method, x)
+        limit = np.where(x < float(self.distribution.mean()), below, above)
+        return np.where(np.isnan(found), limit, found)
+
     def _pdf(self, x: Array) -> Array:
-        return self._ask("pdf", x)
+        return self._told("pdf", x, 0.0, 0.0)
 
     def _logpdf(self, x: Array) -> Array:
-        return self._ask("logpdf", x)
+        return self._told("logpdf", x, -np.inf, -np.inf)
 
     def _cdf(self, x: Array) -> Array:
-        return self._ask("cdf", x)
+        return self._told("cdf", x, 0.0, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        return self._ask("sf", x)
+        return self._told("sf", x, 1.0, 0.0)
 
     def _logsf(self, x: Array) -> Array:
-        return self._near_one(x, self._ask("logsf", x))
+        return self._near_one(x, self._told("logsf", x, 0.0, -np.inf))
 
     def _moment(self, n: float) -> float:
         mean = float(self.distribution.mean())
