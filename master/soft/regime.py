@@ -39,7 +39,7 @@ class Regime:
         In words.
     critical_spring, critical_spring_error : float
         K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive:
-        at T = 0 a stiffer spring never slips. It is not that of steady sliding, where the start is
+        at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where the start is
         forgotten.
     stiffness_ratio : float
         K/K*.
@@ -101,7 +101,9 @@ def regime(
     spring, count, trend = float(drive.spring or 0.0), slips.drive.size, _trend(slips.drop)
     speed = drive.velocity if course is None else course.speed
     critical, error = critical_spring(contacts, speed, tolerance)
-    known = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
+    known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
+    if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
+        known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
     if not whole:
         reason = f"{count} slips up to where the solution stopped"
@@ -133,10 +135,8 @@ def _after_resets(
         verdict: Verdict = "stick-slip" if spring < limit else "decaying transient"
         return verdict, f"{count} slips; the relaxed contacts that they leave have K* = {limit:.6g}"
     if count > 1:
-        return (
-            "stick-slip",
-            f"{count} slips, each after a reset that leaves nothing of what was before",
-        )
+        told = f"{count} slips, each after a reset that leaves nothing of what was before"
+        return "stick-slip", told
     # growing grains are younger after a reset than at the start
     if relaxed and contacts.grains is None:
         return "stick-slip", "one slip, after which contacts stand as they began, and so slip again"
@@ -155,7 +155,7 @@ def _by_drops(
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     told, drops = f"{count} slips up to the end of the path", np.abs(slips.drop)
     if since > SILENT * longest:
-        silent = f"then none for {since / longest:.3g} times the longest pause"
+        silent = f"then none for {since / longest:.3g} times the longest period"
         return "decaying transient", f"{count} slips, {silent}"
     if count < FEWEST:
         return "undecided", f"{told} are too few to tell; lengthen it"
@@ -181,7 +181,7 @@ def _oldest(contacts: Contacts, clock: Array) -> Array:
 def _lacking(contacts: Contacts, spring: float, critical: float, course: Course | None) -> str:
     """Why a path without slips does not yet prove smooth sliding; "" if it does.
 
-    Without ageing the slider cannot slip above K*; with heat it may creep along with the drive on a
+    Before a turn, without ageing, it cannot slip above K*; with heat it may creep along with the drive on a
     softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
     to age: F drops more steeply than on a rigid slider, and K* decides nothing. Once all contacts
     of the start have broken, the first drop is over, and it is the steepest.
