@@ -5,8 +5,7 @@ from master.solution import Solution
 from master.solve import solve
 from master.steady.kinetic import KineticCurve, kinetic_curve
 from master.steady.steady import SteadyState, steady_state
-from master.stick_slip.phase_line import PhaseLine, phase_line
-from master.stick_slip.propensity import Propensity, propensity
+from master.stick_slip.propensity import PhaseLine, Propensity, phase_line, propensity
 from master.stick_slip.spectrum import DecoherenceSpectrum, decoherence_spectrum
 
 __all__ = [

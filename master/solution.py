@@ -95,22 +95,18 @@ class Solution:
         Raises InputError where the path does not pass X; and where contacts re-form at many
         stretches, age or have growing thresholds, for which Q is not computed on such a path.
         """
-        march = self._march
+        march, unknown = self._march, "is not known along paths in time yet where"
         if march is None or (isinstance(march.life, GrainLife) and not march.motion.one_leg):
-            raise InputError(
-                "contacts.grains: Q(x;X) is not known along paths in time yet where thresholds grow"
-            )
+            raise InputError(f"contacts.grains: Q(x;X) {unknown} thresholds grow")
+        if isinstance(march.life, AgeingPath):
+            raise InputError(f"contacts.ageing: Q(x;X) {unknown} contacts age")
         if not march.births.law.is_single:
             raise InputError(
                 "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
             )
-        if isinstance(march.life, AgeingPath):
-            raise InputError(
-                "contacts.ageing: Q(x;X) is not known along paths in time yet where contacts age"
-            )
         time = self._point(where) if self._by_index else self._passing(march.motion, where, leg)
         found = reading.deltas(march, time)
-        return StretchDistribution(found.positions, found.weights, march, time)
+        return StretchDistribution(np.array(list(found)), np.array([*found.values()]), march, time)
 
     def _point(self, point: float) -> float:
         """Time at which the path reaches the point with this index."""
@@ -125,21 +121,19 @@ class Solution:
         slack = SLACK * (1.0 + np.abs(motion.positions).max())
         low, high = np.sort([motion.positions[:-1], motion.positions[1:]], axis=0)
         legs = np.flatnonzero((low - slack <= position) & (position <= high + slack))
+        if leg is not None:
+            legs = legs[legs == leg]
+        if not legs.size:
+            low, high = min(0.0, self.path.min()), max(0.0, self.path.max())
+            told = f"the path, between {low:g} and {high:g}, does not come there"
+            if leg is not None:
+                refuse("leg", leg, f"{told}; {motion.speeds.size} legs are counted from 0")
+            refuse("position", position, told)
         way, speed = position - motion.positions[legs], motion.speeds[legs]
         lasting = np.divide(way, speed, out=np.full(legs.size, np.inf), where=speed != 0.0)
         times = np.clip(motion.times[legs] + lasting, motion.times[legs], motion.times[legs + 1])
-        if leg is not None:
-            if leg not in legs:
-                count = motion.speeds.size
-                told = f"does not pass {position:g}; {count} legs are counted from 0"
-                refuse("leg", leg, told)
-            return float(times[legs == leg][0])
         # a turning point ends one leg and begins the next
         apart = np.append(True, np.diff(times) > 0.0)[: times.size]
-        if not times.size:
-            low, high = min(0.0, self.path.min()), max(0.0, self.path.max())
-            told = f"the path, between {low:g} and {high:g}, does not come there"
-            refuse("position", position, told)
         if apart.sum() > 1:
             several = ", ".join(map(str, legs[apart]))
             told = f"is passed on legs {several}; say which, as in leg={legs[0]}"

@@ -40,9 +40,9 @@ def solve(
     modules in the order in which they work: `rigid` turns contacts and drive into a motion
     (motion.motion) and a life (lives.cold, ...: the survival and force of contacts born together);
     renewal.edges finds where panels end; renewal.march solves the panels one after the other, as
-    polynomials (renewal.rule), with the contributions of earlier births (renewal.births, .kernels);
-    renewal.reading evaluates force and holding share. With heat, renewal.past sums the births on
-    earlier legs of the path. Under a spring, soft.solution follows the same march from slip to slip,
+    polynomials (renewal.rule), with the contributions of earlier births (renewal.births: those on the
+    present leg of the path by .kernels, those before by .past); renewal.reading evaluates force and
+    holding share. Under a spring, soft.solution follows the same march from slip to slip,
     or soft.in_time steps in time where the contacts' laws depend on time. docs/equations.md derives
     the equation from (Q5a); the paper's own scheme is master.paper.explicit.
 
@@ -97,7 +97,7 @@ def solve(
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            from master.soft.in_time.solution import solve_given
+            from master.soft.in_time.refining import solve_given
 
             return solve_given(contacts, drive, tolerance, progress, wall_time)
         until = np.inf if wall_time is None else clock.monotonic() + wall_time
@@ -105,23 +105,7 @@ def solve(
         if wall_time is not None:
             wall_time = max(until - clock.monotonic(), 0.0)
         return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
-    if _by_steps(contacts, drive):
-        from master.soft.in_time.solution import solve_in_time
-
-        return solve_in_time(contacts, drive, tolerance, progress, wall_time)
     return solve_soft(contacts, drive, tolerance, progress, wall_time)
-
-
-def _by_steps(contacts: Contacts, drive: Drive) -> bool:
-    """Whether a soft slider is followed in steps of time, instead of panels of its position X.
-
-    It is where the contacts' laws depend on time; and where contacts re-form stretched backward and
-    the drive turns, since each then comes back to its largest |x| at a different X.
-    """
-    if {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws):
-        return True
-    again = contacts.reforming
-    return again is not None and again.law.span[0] < 0.0 and not drive.forward
 
 
 def solve_paper(

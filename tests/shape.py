@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 11884, 200, 322),
+    "master": Room(7500, 11123, 200, 274),
     "eq_model": Room(2200, 3757, 60, 131),
     "origins": Room(4500, 8985, 120, 257),
     "toolkit": Room(4000, 4000, 100, 65),

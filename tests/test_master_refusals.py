@@ -132,7 +132,6 @@ GROWING.replace(reforming=0.1)  reforming: contacts form again as their grains p
 GROWING.replace(stiffness="linked")  stiffness = 'linked': not defined with
 solve(PLAIN.replace(reforming=0.1), [0.0, 2.0], spring=0.4, slip="reform-after")  slip = 'reform-after': takes contacts
 solve(WARM.replace(start=0.2), [0.0, 2.0], time=[0.0, 1.0], spring=0.4)  path\[0\] = 0.0: at time 0 the drive stands
-solve(Contacts(WIDE, thermal=Thermal("stiff", 1e-4)), [0.0, 2.0], 1e-3, spring=0.4)  thermal: contacts of stiff rates
 explicit(PLAIN, [0.0, 1.0], 0.0)  step = 0\.0: must be above zero
 explicit(PLAIN, [0.0, 1.0], 1e-9)  .*write step=
 explicit(PLAIN, [1.0, 0.0], 0.1)  .*does not turn round

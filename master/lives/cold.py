@@ -74,13 +74,10 @@ class ColdLife(Life):
             self._end = float(upper)  # the few contacts that hold beyond may carry much force
         shortest = 1e-9 * self._mean
         self._table = Table(lambda x: self._smooth(x)[None], edges, 1e-12, shortest)
+        self.marks = np.union1d(self.bends, self._table.edges)
         lost = -np.diff(self._smooth(self._table.edges))
         weight = lost.sum()
         self.grain = float(self._table.widths @ lost / weight) if weight > 0.0 else self.reach
-
-    def marks(self, width: float) -> Array:
-        """See Life."""
-        return np.union1d(self.bends, self._table.fine(width))
 
     def atom_share(self, atom: float, stretch: float) -> float:
         """See Life."""

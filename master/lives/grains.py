@@ -43,7 +43,7 @@ class GrainLife(Life):
     grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
     """
 
-    error, fresh_start = 5e-14, False  # the share's error by that of the hazards
+    error = 5e-14  # the share's error by that of the hazards
     # first number of pieces of a start, and last coefficients below which they are not halved
     pieces, resolved = 8, 1e-12
 

@@ -31,14 +31,14 @@ class Life:
     bends : array of shape (n,)
         Lengths, sorted: the largest |x| at which the survival of a contact is not smooth, such as
         jumps of P_c and exact thresholds.
+    marks : array of shape (n,)
+        Where `quick`: |x| between which the survival is nearly a polynomial.
     grain : float
         Length over which the survival has to be resolved.
     quick : bool
         Whether `left`, for births at one stretch, takes no longer than a look-up in a table.
     pair_work : int
         Work of `left` for one birth at one moment, in look-ups in a table.
-    fresh_start : bool
-        Whether contacts of the start follow the same law as contacts born later.
     timeless : bool
         Whether the survival depends only on the way, and not on the time that it took.
     error : float
@@ -48,13 +48,10 @@ class Life:
     reach: float
     grain: float
     quiet, quick, timeless = 0.0, False, False
-    fresh_start, pair_work, error = True, 1, 0.0
+    pair_work, error = 1, 0.0
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
-
-    def marks(self, width: float) -> Array:
-        """The bends, and |x| between which the survival is smooth enough for panels of a width."""
-        return self.bends
+    marks: Array = np.empty(0)
 
     def atom_share(self, atom: float, stretch: float) -> float:
         """Upper bound of the share of contacts born at a stretch that have the exact threshold `atom`."""

@@ -15,7 +15,7 @@ generation is dX/2 late.
 
 import time
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -57,20 +57,6 @@ class ExplicitSolution:
     run_time: float
 
 
-class Grid(NamedTuple):
-    """Stretches x, all multiples of the step, and the contacts on them at X = 0.
-
-    zero : index of x = 0; shares : of the contacts at each node, with the sum 1
-    fraction : of the contacts at each node, after the shift, that breaks in a step
-    """
-
-    step: float
-    zero: int
-    x: Array
-    shares: Array
-    fraction: Array
-
-
 def explicit(
     contacts: Contacts,
     path: npt.ArrayLike,
@@ -107,39 +93,58 @@ def explicit(
         where the rate is no function of x alone; for other laws of a contact; and for "printed"
         with exact thresholds, which have no P(x).
     """
-    began = time.perf_counter()
     check_contacts(contacts, "master.paper.explicit", ("thermal", "delay"))
     thermal, delay = contacts.thermal, contacts.delay
     if thermal is not None and thermal.closure != "paper":
         rule = 'the explicit scheme knows x alone; use closure = "paper"'
         refuse("contacts.thermal.closure", thermal.closure, rule)
     drive = Drive(path, velocity).only_forward("the explicit scheme")
-    end = float(drive.path[-1])
+    late = 0.0 if delay is None else delay.time * drive.velocity
     lowest = max(min(contacts.start.span[0], 0.0), -contacts.thresholds.support()[1])
-    span = lowest, largest_stretch(contacts, end)
-    grid = make_grid(contacts, span, end, step, breaking)
-    if thermal is not None:
-        heat = MeanRateLife(contacts).table.rate(np.abs(grid.x)) / drive.velocity * grid.step
-        cold = grid.fraction
-        warm = 1.0 - (1.0 - cold) * np.exp(-heat) if breaking == "survival" else cold + heat
-        grid = grid._replace(fraction=np.minimum(warm, 1.0))
-    late = 0 if delay is None else round(delay.time * drive.velocity / grid.step)
-    return followed(grid, drive.path, began, late)
+    span = lowest, largest_stretch(contacts, float(drive.path[-1]))
+    return followed(contacts, drive.path, span, step, breaking, drive.velocity, late)
 
 
-def followed(grid: Grid, path: Array, began: float, late: int = 0) -> ExplicitSolution:
-    """Take all steps along a path (n,) of slider positions; broken contacts are out for `late` steps.
+def followed(
+    contacts: Contacts,
+    path: Array,
+    span: tuple[float, float],
+    step: float,
+    breaking: Breaking,
+    velocity: float = 1.0,
+    late: float = 0.0,
+) -> ExplicitSolution:
+    """Take all steps along a path (n,) of slider positions, on a grid between two stretches (lengths).
 
-    Turning points are moved to the nearest multiple of the step. began : time.perf_counter()
+    Turning points are moved to the nearest multiple of the step. late : way for which contacts are out
+    Raises InputError for a step too small for the travel, and as `explicit` does.
     """
-    step, zero, x, shares, fraction = grid
+    began, step = time.perf_counter(), positive("step", step)
+    if breaking not in ("survival", "printed"):
+        refuse("breaking", breaking, 'must be "survival" or "printed"')
+    travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
+    longest = max(float(travel[-1]), span[1] - span[0])
+    if longest / step > MOST_NODES:
+        example = f"write step={longest / 1e4:.3g} or so"
+        refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
+    zero = 1 - int(np.floor(span[0] / step))  # as many nodes below it as above, if the span is even
+    x: Array = step * np.arange(-zero, int(np.ceil(span[1] / step)) + 2, dtype=float)
+    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
+    if contacts.thermal is not None:
+        heat = MeanRateLife(contacts).table.rate(np.abs(x)) / velocity * step
+        warm = 1.0 - (1.0 - fraction) * np.exp(-heat)
+        fraction = np.minimum(warm if breaking == "survival" else fraction + heat, 1.0)
+    fraction[-1] = 1.0  # contacts that would leave the grid break at its end
+    shares = starting_shares(contacts, x, step)
+
     moving = np.flatnonzero(np.diff(path, prepend=0.0))
     turns = np.flatnonzero(np.diff(np.sign(np.diff(path, prepend=0.0)[moving])))
     corners = np.append(moving[turns], path.size - 1)
     goals = path[corners] / step
     goals[:-1] = np.rint(goals[:-1])
     legs = np.diff(goals, prepend=0.0)  # steps, of which the last ends within one
-    waiting = np.zeros(1 + late)  # ring buffer: contacts that break now re-form `late` steps later
+    # ring buffer: contacts that break now re-form after the steps of the delay
+    waiting = np.zeros(1 + round(late / step))
     force, holding = [x @ shares], [shares.sum()]
     for leg in legs:
         one_way = shares if leg >= 0.0 else shares[::-1]  # a view: backward motion is forward in -x
@@ -149,7 +154,6 @@ def followed(grid: Grid, path: Array, began: float, late: int = 0) -> ExplicitSo
             force.append(x @ shares)
             holding.append(shares.sum())
     # number of steps at which the slider reaches each point
-    travel = np.cumsum(np.abs(np.diff(path, prepend=0.0)))
     taken = np.append(0.0, np.cumsum(np.abs(legs)))
     at = np.interp(travel, np.append(0.0, travel[corners]), taken)
     number = np.arange(len(force))
@@ -168,24 +172,6 @@ def shift_and_break(shares: Array, fraction: Array) -> float:
     broken = fraction * shares
     shares -= broken
     return float(broken.sum())
-
-
-def make_grid(
-    contacts: Contacts, span: tuple[float, float], travel: float, step: float, breaking: Breaking
-) -> Grid:
-    """The grid between two stretches (lengths); InputError for a step too small for the travel."""
-    step = positive("step", step)
-    if breaking not in ("survival", "printed"):
-        refuse("breaking", breaking, 'must be "survival" or "printed"')
-    longest = max(travel, span[1] - span[0])
-    if longest / step > MOST_NODES:
-        example = f"write step={longest / 1e4:.3g} or so"
-        refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
-    zero = 1 - int(np.floor(span[0] / step))  # as many nodes below it as above, if the span is even
-    x: Array = step * np.arange(-zero, int(np.ceil(span[1] / step)) + 2, dtype=float)
-    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
-    fraction[-1] = 1.0  # contacts that would leave the grid break at its end
-    return Grid(step, zero, x, starting_shares(contacts, x, step), fraction)
 
 
 def largest_stretch(contacts: Contacts, way: float) -> float:

@@ -7,12 +7,10 @@ it would not have survived. So after a turn this differs from the discrete model
 the force is off by 0.04 where turns are at +-3, by 0.18 where they are at +-0.9.
 """
 
-import time
-
 import numpy as np
 import numpy.typing as npt
 
-from master.paper.explicit import Breaking, ExplicitSolution, followed, largest_stretch, make_grid
+from master.paper.explicit import Breaking, ExplicitSolution, followed, largest_stretch
 from origins import Contacts
 from origins.contacts import check_contacts
 from origins.errors import finite_array
@@ -37,10 +35,7 @@ def explicit_loop(
 
     Raises InputError for a path that is not finite, for `step` and `breaking` as `explicit` does.
     """
-    began = time.perf_counter()
     check_contacts(contacts, "master.paper.explicit_loop")
     positions = finite_array("path", path)
-    travel = float(np.abs(np.diff(positions, prepend=0.0)).sum())
     reach = largest_stretch(contacts, float(np.ptp(np.append(positions, 0.0))))
-    grid = make_grid(contacts, (-reach, reach), travel, step, breaking)
-    return followed(grid, positions, began)
+    return followed(contacts, positions, (-reach, reach), step, breaking)

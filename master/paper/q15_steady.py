@@ -14,7 +14,7 @@ Errors are series in even powers of the cell width, which extrapolation over hal
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,11 +22,8 @@ from scipy.interpolate import PchipInterpolator
 from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
-from master.outcome import WELL, judged
 from origins import Ageing, Contacts, InputError, Thresholds
-from origins.errors import positive
 from origins.laws.diffusion import Diffusion
-from origins.thresholds.scipy_laws import as_thresholds
 
 Array = npt.NDArray[np.float64]
 
@@ -45,51 +42,22 @@ _FAINTEST = 1e-200
 _UP = np.array([-1.0, 1.0])
 
 
-@dataclass(frozen=True)
-class AgeingSteadyState:
+class Steady(NamedTuple):
     """Steady sliding with one P_c for all contacts.
 
-    Attributes
-    ----------
-    force : float
-        F_k/(N_c <k>), a length.
-    force_error : float
-        Its error in units of the mean fresh threshold.
-    mean_threshold : float
-        C, the mean of P_c (a length): contacts break at the rate 1/C per unit of advance.
-    holding : float
-        Fraction of the contacts that hold: 1.
-    thresholds : Thresholds
-        P_c, from a table of weights.
-    positivity_defect : float
-        Sum of negative weights of that table, without the sign; the density leaves them out.
-    cycle_length_error : float
-        Error of C in units of the mean fresh threshold.
-    success : bool
-        Whether the relative error of the force is at most 1e-3.
-    message : str
-        The accuracy reached.
+    force, force_error : F_k/(N_c <k>) and its error (lengths)
+    length, length_error : C, the mean of P_c, and its error (lengths): contacts break at the rate
+        1/C per unit of advance
+    thresholds : P_c, from a table of weights
+    below : sum of the negative weights of that table, without the sign; the density leaves them out
     """
 
     force: float
     force_error: float
-    mean_threshold: float
-    thresholds: Thresholds = field(repr=False)
-    positivity_defect: float
-    cycle_length_error: float
-    success: bool
-    message: str
-    holding: float = 1.0
-
-    @property
-    def cycle_length(self) -> float:
-        """C (a length)."""
-        return self.mean_threshold
-
-    def distribution(self, x: npt.ArrayLike) -> Array:
-        """(Q11a): Q_s(x) = S(x)/C per length, S that of P_c; 0 at x < 0; same shape as x."""
-        x = np.asarray(x, dtype=float)
-        return np.where(x >= 0.0, self.thresholds.sf(x) / self.mean_threshold, 0.0)[()]
+    length: float
+    length_error: float
+    thresholds: Thresholds
+    below: float
 
 
 def check_alone(contacts: Contacts) -> None:
@@ -102,16 +70,13 @@ def check_alone(contacts: Contacts) -> None:
             )
 
 
-def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> AgeingSteadyState:
-    """(Q15), (Q11c), (Q11d): the steady state at the speed `velocity`, D_X = D/v, any final law.
+def paper_steady(law: Thresholds, ageing: Ageing, diffusion: float) -> Steady:
+    """(Q15), (Q11c), (Q11d): the steady state from fresh thresholds P_ci at D_X (a length), any final law.
 
-    fresh is P_ci: Thresholds, or a frozen scipy.stats distribution on x >= 0; exact single values
-    are allowed. Raises InputError for fresh thresholds outside the support of the final law, and for
-    a final law with a gap that thresholds would have to cross.
+    Exact single values are allowed. Raises InputError for fresh thresholds outside the support of
+    the final law, and for a final law with a gap that thresholds would have to cross.
     """
-    law = as_thresholds(fresh)
     ageing.check_fresh(law)
-    diffusion = ageing.rate / positive("velocity", velocity)
     grid = _make_grid(law, ageing.final)
     rows: list[list[Array]] = []  # Romberg's table of (F_k, C), lengths
     weights: list[Array] = []
@@ -132,17 +97,9 @@ def paper_steady_state(fresh: object, ageing: Ageing, velocity: float = 1.0) -> 
     # weights on the coarser of the last two grids, extrapolated from both
     coarse, fine = weights
     better = (4.0 * fine.reshape(-1, 2).sum(axis=1) - coarse) / 3.0
-    success, message = judged("F_k", off[0] / force, WELL)
-    return AgeingSteadyState(
-        force=force,
-        force_error=float(off[0]) / law.mean(),
-        mean_threshold=length,
-        thresholds=TabulatedLaw(edges[::2], np.maximum(better, 0.0)),
-        positivity_defect=abs(float(better[better < 0.0].sum())),
-        cycle_length_error=float(off[1]) / law.mean(),
-        success=bool(success),
-        message=message,
-    )
+    thresholds = TabulatedLaw(edges[::2], np.maximum(better, 0.0))
+    below = abs(float(better[better < 0.0].sum()))
+    return Steady(force, float(off[0]), length, float(off[1]), thresholds, below)
 
 
 def _make_grid(fresh: Thresholds, final: Thresholds) -> Callable[[int], Array]:

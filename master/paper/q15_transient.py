@@ -15,21 +15,12 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.outcome import Progress, unheard
-from master.paper.q15_step import Keep, Q15Stepper, ages, enough_cells, enough_parts, half_width
+from master.paper.q15_step import Keep, Q15Stepper, ages, enough_cells, enough_parts, narrowest
 from origins import Contacts, Drive
 from origins.brief import brief
 from origins.errors import positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
-
-# First step of `solve_q15`, over the narrowest width: coarser ones do not resolve the laws.
-_COARSEST = 0.5
-# Cells times steps times parts after which the step is not halved: about ten seconds.
-_MOST_WORK = 1e8
-# Degree of the spline of the force between steps, above the order of the steps.
-_SPLINE = 5
-# Defect of mass or sign above which contacts count as having outrun P_c.
-_NOTICED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -124,7 +115,7 @@ def paper_transient(
         refuse("keep", keep, 'must be "positivity" or "mass"')
     step, velocity = positive("step", step), positive("velocity", velocity)
     cells = None if cells is None else whole("cells", cells, 1)
-    parts = None if parts is None else whole("parts", parts, 1)
+    parts = enough_parts(contacts, step, velocity) if parts is None else whole("parts", parts, 1)
     stepper = Q15Stepper(contacts, step, velocity, keep, cells, parts)
 
     steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))  # despite rounding of whole steps
@@ -140,7 +131,7 @@ def paper_transient(
     finished = len(told) > steps
     kept = positions if finished else positions[positions <= at[-1] * (1.0 + 1e-12)]
     force, mass, below = np.array(told).T
-    lost = np.flatnonzero(np.maximum(np.abs(mass), below) > _NOTICED)
+    lost = np.flatnonzero(np.maximum(np.abs(mass), below) > 1e-6)  # contacts have outrun P_c
     outrun = float(at[lost[0]]) if lost.size else np.inf if finished else float(at[-1])
     message = "P_c kept its mass and its sign"
     if not finished:
@@ -148,10 +139,11 @@ def paper_transient(
     elif lost.size:
         off = np.abs(mass).max()
         message = f"from X = {outrun:g} on contacts outrun P_c; its mass is off by up to {off:.2g}"
-    degree = _SPLINE if at.size > _SPLINE else min(1, at.size - 1)
+    # between steps the force is a spline of a degree above the order of the steps
+    spline = make_interp_spline(at, force, k=5 if at.size > 5 else min(1, at.size - 1))
     return AgeingTransient(
         path=kept,
-        force=np.asarray(make_interp_spline(at, force, k=degree)(kept)),
+        force=np.asarray(spline(kept)),
         force_error=np.inf,
         holding=np.ones(kept.size),
         mass_defect=np.interp(kept, at, mass),
@@ -170,47 +162,35 @@ def solve_q15(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
 ) -> AgeingTransient:
     """F along drive.path (paper, Eq. Q15): steps are halved until the extrapolated force changes by
-    less than `tolerance` (in mean fresh thresholds), or until the limit of work is reached."""
-    began = time.perf_counter()
-    step = _COARSEST * _narrowest(contacts)
+    less than `tolerance` (in mean fresh thresholds), or until some ten seconds are spent."""
+    began, end = time.perf_counter(), float(drive.path[-1])
+    # coarser steps do not resolve the laws
+    step = 0.5 * narrowest(contacts.thresholds, contacts.start, ages(contacts).final)
     # the same for all steps, so that the errors of both fall as h²
     cells, parts = enough_cells(contacts, step), enough_parts(contacts, step, drive.velocity)
-    end, unit = float(drive.path[-1]), contacts.mean_threshold
-
-    def follow(step: float) -> AgeingTransient:
-        return paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
-
-    finest = follow(step)
-    force, error = finest.force, np.inf
-    before: Array | None = None
-    # halving the step doubles the number of steps and of cells
-    work = 4.0 * finest.edges.size * cells * parts * (end / step + 1.0)
-    stuck = False
-    while error > tolerance and not stuck and (work <= _MOST_WORK or not np.isfinite(error)):
-        coarser, step = finest, 0.5 * step
-        finest = follow(step)
-        force = (4.0 * finest.force - coarser.force) / 3.0
-        if before is not None:
-            change = 2.0 * float(np.abs(force - before).max()) / unit
+    runs: list[AgeingTransient] = []
+    forces: list[Array] = []  # extrapolated from two steps
+    error, stuck, work = np.inf, False, 0.0
+    while len(forces) < 2 or (error > tolerance and not stuck and 4.0 * work <= 1e8):
+        run = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
+        runs = [*runs[-1:], run]
+        work, step = run.edges.size * cells * parts * (end / step + 1.0), 0.5 * step
+        if len(runs) > 1:
+            forces.append((4.0 * runs[1].force - runs[0].force) / 3.0)
+        if len(forces) > 1:
+            change = 2.0 * float(np.abs(forces[-1] - forces[-2]).max()) / contacts.mean_threshold
             # where contacts have outrun P_c, finer steps may not reduce the error
-            stuck = finest.outrun < end and change > 0.5 * error
+            stuck = run.outrun < end and change > 0.5 * error
             error = change
             progress(error)
-        before, work = force, 4.0 * work
     message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
     if error > tolerance:
-        message = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
+        message = f"error estimate {error:.1e} at the step {run.step:.2g} is above {tolerance:.1e}"
     return replace(
-        finest,
-        force=force,
+        run,
+        force=forces[-1],
         force_error=error,
         success=error <= tolerance,
-        message=f"{message}; {finest.message}",
+        message=f"{message}; {run.message}",
         run_time=time.perf_counter() - began,
     )
-
-
-def _narrowest(contacts: Contacts) -> float:
-    """The narrowest width (a length) of start, fresh and final thresholds; single values do not count."""
-    laws = contacts.thresholds, contacts.start, ages(contacts).final
-    return min(width for width in [half_width(law) for law in laws] if width > 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 from master.renewal import rule
 from master.renewal.births import Births
 from master.renewal.kernels import TARGETS
-from master.renewal.lumps import NOTHING, Lump
+from master.renewal.lumps import Lump
 from master.renewal.march import March
 from master.renewal.run import Run
 
@@ -38,8 +38,6 @@ def cut(march: March, t: float, births: Births) -> March:
         other.width[-1] = width
         other.breaks[-1] = to_part @ other.breaks[-1]
         other.force[-1] = to_part @ other.force[-1]
-    broken = np.abs(np.array(other.breaks)).reshape(begun, rule.DEGREE + 1).max(axis=1, initial=0.0)
-    other.alive = np.flatnonzero(broken > NOTHING).tolist()
     past = [lump for lump in march.lumps[1:] if lump.time < t]
     other.lumps = [replace(lump, holds=True) for lump in [start, *past]]
     return other
@@ -50,7 +48,9 @@ def hold(march: March, begin: float, end: float) -> None:
     number, _ = march.known(np.full((1, TARGETS.size), end))
     # the march looks for breaks at the end over half of the last panel, which has to be short
     nothing, nearly = np.zeros((1, rule.DEGREE + 1)), end - min(SHORT * march.grain, end - begin)
+    late = float(march.motion.times[march.motion.leg(0.5 * (begin + end))])
     for first, last in ((begin, nearly), (nearly, end)):
         if last > first:
-            march.keep(first, last - first, Run(nothing, nothing, np.zeros(1)), 1)
+            run = Run(nothing, nothing, np.zeros(1))
+            march.keep(first, last - first, run, 1, first - late)
     march.lumps.append(Lump(end, 1.0 - float(number[0, 0]), march.births.law))

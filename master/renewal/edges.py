@@ -27,9 +27,6 @@ LEAST_LUMP = 1e-15
 # Two edges nearer than this share of their time count as equal, and a point nearer than this before
 # an edge counts as after it: times are rounded.
 CLOSE = 1e-12
-# Two bends nearer than this share of the tolerance, in units of the grain, count as equal: the breaks
-# between them are negligible. (Sums of corners that a law does not declare scatter by as much.)
-UNFELT = 1e-2
 
 
 class Moment(NamedTuple):
@@ -94,8 +91,6 @@ def edges(
     def meet(moments: list[Moment]) -> None:
         for moment in sorted(moments):
             close = CLOSE * (moment.time + grain)
-            if moment.generation >= 1:
-                close = max(close, UNFELT * tolerance * grain)
             if since + close < moment.time < end - close:
                 place = int(np.searchsorted(found, moment.time))
                 near = found[max(place - 1, 0) : place + 1]
@@ -108,21 +103,17 @@ def edges(
     turns = [Moment(float(t), 1) for t in motion.times[1:-1]]
     waiting += [turn for turn in turns if turn.time <= since]
     meet(turns)
-    meet([Moment(t.time - delay, 2) for t in turns if delay > 0.0])
-    # where contacts of the start break at once, births begin one delay later
-    meet([Moment(delay, 1)] if delay > 0.0 else [])
+    if delay > 0.0:
+        # where contacts of the start break at once, births begin one delay later
+        meet([Moment(t.time - delay, 2) for t in turns] + [Moment(delay, 1)])
     meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
     most = MOST + len(lumps)
-    # contacts that break at their birth repeat a jump of the rate of breaks one delay later
-    smoothed = _lost(_at_once(motion, life, again)) if delay > 0.0 else 1.0
-    if smoothed < 1.0:
-        meet([Moment(delay, smoothed)])
     while waiting:
         moment = waiting.pop(0)
         if moment.generation >= generations or len(found) > most:
             continue
         if delay > 0.0:
-            meet([Moment(moment.time + delay, moment.generation + smoothed)])
+            meet([Moment(moment.time + delay, moment.generation + 1)])
         meet(_after(moment, delay, again, motion, life))
     return Edges(np.array(found), len(lumps) > MOST_LUMPS, met)
 
@@ -172,20 +163,9 @@ def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life)
     for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
         for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
             share = life.atom_share(passing.mark, float(stretch))
-            found.append(Moment(passing.time, moment.generation + _lost(share)))
+            smoothed = -np.log10(share) / DIGITS_A_GENERATION if share > 0.0 else 1.0
+            found.append(Moment(passing.time, moment.generation + smoothed))
     return found
-
-
-def _lost(share: float) -> float:
-    """Generations of smoothing that weaken a bend as much as its repetition by this share does."""
-    return float(-np.log10(share) / DIGITS_A_GENERATION) if share > 0.0 else 1.0
-
-
-def _at_once(motion: Motion, life: Life, again: Start) -> float:
-    """The share of births that breaks at once, on the fastest leg of the motion."""
-    leg = int(np.argmax(np.abs(motion.speeds)))
-    now = np.full((1, 1), 0.5 * (motion.times[leg] + motion.times[leg + 1]))
-    return 1.0 - float(life.left(again, motion.history(now, now))[0, 0, 0])
 
 
 class Passing(NamedTuple):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from master.motion.motion import Motion
 from master.renewal.births import Births
 from origins.start import Start
 
@@ -50,8 +51,12 @@ def breaking(births: Births, lumps: Sequence[Lump], before: float, t: float, aft
     return lost
 
 
-def of_lumps(births: Births, lumps: Sequence[Lump], grid: Array) -> Array:
+def of_lumps(
+    births: Births, lumps: Sequence[Lump], motion: Motion, late: float, grid: Array
+) -> Array:
     """Number and force of lumps at times of shape (rows, columns), all on one leg.
+
+    motion, late : the births' motion, whose times are counted from this time, as those of the grid
 
     The middle column decides on which side of an exact threshold a row lies. Returns an array of
     shape (2, *grid.shape).
@@ -60,12 +65,15 @@ def of_lumps(births: Births, lumps: Sequence[Lump], grid: Array) -> Array:
     for lump in lumps:
         if not lump.holds:
             continue
-        s = np.full((1, 1), lump.time)
-        if lump.time < grid[0, 0] and not births.felt(grid[:1, :1], s, lump.law)[0]:
-            continue
-        early = middle < lump.time
+        s, (first, last) = np.full((1, 1), lump.time - late), lump.law.span
+        if s < grid[0, 0]:
+            moved = motion.history(grid[:1, :1], s)
+            if max(first + moved.high[0, 0], -(last + moved.low[0, 0])) > births.life.reach:
+                continue
+        early = middle < lump.time - late
         out[0, early] += lump.weight
         if not early.all():
-            history = births.motion.history(grid[~early], s)
+            history = motion.history(grid[~early], s)
+            births.work += births.dear * grid.shape[0]
             out[:, ~early] += lump.weight * births.life.left(lump.law, history)
     return out

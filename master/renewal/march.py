@@ -15,6 +15,7 @@ needs one small matrix product a panel. A panel that does not resolve B is halve
 from __future__ import annotations
 
 import time as clock
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -23,9 +24,9 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, Panels
-from master.renewal.edges import LEAST_LUMP, UNFELT
+from master.renewal.edges import LEAST_LUMP
 from master.renewal.kernels import TARGETS, Kernels
-from master.renewal.lumps import NOTHING, Lump, breaking, of_lumps
+from master.renewal.lumps import Lump, breaking
 from master.renewal.past import Past
 from master.renewal.run import Pace, Run, solve_run, steady
 from origins.start import Start
@@ -68,8 +69,6 @@ class March:
     begin, width, breaks, force, wrong : lists, one entry a panel
     since : list, the panels' beginnings counted from that of their leg, which keeps all digits
     lumps : list of Lump
-    alive : list of int
-        Panels of whose births some may still hold.
     kernels : Kernels
     allowed : float
         Largest width of the next panels.
@@ -99,16 +98,13 @@ class March:
         self.force: list[Array] = []
         self.wrong: list[float] = []
         self.lumps = [Lump(0.0, 1.0, start)]
-        self.alive: list[int] = []
         self.kernels, self.allowed = Kernels(births), np.inf
-        # where a survival takes long to compute, the sums over earlier legs are kept in a table
-        self._past = None if self.life.quick else Past(births, self.kernels, tolerance, until)
+        self._past = Past(births, until)
 
     @property
     def life_error(self) -> float:
         """Error of the survival itself, to which the residuals of the panels are blind."""
-        past = 0.0 if self._past is None else self._past.error
-        return max([self.life.error, *self.kernels.errors]) + past
+        return max(self.life.error, self.kernels.error) + self._past.error
 
     @property
     def reached(self) -> float:
@@ -132,20 +128,9 @@ class March:
                 speed = abs(float(self.motion.speeds[now]))
                 self.allowed = self.grain / speed if speed else 0.25 * (end - begin)
             leg = now
-            if self._past is not None:
-                own = self.edges[np.append(legs == now, False) | np.append(False, legs == now)]
-                self._past.enter(int(leg), own - since, self.lumps, self._panels())
-                self._past.between(begin - since, end - since)
             yield from self._segment(begin - since, end - since, int(leg))
             if self.unfinished:
                 break
-
-    def _panels(self, which: npt.NDArray[np.intp] | slice = slice(None)) -> Panels:
-        """The solved panels, all or those with these indices."""
-        lists = (np.array(each, dtype=float) for each in (self.begin, self.since, self.width))
-        begin, since, width = (array[which] for array in lists)
-        breaks = np.array(self.breaks).reshape(-1, rule.DEGREE + 1)
-        return Panels(begin, since, width, breaks[which])
 
     def _pace(self, begin: float, end: float, leg: int) -> Pace:
         """The widths of panels on a segment."""
@@ -156,7 +141,7 @@ class March:
             if end - begin > LONG * allowed:
                 # after a narrow feature it takes fewer panels to find the width from above
                 allowed = min(0.25 * (end - begin), most)
-        in_time = self._past is not None
+        in_time = not self.life.quick
         narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
         narrowest *= grain if speed else end - begin
         narrowest = max(narrowest, ROUNDED * (begin if in_time else end))
@@ -175,8 +160,7 @@ class March:
                 break
             left = max(1, int(np.ceil((end - t) / pace.allowed * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
-                unfelt = UNFELT * self.tolerance * self.grain / left
-                width = self.kernels.known_width(leg, (end - t) / left, unfelt)
+                width = (end - t) / left
             run = self._run(t, width, min(pace.count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
             # beyond the allowed work, or beside a point that no panel resolves, the error is accepted
@@ -199,7 +183,7 @@ class March:
         The rate of breaks is a mean of the rates over the longest life before: where these agree
         to the tolerance, so do all that follow.
         """
-        memory = self.kernels.longest(leg) + self.births.delay
+        memory = self.kernels.straight(leg).longest + self.births.delay
         if left < 8.0 * memory or not self.begin or not self.motion.speeds[leg]:
             return False
         if self.reached - max(self.motion.times[leg], self.lumps[-1].time) < 1.1 * memory:
@@ -215,7 +199,7 @@ class March:
         """One panel of steady breaks up to shortly before the end of the leg, then three more."""
         since = float(self.motion.times[leg])
         self.settled = min(self.settled, since + t - 0.5 * self.width[-1])
-        memory = self.kernels.longest(leg) + self.births.delay
+        memory = self.kernels.straight(leg).longest + self.births.delay
         rate = self.breaks[-1][-1] / self.width[-1]
         share = np.append(0.0, rule.NODES)
         last = np.full(share.size, self.force[-1].mean())
@@ -225,20 +209,15 @@ class March:
             run = Run((rate * (second - first) * share)[None], last[None], wrong)
             self.keep(since + first, second - first, run, 1, first)
 
-    def keep(self, t: float, width: float, run: Run, good: int, since: float | None = None) -> None:
-        """Append the first `good` panels of a run that begins at t.
-
-        since : t counted from the beginning of its leg, where that is not 0
-        """
-        first, steps = len(self.begin), width * np.arange(good)
+    def keep(self, t: float, width: float, run: Run, good: int, since: float) -> None:
+        """Append the first `good` panels of a run that begins at t, `since` from its leg's beginning."""
+        steps = width * np.arange(good)
         self.begin.extend(t + steps)
-        self.since.extend((t if since is None else since) + steps)
+        self.since.extend(since + steps)
         self.width.extend([width] * good)
         self.breaks.extend(run.breaks[:good])
         self.force.extend(run.force[:good])
         self.wrong.extend(run.wrong[:good])
-        broken = np.abs(run.breaks[:good]).max(axis=1) > NOTHING
-        self.alive.extend(first + np.flatnonzero(broken))
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
@@ -264,25 +243,51 @@ class March:
         grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, counted
             from its beginning
         """
-        past = self._past if leg is not None else None
-        late = 0.0 if leg is None or past is not None else self.motion.times[leg]
-        if past is None:
-            out = of_lumps(self.births, self.lumps, late + grid)
-        else:
-            out = past.at(grid, self.lumps)
-        last = len(self.begin) - same
-        seen = np.array([panel for panel in self.alive if panel < last], dtype=int)
-        if seen.size:
-            panels = self._panels(seen)
-            added = (
-                self.births.added(late + grid, panels)
-                if past is None
-                else past.on_leg(grid, panels)
-            )
-            dead = set(seen[added.gone].tolist())
-            self.alive = [panel for panel in self.alive if panel not in dead]
-            out += added.sums
+        if leg is None:
+            leg = self.motion.leg_of_all(grid)
+            grid = grid - self.motion.times[leg]
+        late, last = float(self.motion.times[leg]), len(self.begin) - same
+        edges = self.edges[self.motion.leg(self.edges) == leg] - late
+        self._past.enter(leg, self._panels(0), self.lumps, np.append(0.0, edges))
+        out, t = self._past.at(grid, self.lumps), grid.ravel()
+        longest, delay = self.kernels.straight(leg).longest, self.births.delay
+        first = max(bisect_right(self.begin, late + t.min() - longest - delay) - 1, 0)
+        own = self._on_leg(t, leg, self._panels(max(first, self._past.first), last))
+        out += own.reshape(out.shape)
+        if delay > 0.0 and first < last:
+            # contacts that are out count as well
+            begin, _, width, breaks = self._panels(first, last)
+            share = (late + t - [[[0.0]], [[delay]]] - begin[:, None]) / width[:, None]
+            values = rule.values(np.clip(share, 0.0, 1.0))
+            out[0] += np.einsum("ptn,pn->t", values[0] - values[1], breaks).reshape(grid.shape)
         return out
+
+    def _panels(self, first: int, last: int | None = None) -> Panels:
+        """Solved panels from one to before another."""
+        lists = (self.begin, self.since, self.width)
+        begin, since, width = (np.array(part[first:last], dtype=float) for part in lists)
+        breaks = np.array(self.breaks[first:last]).reshape(-1, rule.DEGREE + 1)
+        return Panels(begin, since, width, breaks)
+
+    def _on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
+        """Number and force at times t on a leg, counted from its beginning, of births on it."""
+        if not panels.begin.size:
+            return np.zeros((2, t.size))
+        late = self.motion.times[leg]
+        born = np.where(panels.begin >= late, panels.since, panels.begin - late) + self.births.delay
+        return self.kernels.sums(
+            leg, t, np.append(born, born[-1] + panels.width[-1]), panels.breaks
+        )
+
+    def held(self, leg: int, t: float) -> float:
+        """Share of all contacts that were born on a leg and hold at the time t."""
+        panels, motion = self._panels(0, bisect_left(self.begin, t)), self.motion
+        legs, now = motion.leg(panels.middle_of_births(self.births.delay)), int(motion.leg(t))
+        panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
+        past, x = Past(self.births), np.array([[t - motion.times[now]]])
+        past.find(now, panels)
+        own = self._on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
+        return float(past.sums(x)[0, 0, 0] + own[0, 0])
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a new lump of the contacts that reach an exact threshold at the edge t."""
@@ -290,6 +295,6 @@ class March:
             return
         before, after = t - 0.5 * self.width[-1], t + 0.5 * (end - t)
         lost = breaking(self.births, self.lumps, before, t, after)
-        lost += 0.0 if self._past is None else self._past.breaking(t)
+        lost += self._past.breaking(t)
         if lost > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, lost, self.births.law))

@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.renewal.births import Births
 from master.renewal.edges import CLOSE
 from master.renewal.lumps import NOTHING
 from master.renewal.march import March
 
 Array = npt.NDArray[np.float64]
-
-
-class Deltas(NamedTuple):
-    """Stretches (lengths) that a finite share of the contacts has, and these shares."""
-
-    positions: Array
-    weights: Array
 
 
 def _felt(march: March, t: Array) -> Array:
@@ -99,8 +89,11 @@ def density(march: March, t: float, x: Array) -> Array:
     return out
 
 
-def deltas(march: March, t: float) -> Deltas:
-    """Stretches that a finite share of the contacts has at the time t: lumps, and births in holds."""
+def deltas(march: March, t: float) -> dict[float, float]:
+    """Stretches (lengths) that a finite share of the contacts has at the time t, and these shares.
+
+    They are those of lumps, and of births in holds.
+    """
     found: dict[float, float] = {}
     t = float(_felt(march, np.array(t)))
     at, motion = np.full((1, 1), t), march.motion
@@ -111,15 +104,11 @@ def deltas(march: March, t: float) -> Deltas:
             stretch = float(lump.law.mean() + history.now[0, 0])
             found[stretch] = found.get(stretch, 0.0) + held
     # contacts born in one hold share one stretch
-    births = march.births
-    at_once = Births(births.life, births.law, motion, 0.0, births.accuracy)
-    begin, width = np.array(march.begin) + births.delay, np.array(march.width)
-    legs = motion.leg(begin + 0.5 * width)
-    for leg in np.unique(legs[(motion.speeds[legs] == 0.0) & (begin < t)]):
-        here = (legs == leg) & (begin < t)
-        breaks = np.array(march.breaks)[here]
-        left = at_once.sums(np.array([t]), begin[here], width[here], breaks)[0, 0]
-        stretch = float(births.law.mean() + motion.at(np.array(t)) - motion.positions[leg])
-        found[stretch] = found.get(stretch, 0.0) + float(left)
-    kept = {stretch: share for stretch, share in found.items() if share > NOTHING}
-    return Deltas(np.array(list(kept)), np.array(list(kept.values())))
+    legs = motion.leg(np.array(march.begin) + 0.5 * np.array(march.width) + march.births.delay)
+    for leg in np.unique(legs[motion.speeds[legs] == 0.0]):
+        if motion.times[leg] < t:
+            stretch = float(
+                march.births.law.mean() + motion.at(np.array(t)) - motion.positions[leg]
+            )
+            found[stretch] = found.get(stretch, 0.0) + march.held(int(leg), t)
+    return {stretch: share for stretch, share in found.items() if share > NOTHING}

@@ -51,6 +51,16 @@ def basis_of(size: int) -> Basis:
     )
 
 
+def beside(x: Array, ends: Array) -> Array:
+    """Points, in rows, moved to that side of the ends on which the middle of their row lies.
+
+    A point at an end belongs to what begins there.
+    """
+    after = np.searchsorted(ends, x[:, x.shape[1] // 2, None], "right")
+    after = np.clip(after, 1, ends.size - 1)
+    return np.clip(x, ends[after - 1], np.nextafter(ends[after], ends[0]))
+
+
 class Table:
     """Functions of one length x >= 0, polynomials between edges; 0 beyond the last.
 
@@ -149,21 +159,12 @@ class Table:
         """The larger of the last two coefficients of any function, shape (panels,)."""
         return np.asarray(np.abs(self._parts[-2:]).max(axis=(0, 1)))
 
-    def fine(self, width: float) -> Array:
-        """Edges of the panels that are narrower than a width."""
-        narrow = self.widths < width
-        return self.edges[np.append(narrow, False) | np.append(False, narrow)]
-
-    def __call__(self, x: Array, within: Array | None = None) -> Array:
-        """Values of the functions, shape (functions, *x.shape).
-
-        within : points, broadcasting with x, whose panels are read in place of those of x: at a
-            jump they decide on which side x lies.
-        """
-        panel = np.searchsorted(self.begin, x if within is None else within, "right") - 1
+    def __call__(self, x: Array) -> Array:
+        """Values of the functions, shape (functions, *x.shape)."""
+        panel = np.searchsorted(self.begin, x, "right") - 1
         panel = np.clip(panel, 0, self.begin.size - 1)
         z = (2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel]
-        inside = (x if within is None else within) < self.end[-1]
+        inside = x < self.end[-1]
         return self._summed(np.where(inside, z, 0.0), panel) * inside
 
     def _summed(self, z: Array, panel: npt.NDArray[np.intp]) -> Array:
@@ -181,21 +182,9 @@ class Table:
             before, last, spare = last, spare, before
         return np.asarray(self._waves[0].take(panel, axis=1) + z * last - before)
 
-    def extended(self, x: Array, panel: int) -> Array:
-        """The polynomial of the first function on one panel, at points x anywhere."""
-        z = (2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel]
-        return np.asarray(legendre.legval(z, self._parts[:, 0, panel]))
-
     def integrals(self) -> Array:
         """Integral of each function over all panels, shape (functions,)."""
         return np.asarray(self._parts[0] @ self.widths)
-
-    def moments(self) -> Array:
-        """Integral of x times each function over all panels, shape (functions,)."""
-        middle = 0.5 * (self.begin + self.end)
-        return np.asarray(
-            self._parts[0] @ (self.widths * middle) + self._parts[1] @ (self.widths**2 / 6.0)
-        )
 
     def missed(self) -> Array:
         """Errors of the integrals, from the decay of the coefficients; shape (functions,).

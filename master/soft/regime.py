@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from master.soft.in_time.track import pieces, reached
-from master.soft.slips import Slips
+from master.soft.in_time.track import Piece, pieces, reached
+from master.soft.slips import Followed
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
 from origins.drive import Drive
@@ -17,10 +17,6 @@ from origins.drive import Drive
 Array = npt.NDArray[np.float64]
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
-# SILENT: slips are over if the last is this many times the longest pause ago. The others: largest
-# thresholds that the slider must have passed without slip for a verdict, with contacts that age, and
-# without ageing on a spring softer than K*.
-SILENT, PASSED, TWICE_PASSED = 1.5, 1.5, 3.0
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
@@ -39,8 +35,8 @@ class Regime:
         In words.
     critical_spring, critical_spring_error : float
         K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive:
-        at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where the start is
-        forgotten.
+        at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where
+        the start is forgotten.
     stiffness_ratio : float
         K/K*.
     slips : int
@@ -59,64 +55,33 @@ class Regime:
     trend: float | None
 
 
-class Course(NamedTuple):
-    """The motion of a slider.
-
-    clock, force, position : arrays of shape (n,), times, F/(N_c <k>) and X (lengths)
-    begin, last : time at which the drive's last straight way begins, and its speed
-    speed : mean speed of the drive while it moves
-    """
-
-    clock: Array
-    force: Array
-    position: Array
-    begin: float
-    last: float
-    speed: float
-
-    @classmethod
-    def of(cls, drive: Drive, balance: float, force: Array, position: Array) -> Course | None:
-        """The course up to some point of the drive's path; None where it did not move."""
-        moving = [piece for piece in pieces(drive, balance) if piece.travel != 0.0]
-        if not moving or not force.size:
-            return None
-        way, lasts = (sum(getattr(one, name) for one in moving) for name in ("way", "duration"))
-        speed = drive.velocity if drive.time is None else way / lasts
-        times, last = reached(drive, balance)[: force.size], moving[-1]
-        return cls(times, force, position, last.begin, last.speed, speed)
-
-
-def regime(
-    contacts: Contacts,
-    drive: Drive,
-    slips: Slips,
-    tolerance: float,
-    whole: bool = True,
-    course: Course | None = None,
-) -> Regime:
-    """Judge the slips along the drive's path; `whole` is False if only a part of it was solved.
-
-    course : the slider's motion; needed where the contacts' laws depend on time
-    """
-    spring, count, trend = float(drive.spring or 0.0), slips.drive.size, _trend(slips.drop)
-    speed = drive.velocity if course is None else course.speed
+def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) -> Regime:
+    """Judge the slips along the drive's path."""
+    spring, slips = float(drive.spring or 0.0), found.slips
+    count, trend = slips.drive.size, _trend(slips.drop)
+    moving = [piece for piece in pieces(drive, found.balance) if piece.travel != 0.0]
+    speed = drive.velocity
+    if drive.time is not None and moving:
+        lasts = sum(piece.end - piece.begin for piece in moving)
+        speed = sum(abs(piece.travel) for piece in moving) / lasts
     critical, error = critical_spring(contacts, speed, tolerance)
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
-    if not whole:
+    if found.force.size < drive.path.size or not np.isfinite(found.error):
         reason = f"{count} slips up to where the solution stopped"
     elif not count:
         # K* is that of a rigid slider; a soft slider's speed differs from the drive's
-        lacking = _lacking(contacts, spring, critical, course)
+        last = moving[-1] if moving else None
+        lacking = _lacking(contacts, drive, found, critical, last)
         verdict = "undecided" if lacking else "smooth"
         reason = f"{known}; no slip up to the end of the path{lacking}"
     elif drive.slip == "reset":
         verdict, reason = _after_resets(contacts, spring, count, speed, tolerance)
         reason = f"{reason}; {known}"
     else:
-        verdict, reason = _by_drops(contacts, drive, slips, trend, course)
+        verdict, reason = _by_drops(contacts, drive, found, trend)
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
     ratio = spring / critical if critical > 0.0 else np.inf
@@ -128,33 +93,30 @@ def _after_resets(
 ) -> tuple[Verdict, str]:
     """Whether resets continue: they do where the relaxed contacts that they leave slip again."""
     again = contacts.reforming
-    relaxed = again is None and contacts.start.span == (0.0, 0.0)
     if not RATES.intersection(contacts.laws):
         start = contacts.replace(start=None if again is None else again.law)
         limit = critical_spring(start, speed, tolerance)[0]
         verdict: Verdict = "stick-slip" if spring < limit else "decaying transient"
         return verdict, f"{count} slips; the relaxed contacts that they leave have K* = {limit:.6g}"
-    if count > 1:
-        told = f"{count} slips, each after a reset that leaves nothing of what was before"
-        return "stick-slip", told
     # growing grains are younger after a reset than at the start
-    if relaxed and contacts.grains is None:
-        return "stick-slip", "one slip, after which contacts stand as they began, and so slip again"
+    relaxed = again is None and contacts.grains is None and contacts.start.span == (0.0, 0.0)
+    if count > 1 or relaxed:
+        return "stick-slip", f"{count} slips, and a reset leaves contacts that slip again"
     return "undecided", "one slip up to the end of the path is too few to tell, lengthen it"
 
 
 def _by_drops(
-    contacts: Contacts, drive: Drive, slips: Slips, trend: float | None, course: Course | None
+    contacts: Contacts, drive: Drive, found: Followed, trend: float | None
 ) -> tuple[Verdict, str]:
     """Whether slips that do not replace all contacts continue or fade."""
-    spring, path, count = float(drive.spring or 0.0), drive.path, slips.drive.size
-    way = np.abs(np.diff(path, prepend=path[0])).cumsum()
+    spring, path, slips = float(drive.spring or 0.0), drive.path, found.slips
+    way, count = np.abs(np.diff(path, prepend=path[0])).cumsum(), slips.drive.size
     since = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])
-    oldest = _oldest(contacts, np.zeros(1) if course is None else course.clock[-1:])
-    first = (spring + 1.0) / spring * float(oldest[0])
+    first = (spring + 1.0) / spring * _oldest(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     told, drops = f"{count} slips up to the end of the path", np.abs(slips.drop)
-    if since > SILENT * longest:
+    # slips are over if the last is this many times the longest period ago
+    if since > 1.5 * longest:
         silent = f"then none for {since / longest:.3g} times the longest period"
         return "decaying transient", f"{count} slips, {silent}"
     if count < FEWEST:
@@ -169,40 +131,46 @@ def _by_drops(
     return "undecided", f"{told}, whose drops go up and down; {fewer}: lengthen it"
 
 
-def _oldest(contacts: Contacts, clock: Array) -> Array:
-    """About the mean threshold of the oldest contacts present at times `clock`; same shape."""
+def _oldest(contacts: Contacts, drive: Drive, found: Followed) -> float:
+    """About the mean threshold of the oldest contacts present at the end of the path (a length)."""
     grains = contacts.grains
     if grains is not None and grains.age is not None:
-        return np.asarray(grains.quantile(1.0, grains.age + clock))
+        end = reached(drive, found.balance)[-1:]
+        return float(grains.quantile(1.0, grains.age + end)[0])
     final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
-    return np.full(clock.shape, max(contacts.mean_threshold, final))
+    return max(contacts.mean_threshold, final)
 
 
-def _lacking(contacts: Contacts, spring: float, critical: float, course: Course | None) -> str:
+def _lacking(
+    contacts: Contacts, drive: Drive, found: Followed, critical: float, last: Piece | None
+) -> str:
     """Why a path without slips does not yet prove smooth sliding; "" if it does.
 
-    Before a turn, without ageing, it cannot slip above K*; with heat it may creep along with the drive on a
-    softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
+    Without ageing and turns it cannot slip above K*; with heat it may creep along with the drive on
+    a softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
     to age: F drops more steeply than on a rigid slider, and K* decides nothing. Once all contacts
     of the start have broken, the first drop is over, and it is the steepest.
+
+    last : the drive's last straight way, None where it never moved
     """
-    ages = contacts.ageing is not None or contacts.grains is not None
+    ages = bool({"ageing", "grains"}.intersection(contacts.laws))
+    spring = float(drive.spring or 0.0)
     if not ages and spring >= critical:
         return ""
-    if course is None or not RATES.intersection(contacts.laws):
+    if last is None or not RATES.intersection(contacts.laws):
         return ", and K < K*: it ends before the first slip"
-    path, late = course.position + course.force / spring, course.clock >= course.begin
-    place = np.append(0.0, course.position)
-    turned = np.interp(course.begin, np.append(0.0, course.clock), place)
-    slid, oldest = np.abs(course.position - turned), _oldest(contacts, course.clock)
-    far = PASSED * oldest if ages else TWICE_PASSED * oldest + course.last * contacts.waiting_time
-    if not (slid > far)[late].any():
+    times, place = reached(drive, found.balance), np.append(0.0, found.position)
+    slid = abs(place[-1] - np.interp(last.begin, np.append(0.0, times), place))
+    # largest thresholds that the slider must have passed without slip, more on a spring below K*
+    far = _oldest(contacts, drive, found) * (1.5 if ages else 3.0)
+    far += 0.0 if ages else last.speed * contacts.waiting_time
+    if slid <= far:
         yet = "contacts that aged may still hold" if ages else "K < K*: a slip may come yet"
-        return f", but {yet} until the slider has gone on by {far[-1]:.3g}; lengthen the path"
-    last = np.abs(course.force[-2:])
+        return f", but {yet} until the slider has gone on by {far:.3g}; lengthen the path"
+    force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks
-    loads = 0.1 * spring / (1.0 + spring) * abs(path[-1] - path[-2:][0])
-    if last[-1] - last[0] > loads and last[-1] > np.abs(course.force[:-1]).max():
+    loads = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])
+    if force[-1] - force[-2:][0] > loads and force[-1] > force[:-1].max():
         return ", where the force still rises as high as never before; lengthen it"
     return ""
 

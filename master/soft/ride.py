@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from master.soft.curve import Curve
 from master.soft.pull import Held, Matter, Past, Pull, StoppedError
-from master.soft.slips import LettingGo, landing, letting_go
+from master.soft.slips import Followed, LettingGo, Slips, landing, letting_go
 from origins.drive import Drive
 
 Array = npt.NDArray[np.float64]
@@ -63,15 +63,21 @@ class Ride:
         except StoppedError:
             pass
 
-    @property
-    def crowded(self) -> bool:
-        """Whether there were more lumps, from exact thresholds, than can be followed."""
-        return self.matter.crowded or self._relaxed.crowded
-
-    @property
-    def nodes(self) -> int:
-        """Moments at which number conservation was solved."""
-        return self.matter.nodes + self._relaxed.nodes
+    def found(self) -> Followed:
+        """The results, with an error that is a length."""
+        told, over = self.told, "as slips ask for too much work"
+        if self.matter.crowded or self._relaxed.crowded:
+            over = "as exact thresholds break together more often than can be followed"
+        return Followed(
+            balance=self.balance,
+            position=self.position[:told],
+            force=self.force[:told],
+            holding=np.ones(told),
+            slips=Slips.of(self.slips, self.drive_error),
+            error=self.error,
+            nodes=self.matter.nodes + self._relaxed.nodes,
+            over=over,
+        )
 
     def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
         """Follow the drive in one direction over points of its path, with all slips on the way."""

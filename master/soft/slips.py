@@ -41,6 +41,12 @@ class Slips:
 
     __repr__ = brief
 
+    @classmethod
+    def of(cls, rows: list[Array], drive_error: float) -> Slips:
+        """The slips of these rows, shape (5,): X_T, X before and after, F before and after."""
+        drive, before, after, above, below = np.array(rows).reshape(-1, 5).T
+        return cls(drive, before, after, above, below, drive_error)
+
     @property
     def drop(self) -> Array:
         """Drop of the force (lengths), which is K times the slip of X."""
@@ -58,23 +64,21 @@ class Slips:
 class Followed(NamedTuple):
     """Results for a slider as far as it was followed; lengths, and `error` in mean thresholds.
 
-    balance, force_error, drive_error, nodes : see SoftSolution and Slips
+    balance, nodes : see SoftSolution
     position, force, holding : arrays of shape (k,), at the first k points of the path
-    slips : array of shape (5, m), X_T, X before and after, F before and after
-    reason : the message if the error is above the tolerance
     over : why the solution ended, if before the path's end
+    reason : the message if the error is above the tolerance
     """
 
     balance: float
     position: Array
     force: Array
     holding: Array
-    slips: Array
-    drive_error: float
+    slips: Slips
     error: float
     nodes: int
-    reason: str
     over: str
+    reason: str = ""
 
 
 class LettingGo(NamedTuple):

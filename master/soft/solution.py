@@ -1,4 +1,4 @@
-"""A soft slider at T = 0: a spring K between the drive X_T and the slider X, K (X_T - X) = F(X).
+"""A soft slider: a spring K between the drive X_T and the slider X, K (X_T - X) = F(X).
 
 Where F'(X) = -K the slider slips, which takes no time. What a slip does is a rule:
 
@@ -23,18 +23,15 @@ import numpy.typing as npt
 
 from master.outcome import Progress, outcome, unheard
 from master.soft.pull import Matter
-from master.soft.regime import Course, Regime, regime
+from master.soft.regime import Regime, regime
 from master.soft.ride import Ride
-from master.soft.slips import Followed, Slips
+from master.soft.slips import Slips
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
-
-# The condition of "reform-after", as a message.
-AT_REST = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
 
 
 @dataclass(frozen=True)
@@ -86,20 +83,51 @@ class SoftSolution:
     __repr__ = brief
 
 
-def solution_of(
-    contacts: Contacts, drive: Drive, tolerance: float, began: float, found: Followed
+def solve_soft(
+    contacts: Contacts,
+    drive: Drive,
+    tolerance: float,
+    progress: Progress = unheard,
+    wall_time: float | None = None,
 ) -> SoftSolution:
-    """The solution up to where it ended, with its verdict; `began` by time.perf_counter()."""
-    path, (drives, before, after, above, below) = drive.path[: found.force.size], found.slips
-    slips = Slips(drives, before, after, above, below, found.drive_error)
-    success, message = outcome(contacts, found.error, tolerance, found.reason)
-    whole = path.size == drive.path.size
-    if not whole:
+    """Force while the drive X_T moves along its path and pulls the slider by its spring.
+
+    The caller checks the arguments. A slider is followed in steps of time where its contacts' laws
+    depend on time, and where contacts re-form stretched backward and the drive turns, since each
+    then comes back to its largest |x| at a different X. Rates, delay and holds run on the drive's
+    clock; a contact that breaks in a slip is out for the delay, if there is one, under every rule
+    but "reset".
+
+    Raises InputError for re-forming elsewhere than at x = 0 under "reform-after", and with a delay
+    under "instant"; where a drive in time does not begin at the balance; where a path takes too
+    many steps.
+    """
+    began, again = time.perf_counter(), contacts.reforming
+    until = np.inf if wall_time is None else time.monotonic() + wall_time
+    rule, unit = drive.slip, contacts.mean_threshold
+    out = rule == "reform-after" or (contacts.delay is not None and rule == "instant")
+    if again is not None and out:
+        must = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
+        refuse("slip", rule, must)
+    in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
+    if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
+        from master.soft.in_time.refining import balance_of, refined
+
+        balance = balance_of(contacts, drive)
+        found = refined(contacts, drive, balance, tolerance, progress, until)
+    else:
+        found = Ride(Matter.of(contacts, tolerance, until), drive).found()
+        found = found._replace(error=found.error / unit)
+        progress(found.error)
+    path, slips = drive.path[: found.force.size], found.slips
+    reason = (
+        found.reason or f"error estimate {found.error:.1e} is above the tolerance {tolerance:.1e}"
+    )
+    success, message = outcome(contacts, found.error, tolerance, reason)
+    if path.size < drive.path.size:
+        over = "by wall_time" if time.monotonic() > until else found.over
         last = f"X_T = {path[-1]:.6g}" if path.size else "the first point"
-        success, message = False, f"stopped at {last} {found.over}; the path is cut there"
-    known = whole and bool(np.isfinite(found.error))
-    course = Course.of(drive, found.balance, found.force, found.position)
-    verdict = regime(contacts, drive, slips, tolerance, known, course)
+        success, message = False, f"stopped at {last} {over}; the path is cut there"
     return SoftSolution(
         path=path,
         balance=found.balance,
@@ -109,49 +137,9 @@ def solution_of(
         holding=found.holding,
         slips=slips,
         period=slips.period,
-        regime=verdict,
+        regime=regime(contacts, drive, found, tolerance),
         run_time=time.perf_counter() - began,
         nodes=found.nodes,
         success=success,
         message=message,
     )
-
-
-def solve_soft(
-    contacts: Contacts,
-    drive: Drive,
-    tolerance: float = 1e-8,
-    progress: Progress = unheard,
-    wall_time: float | None = None,
-) -> SoftSolution:
-    """Force while the drive X_T moves along its path and pulls the slider by its spring, at T = 0.
-
-    contacts : without laws that depend on time, which the caller checks
-    drive : with a spring
-    tolerance : in units of the mean threshold
-
-    Raises InputError for "reform-after" with contacts that re-form stretched.
-    """
-    began = time.perf_counter()
-    if drive.slip == "reform-after" and contacts.reforming is not None:
-        refuse("slip", drive.slip, AT_REST)
-    until = np.inf if wall_time is None else time.monotonic() + wall_time
-    ride = Ride(Matter.of(contacts, tolerance, until), drive)
-    error, told = ride.error / contacts.mean_threshold, ride.told
-    progress(error)
-    over = "by wall_time" if time.monotonic() > until else "as slips ask for too much work"
-    if ride.crowded:
-        over = "as exact thresholds break together more often than can be followed"
-    found = Followed(
-        ride.balance,
-        ride.position[:told],
-        ride.force[:told],
-        np.ones(told),
-        np.array(ride.slips).reshape(-1, 5).T,
-        ride.drive_error,
-        error,
-        ride.nodes,
-        f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}",
-        over,
-    )
-    return solution_of(contacts, drive, tolerance, began, found)

@@ -8,25 +8,161 @@ So points that differ only in the delay share one steady state, as do all at whi
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from master.outcome import WELL, judged
-from master.steady.points import Along, Points, changed
-from master.steady.steady import check_finite, steady_state
+from master.steady.steady import steady_state
 from master.steady.sums import summed
-from origins import Contacts
+from master.steady.travel import check_finite
+from origins import Ageing, Contacts, Delay, Thermal
+from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
-from origins.errors import refuse
+from origins.errors import InputError, refuse
+from origins.laws.thermal import GivenRates
 
 Array = npt.NDArray[np.float64]
 
-# Relative error of F_k above which a point of the sum over all speeds is solved individually.
-GOOD = 1e-9
-# Relative round-off of the share that holds.
-ROUND_OFF = 4e-16
+
+@dataclass(frozen=True)
+class Along:
+    """Answers at many points; all arrays have the shape to which the arguments broadcast.
+
+    Attributes
+    ----------
+    velocity : array
+        v, length per time.
+    temperature, rate, delay : array or None
+        T = k_BT/<k> (a length squared), D (a length squared per time) and tau_m (a time); None
+        where the contacts have no such law.
+    run_time : float
+        Seconds.
+    success : array of bool
+        Whether the answer at each point is within the tolerance.
+    message : str
+        The accuracy reached, and the number of points that miss the tolerance.
+    """
+
+    velocity: Array
+    temperature: Array | None
+    rate: Array | None
+    delay: Array | None
+    run_time: float
+    success: npt.NDArray[np.bool_]
+    message: str
+
+    __repr__ = brief
+
+
+class Points:
+    """The points at which to solve, checked and broadcast; None: the contacts' own value.
+
+    Attributes
+    ----------
+    shape : tuple of int
+    rows : array of shape (4, n)
+        Speed, temperature, rate and delay, flattened; 0 for a law that the contacts do not have.
+    told : dict
+        The fields of `Along` that hold the four quantities.
+
+    Raises InputError for values that are not finite or too small, for shapes that do not broadcast,
+    and for a temperature or a rate of contacts without that law.
+    """
+
+    def __init__(
+        self,
+        contacts: Contacts,
+        velocity: npt.ArrayLike,
+        temperature: npt.ArrayLike | None,
+        rate: npt.ArrayLike | None,
+        delay: npt.ArrayLike | None,
+    ) -> None:
+        thermal, ageing, wait = contacts.thermal, contacts.ageing, contacts.delay
+        if temperature is not None and thermal is None:
+            raise InputError(
+                "temperature: these contacts have no law for it; give them thermal = "
+                'Thermal("soft", 0.1)'
+            )
+        if temperature is not None and isinstance(thermal, GivenRates):
+            raise InputError(
+                f'temperature: the rate law "{thermal.law}" of these contacts has none to go '
+                "along; give them the law at each temperature by contacts.replace(thermal=...)"
+            )
+        if rate is not None and ageing is None:
+            raise InputError(
+                "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
+            )
+        asked: dict[str, npt.ArrayLike | None] = {
+            "velocity": velocity,
+            "temperature": thermal.temperature
+            if isinstance(thermal, Thermal) and temperature is None
+            else temperature,
+            "rate": ageing.rate if ageing is not None and rate is None else rate,
+            "delay": wait.time if wait is not None and delay is None else delay,
+        }
+        given = {name: _numbers(name, value) for name, value in asked.items() if value is not None}
+        try:
+            arrays = dict(zip(given, np.broadcast_arrays(*given.values()), strict=True))
+        except ValueError as error:
+            shapes = ", ".join(f"{name} {value.shape}" for name, value in given.items())
+            raise InputError(
+                f"{', '.join(given)}: have shapes that do not fit together: {shapes}"
+            ) from error
+        self.told: dict[str, Any] = {name: arrays.get(name) for name in asked}
+        self.shape = arrays["velocity"].shape
+        self.rows = np.stack([np.ravel(arrays.get(name, np.zeros(self.shape))) for name in asked])
+        self._began, self._contacts = time.perf_counter(), contacts
+        self._hot = contacts.grains is not None or (thermal is not None and temperature is None)
+
+    def distinct(self, waits: bool) -> tuple[Array, npt.NDArray[np.intp]]:
+        """Rows of speed, temperature, rate and delay, each once, of shape (m, 4), and the row of each
+        point. The speed is 1 where it does not matter, the delay 0 unless asked for (`waits`)."""
+        speeds, heat, spread, wait = self.rows
+        wait = wait * waits
+        matters = self._hot | (heat > 0.0) | (spread > 0.0) | (wait > 0.0)
+        columns = np.stack([np.where(matters, speeds, 1.0), heat, spread, wait], axis=1)
+        cases, which = np.unique(columns, axis=0, return_inverse=True)
+        return cases, which.ravel()
+
+    def outcome(self, success: npt.NDArray[np.bool_], message: str) -> dict[str, Any]:
+        """All fields of `Along`."""
+        run_time = time.perf_counter() - self._began
+        return {**self.told, "run_time": run_time, "success": success, "message": message}
+
+    def contacts(self, case: Array, start: object = None) -> Contacts:
+        """The contacts at the temperature, rate and delay of one row (0: none), with another start."""
+        _, temperature, rate, delay = (float(value) for value in case)
+        thermal, ageing = self._contacts.thermal, self._contacts.ageing
+        if isinstance(thermal, Thermal):  # a rate law of the user's own has no temperature
+            thermal = replace(thermal, temperature=temperature) if temperature > 0.0 else None
+        return self._contacts.replace(
+            start=start,
+            thermal=thermal,
+            ageing=None if ageing is None else Ageing(ageing.final, rate, ageing.closure),
+            delay=Delay(delay) if delay > 0.0 else None,
+        )
+
+
+def _numbers(name: str, value: npt.ArrayLike) -> Array:
+    """The value as an array; InputError unless all numbers are finite and in the argument's range."""
+    try:
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        refuse(name, value, "must be a number or an array of numbers")
+    if not numbers.size:
+        refuse(name, numbers, "must not be empty")
+    bad = ~np.isfinite(numbers) | (numbers < 0.0) | ((numbers == 0.0) & (name == "velocity"))
+    if bad.any():
+        rule = (
+            "must be finite and above zero"
+            if name == "velocity"
+            else "must be finite and zero or above"
+        )
+        refuse(name, float(numbers[bad][0]), rule)
+    return numbers
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,49 +213,28 @@ def kinetic_curve(
     shapes that do not broadcast, for a temperature or a rate of contacts without that law, and for
     speeds so low that squares of stretches at a break underflow.
     """
-    began = time.perf_counter()
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
     points = Points(contacts, velocity, temperature, rate, delay)
-    rows = (row.reshape(points.shape) for row in _along(contacts, points))
-    force, force_error, holding, holding_error = rows
-    success, message = judged("F_k", force_error / force, WELL)
+    cases, which = points.distinct(waits=False)
+    steady = np.empty((4, len(cases)))
+    for laws in np.unique(cases[:, 1:], axis=0):
+        these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
+        steady[:, these] = _at_once(points.contacts(cases[these[0]]), cases[these, 0])
+    force, force_error, length, length_error = steady[:, which].reshape(4, *points.shape)
+    # contacts with grains are out until these pin again, in addition to the delay
+    pinned = points.contacts(np.zeros(4)).waiting_time
+    speeds, waits = points.rows[[0, 3]].reshape(2, *points.shape)
+    holding = length / (length + speeds * (waits + pinned))
+    off = holding * (1.0 - holding) * length_error / length
+    force_error = force_error * holding + force * off
+    force = force * holding
     return KineticCurve(
-        velocity=points.velocity,
-        temperature=points.temperature,
-        rate=points.rate,
-        delay=points.delay,
-        run_time=time.perf_counter() - began,
-        success=success,
-        message=message,
+        **points.outcome(*judged("F_k", force_error / force, WELL)),
         force=force,
         force_error=force_error / contacts.mean_threshold,
         holding=holding,
-        holding_error=holding_error,
+        holding_error=off + 4e-16,  # the round-off of the share that holds
     )
-
-
-def _along(contacts: Contacts, points: Points) -> Array:
-    """Force, its error (lengths), the fraction that holds and its error, shape (4, n)."""
-    speeds, heat, spread, wait = points.rows
-    growing = contacts.grains is not None
-    if contacts.thermal is None and not growing:  # the state depends on D/v at most
-        columns = np.ones(speeds.size), heat, spread / speeds
-    else:
-        own_rate = growing or points.temperature is None
-        columns = np.where((heat > 0.0) | (spread > 0.0) | own_rate, speeds, 1.0), heat, spread
-    cases, which = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    steady = np.empty((4, len(cases)))
-    for temperature, diffusion in np.unique(cases[:, 1:], axis=0):
-        these = np.flatnonzero((cases[:, 1] == temperature) & (cases[:, 2] == diffusion))
-        single = changed(contacts, float(temperature), float(diffusion), 0.0)
-        steady[:, these] = _at_once(single, cases[these, 0])
-    force, force_error, length, length_error = steady[:, which.reshape(-1)]
-    # contacts with grains are out until these pin again, in addition to the delay
-    wait = wait + changed(contacts, 0.0, 0.0, 0.0).waiting_time
-    holding = length / (length + speeds * wait)
-    off = holding * (1.0 - holding) * length_error / length
-    force_error = force_error * holding + force * off
-    return np.stack([force * holding, force_error, holding, off + ROUND_OFF])
 
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
@@ -130,19 +245,12 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
     by_heat = thermal is not None and thermal.closure == "exact"
     if by_heat and not {"ageing", "grains", "reforming"}.intersection(contacts.laws):
         sums = summed(contacts, speeds)
-        lost = ~(sums.area > 0.0)
-        if lost.any():
-            refuse(
-                "velocity",
-                float(speeds[lost].max()),
-                "contacts break before they have moved lengths whose squares are numbers; slide "
-                "faster, and of many speeds leave such ones out",
-            )
         force = sums.area / sums.length
         off = (sums.area_error + force * sums.length_error) / sums.length
         out = np.stack([force, off, sums.length, sums.length_error])
     unit = contacts.mean_threshold
-    for i in np.flatnonzero(~(out[1] <= GOOD * out[0])):
+    # points not known well enough from the sums over all speeds are solved individually
+    for i in np.flatnonzero(~(out[1] < 1e-9 * out[0])):
         one = steady_state(contacts, velocity=float(speeds[i]))
         if not one.force_error * unit >= out[1, i]:
             out[:2, i] = np.array([one.force, one.force_error * unit]) / one.holding

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal.table import Table
+from master.steady.travel import thresholds_beyond
 from origins import Contacts
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
 
@@ -29,16 +30,14 @@ OVER = 7.0
 # weight is an exponential. The relative error of sums is then ROUND_OFF (measured).
 EVEN, WIDTH, WIDER, WIDEST = -1.0, 0.6, 1.3, 4.0
 ROUND_OFF = 2e-12
-# Panels next to the threshold where the rate vanishes there as a square root, as shares of the cube
-# root of the distance in u: the stretch is smooth in this root.
+# Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root
+# of the distance in u: the stretch is smooth in this root.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last coefficients, in units of typical values, below which a panel of thresholds is not halved (the
 # error of its integral is about their square); and its least width, in mean thresholds.
 ACCURACY, SHORTEST = 1e-9, 1e-13
 # Thresholds are summed up to this survival.
 TAIL = 1e-80
-# Largest power that is fitted to a tail: steeper ones end, or nearly so.
-MOST_STEEP = 1e3
 
 
 class Sums(NamedTuple):
@@ -77,20 +76,9 @@ def summed(contacts: Contacts, speeds: Array) -> Sums:
         scale = typical / contacts.mean_threshold
         total += table.integrals().reshape(2, -1) * scale
         off += table.missed().reshape(2, -1) * scale
-        off += _beyond(contacts, float(edges[-1]))[:, None]
+        off += thresholds_beyond(contacts, float(edges[-1]))[:, None]
     off += ROUND_OFF * total
     return Sums(total[0], off[0], 0.5 * total[1], 0.5 * off[1])
-
-
-def _beyond(contacts: Contacts, far: float) -> Array:
-    """Bounds on the contributions of thresholds beyond `far` to <x_b> and <k x_b^2>, shape (2,)."""
-    law, stiff = contacts.thresholds, float(contacts.relative_stiffness(far))
-    held, twice = float(law.sf(far)), float(law.sf(2.0 * far))
-    power = 2.0 + (contacts.stiffness == "linked")
-    steep = min(float(np.log2(held / twice)), MOST_STEEP) if twice > 0.0 else MOST_STEEP
-    if held > 0.0 and not steep > power:
-        return np.full(2, np.inf)
-    return held * far * np.array([1.0, stiff * far]) * steep / (steep - power)
 
 
 class _Breaks:
@@ -108,9 +96,8 @@ class _Breaks:
         nodes, weights = gauss(self._edges[:-1], self._edges[1:])
         self._u = nodes.ravel()
         self._weights = weights.ravel()[:, None] * _weight(self._u[:, None] - self._log_speeds)
-        # where the rate vanishes at the threshold, a panel must be at least its width away from it
-        apart = np.diff(self._edges) if self._rates.vanishes_at_threshold else 0.0
-        self._usable_from = self._edges[1:] + apart
+        # the rate may vanish at the threshold: a panel must be at least its width away from it
+        self._usable_from = self._edges[1:] + np.diff(self._edges)
 
     def __call__(self, thresholds: Array) -> Array:
         """Shape (2, thresholds, speeds)."""
@@ -132,13 +119,10 @@ class _Breaks:
 
     def _last(self, begin: Array, end: Array, threshold: Array, stiffness: Array) -> Array:
         """Contribution of breaks between the last whole panel and the threshold, (2, n, speeds)."""
-        if self._rates.vanishes_at_threshold:
-            roots = np.cbrt(end - begin)[:, None] * CUTS
-            nodes, weights = gauss(roots[:, 1:], roots[:, :-1])
-            nodes, weights = (part.reshape(end.size, -1) for part in (nodes, weights))
-            u, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
-        else:
-            u, weights = gauss(begin, end)
+        roots = np.cbrt(end - begin)[:, None] * CUTS
+        nodes, weights = gauss(roots[:, 1:], roots[:, :-1])
+        nodes, weights = (part.reshape(end.size, -1) for part in (nodes, weights))
+        u, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
         x = self._rates.reached(u, 0.0, threshold[:, None], stiffness[:, None])
         moments = np.stack([weights * x, weights * x * x])
         out = np.zeros((2, end.size, self._log_speeds.size))

@@ -1,19 +1,25 @@
-"""How prone to stick-slip: K*, F_s/F_k, X* and the onset power of P_c, each with its error."""
+"""How prone to stick-slip: K*, F_s/F_k, X* and the onset power of P_c, each with its error; and the
+line between stick-slip and smooth sliding: K* along speeds, temperatures, ageing, delays."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 from master.lives.make import steady_life
 from master.outcome import judged
-from master.steady.steady import check_finite, cycle_of
-from master.stick_slip.decoherence import decoherence_length
-from master.stick_slip.extremes import extremes, unit_of
-from master.stick_slip.forward import births_table
+from master.steady.kinetic import Along, Points
+from master.steady.travel import check_finite
+from master.stick_slip.extremes import births_table, critical_spring, extremes, unit_of
+from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
+
+Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -78,14 +84,14 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     velocity = positive("velocity", velocity)
     life = steady_life(contacts, velocity)
     travel = births_table(contacts, life, velocity, tolerance)
-    kinetic, off = cycle_of(contacts, travel).force(velocity * contacts.waiting_time)
+    kinetic, off = travel.force(velocity * contacts.waiting_time)
     if not kinetic > 0.0:
         raise InputError(
             f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
     found, unit = extremes(contacts, travel, velocity, tolerance), unit_of(contacts, travel)
-    length = decoherence_length(contacts, life, velocity)
+    length, length_error = decoherence_length(contacts, life, velocity)
     ratio = max(found.static / kinetic, 1.0)
     if not found.spring > 0.0:
         ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
@@ -96,11 +102,68 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         critical_spring_error=found.spring_error,
         static_to_kinetic=ratio,
         static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
-        decoherence_length=length.value,
-        decoherence_length_error=length.error,
+        decoherence_length=length,
+        decoherence_length_error=length_error,
         onset_power=contacts.thresholds.onset_power,
         onset_power_error=contacts.thresholds.onset_power_error,
         run_time=time.perf_counter() - began,
         success=bool(sure_spring and sure_static),
         message=f"{spring_message}; {static_message}",
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class PhaseLine(Along):
+    """K* at many points; `success` where its error relative to 1 + K* is within the tolerance.
+
+    Attributes, beside those of `Along`
+    ----------
+    critical_spring, critical_spring_error : array
+        K*/(N_c <k>) and its error: softer springs stick and slip, others slide smoothly. 0 where
+        the force never falls: no spring slips; inf where it drops at one X: every spring slips.
+    """
+
+    critical_spring: Array
+    critical_spring_error: Array
+
+
+def phase_line(
+    contacts: Contacts,
+    velocity: npt.ArrayLike = 1.0,
+    *,
+    temperature: npt.ArrayLike | None = None,
+    rate: npt.ArrayLike | None = None,
+    delay: npt.ArrayLike | None = None,
+    tolerance: float = 1e-6,
+) -> PhaseLine:
+    """K*(v, T) of contacts on a slider that moves forward from their start (paper, Eq. Q16).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With any laws that `propensity` takes; the start matters.
+    velocity, temperature, rate, delay : float or array
+        As in master.kinetic_curve.
+    tolerance : float
+        Largest allowed error of K*, relative to 1 + K*.
+
+    v is the speed of the slider itself: that of a soft slider's drive is 1 + F'/K times higher
+    while the force rises.
+
+    Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
+    """
+    check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
+    tolerance = check_tolerance("tolerance", tolerance)
+    points = Points(contacts, velocity, temperature, rate, delay)
+    check_finite(contacts)
+    cases, which = points.distinct(waits=True)
+    found = np.empty((2, len(cases)))
+    for i, case in enumerate(cases):
+        single = points.contacts(case, contacts.start)
+        found[:, i] = critical_spring(single, float(case[0]), tolerance)
+    spring, error = found[:, which].reshape(2, *points.shape)
+    return PhaseLine(
+        **points.outcome(*judged("K*", error / (1.0 + spring), tolerance)),
+        critical_spring=spring,
+        critical_spring_error=error,
     )

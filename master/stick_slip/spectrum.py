@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,50 +16,25 @@ from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.births import births_of
-from master.steady.steady import check_finite, cycle_of
-from master.steady.travel import Travel
-from master.stick_slip.decoherence import BROAD
-from master.stick_slip.forward import births_table, forward_march
-from master.stick_slip.roots import (
-    NEAR,
-    conserved,
-    crowding_rate,
-    leading_roots,
-    root_errors,
-    tail_rate,
-)
-from master.stick_slip.transform import Transform
+from master.steady.travel import Travel, check_finite
+from master.stick_slip.extremes import births_table, forward_march
+from master.stick_slip.roots import BROAD, NEAR, crowding_rate, leading_roots, tail_rate
+from master.stick_slip.transform import Complex, Transform
 from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
-Complex = npt.NDArray[np.complex128]
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
 # Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd at all
 # frequencies.
 LONGEST = 400.0
-# Decay rate of exact values, per mean way, below which roots cannot be resolved from Re s = 0.
-CROWDED = 1e-2
 # F is followed over this many mean ways from birth to birth; safety factor on its largest difference
 # from the terms, as the terms left out may add up in phase elsewhere.
 FOLLOWED, SAFE = 6.0, 2.0
-
-
-class _Left(NamedTuple):
-    """Positions X (lengths), sorted, and the largest error of the terms from there on, times
-    e^(X/beyond), a length; arrays of shape (n,)."""
-
-    x: Array
-    size: Array
-
-    def at(self, x: Array) -> Array:
-        """The `size` at positions of any shape."""
-        place = np.searchsorted(self.x, x, "right") - 1
-        return self.size[np.clip(place, 0, self.x.size - 1)]
 
 
 @dataclass(frozen=True)
@@ -97,7 +71,7 @@ class DecoherenceSpectrum:
     beyond: float
     run_time: float
     _unit: float = field(repr=False)
-    _left: _Left = field(repr=False)
+    _left: Array = field(repr=False)
 
     __repr__ = brief
 
@@ -134,7 +108,8 @@ class DecoherenceSpectrum:
         drift = np.minimum(np.multiply.outer(x, self.roots_error), 2.0)
         off = (size * (self.amplitude_error + np.abs(self.amplitude) * drift)).sum(axis=-1)
         with np.errstate(under="ignore"):
-            off = off + self._left.at(x) * np.exp(-x / self.beyond)
+            place = np.searchsorted(self._left[0], x, "right") - 1
+            off = off + self._left[1, np.maximum(place, 0)] * np.exp(-x / self.beyond)
         return (off / self._unit + self.kinetic_force_error)[()]
 
 
@@ -163,38 +138,40 @@ def decoherence_spectrum(
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     check_finite(contacts)
     life, again, start = steady_life(contacts, velocity), births_of(contacts), contacts.start
-    travel = Travel(life, again, velocity)
+    travel = Travel(contacts, life, again, velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     limit = _searched(contacts, travel, wait)
     # the force of linked contacts comes from a table with this error, in mean stretches
     blur = 1e-12 if contacts.stiffness == "linked" else 0.0
-    transform = Transform(travel, blur)
-    found = leading_roots(transform, wait, n_roots + 1, limit)
+    transform = Transform(travel, wait, blur)
+    found = leading_roots(transform, n_roots + 1, limit)
     s, next_root = found.roots[:n_roots], found.roots[n_roots : n_roots + 1]
     gamma = float(-next_root[0].real) if next_root.size else found.searched
     alike = start.is_single and start.span == again.span
-    begins = transform if alike else Transform(Travel(life, start, velocity))
+    begins = transform if alike else Transform(Travel(contacts, life, start, velocity), wait)
+
+    def amplitudes(s: Complex) -> Complex:
+        late = np.exp(-s * wait) / transform.conserved(s)[1]
+        return 2.0 * transform(s).force * late * (1.0 / s - begins(s).held)
+
     values, first = transform(s), begins(s)
-    broken = 1.0 / s - first.held
-    amplitude = 2.0 * values.force * np.exp(-s * wait) * broken / conserved(transform, wait, s)[1]
-    roots_error = root_errors(transform, wait, s)
-    share = values.force_off / np.abs(values.force) + first.held_off / np.abs(broken)
-    # relative change of the amplitude by an error of the root, and rounding
-    turned = 3.0 * np.abs(values.bend / values.slope) + wait + 1.0 / np.abs(s)
-    share += turned * roots_error + 1e-14
-    kinetic, kinetic_off = cycle_of(contacts, travel).force(wait)
+    amplitude, roots_error = amplitudes(s), transform.root_errors(s)
+    share = values.force_off / np.abs(values.force) + 1e-14
+    share += first.held_off / np.abs(1.0 / s - first.held)
+    amplitude_error = np.abs(amplitude) * share + np.abs(amplitudes(s + roots_error) - amplitude)
+    kinetic, kinetic_off = travel.force(wait)
     spectrum = DecoherenceSpectrum(
         roots=s,
         roots_error=roots_error,
         amplitude=amplitude,
-        amplitude_error=np.abs(amplitude) * share,
+        amplitude_error=amplitude_error,
         decay_length_error=roots_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
         beyond=1.0 / gamma,
         run_time=0.0,
         _unit=unit,
-        _left=_Left(np.zeros(1), np.zeros(1)),
+        _left=np.zeros((2, 1)),
     )
     left = _left_out(contacts, life, velocity, spectrum, travel.length + wait)
     return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
@@ -212,34 +189,32 @@ def _searched(contacts: Contacts, travel: Travel, wait: float) -> float:
             )
         told = f"contacts {times}: roots are told up to {LONGEST:g} times; use a shorter one"
         refuse("delay", contacts.delay.time, told)
-    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts).value
-    if crowd == 0.0:
-        raise InputError(
-            "thresholds: are exact values alone: their roots come as near to Re s = 0 as one likes and none "
-            "is the slowest; give each a width, or follow F(X) with master.solve"
+    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts)[0]
+    told = ""
+    if crowd * (travel.length + wait) < 1e-2:
+        told = (
+            "thresholds: so much of their weight is in exact values alone: their roots come as near to "
+            "Re s = 0 as one likes, and none is known to be the slowest; give each a width, or follow "
+            "F(X) with master.solve"
         )
-    if tail == 0.0:
-        raise InputError(
-            "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
+    elif tail == 0.0:
+        told = "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
+    elif travel.longest > BROAD * travel.length:
+        told = (
+            f"thermal: contacts live for all lengths up to {travel.longest / travel.length:.1g} times "
+            "the mean: among so many no leading oscillating wave can be resolved; master.propensity "
+            "gives X*, or says that it is not known"
         )
-    if travel.longest > BROAD * travel.length:
-        raise InputError(
-            f"thermal: contacts live for all lengths up to {travel.longest / travel.length:.1g} times the "
-            "mean: among so many no leading oscillating wave can be resolved; master.propensity gives X*, "
-            "or says that it is not known"
-        )
-    if crowd * (travel.length + wait) < CROWDED:
-        raise InputError(
-            "thresholds: so much of their weight is exact, or nearly so, that no root can be told from those at "
-            "Re s = 0; master.propensity gives X*, and master.solve follows F(X)"
-        )
+    if told:
+        raise InputError(told)
     return NEAR * min(tail, crowd)
 
 
 def _left_out(
     contacts: Contacts, life: Life, velocity: float, spectrum: DecoherenceSpectrum, whole_way: float
-) -> _Left:
-    """The difference between F and the terms, over the first few mean ways from birth to birth."""
+) -> Array:
+    """Positions X (lengths), sorted, over the first few mean ways from birth to birth, and the largest
+    error of the terms from there on, times e^(X/beyond) (a length); shape (2, n)."""
     horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
     births = births_table(contacts, life, velocity, TOLERANCE)
     march = forward_march(contacts, births, velocity, horizon, TOLERANCE).run()
@@ -251,8 +226,8 @@ def _left_out(
     told = apart > 3.0 * off[:, None]
     x, apart = x[told], SAFE * apart[told]
     if not x.size:
-        return _Left(np.zeros(1), np.zeros(1))
+        return np.zeros((2, 1))
     left = apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
     left = np.maximum.accumulate(left[::-1])[::-1]
     # later differences are taken to be no larger than those over the last significant mean way
-    return _Left(x, np.maximum(left, left[np.searchsorted(x, x[-1] - whole_way)]))
+    return np.stack([x, np.maximum(left, left[np.searchsorted(x, x[-1] - whole_way)])])

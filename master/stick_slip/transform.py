@@ -1,4 +1,5 @@
-"""Transform: Laplace transforms of survival and force of contacts, over the way x since birth."""
+"""Transform: Laplace transforms of number conservation over the way x since birth, which contacts
+move steadily forward."""
 
 from __future__ import annotations
 
@@ -17,45 +18,38 @@ Complex = npt.NDArray[np.complex128]
 # Largest |s| times the width of a piece: the Gauss nodes integrate a table's polynomial times such a
 # wave to rounding.
 WAVE = 4.0
-# Last coefficients of the table relative to its values on the panel; relative rounding of a sum.
-ACCURACY, ROUND_OFF = 1e-13, 4e-16
-# Values smaller than the share FALL of the panel's largest need not be resolved relatively; and last
-# coefficients, in units of ACCURACY, that may be rounding of E itself.
-FALL, NOISY = 1e-4, 1e2
-# Share of contacts below which floating point underflows; and share of a sum that is left out.
-NONE, UNFELT = 1e-290, 1e-20
 # Frequencies whose waves are computed together.
 BLOCK = 32
+# Relative rounding of a sum; and share of contacts below which floating point underflows.
+ROUND_OFF, NONE = 4e-16, 1e-290
 
 
 class Values(NamedTuple):
     """At numbers s, arrays of shape (n,), with E and K per contact born.
 
-    held, slope, bend : transforms of E, of -x E and of x^2 E (lengths to the powers 1, 2, 3)
+    held, slope : transforms of E and of -x E (lengths to the powers 1, 2)
     force : transform of K (a length squared)
     held_off, force_off : their errors
     """
 
     held: Complex
     slope: Complex
-    bend: Complex
     force: Complex
     held_off: Array
     force_off: Array
 
 
 class _Nodes(NamedTuple):
-    """Ways, the panels' weights times E and K there, and the errors of both; arrays of shape (n,)."""
+    """Ways of shape (n,), and there, times the weights of the nodes, E, -x E and K, shape (3, n);
+    the errors of E and K and, to be multiplied by |s|, those by rounding of the way, shape (4, n)."""
 
     way: Array
-    held: Array
-    force: Array
-    held_off: Array
-    force_off: Array
+    sums: Array
+    off: Array
 
 
 class Transform:
-    """Transforms of E and K of contacts born at some stretches.
+    """Transforms of E and K of contacts born at some stretches, and D of number conservation.
 
     Left of the imaginary axis the few contacts that hold for long matter: E is tabulated to a
     relative accuracy on each panel, until it underflows.
@@ -64,17 +58,19 @@ class Transform:
     ----------
     travel : Travel
         Of these contacts.
+    wait : float
+        d, the travel in the delay (a length).
     blur : float
         Error of K, in units of the table's scale, where K itself comes from a table.
 
     Attributes
     ----------
-    travel : Travel
+    travel, wait
         As given.
     """
 
-    def __init__(self, travel: Travel, blur: float = 0.0) -> None:
-        self.travel, life = travel, travel.life
+    def __init__(self, travel: Travel, wait: float, blur: float = 0.0) -> None:
+        self.travel, self.wait, life = travel, wait, travel.life
         edges = travel.table.edges
         # at most 40 doublings of the way
         for _ in range(40):
@@ -83,82 +79,85 @@ class Transform:
                 break
             edges = np.append(edges, last * np.array([1.25, 1.5, 1.75, 2.0]))
         # with heat and many stretches at birth each survival takes long, so the table is coarser
-        accuracy = ACCURACY if travel.born.is_single or life.quick else travel.accuracy
+        accuracy = 1e-13 if travel.born.is_single or life.quick else travel.accuracy
 
         def own(values: Array, _: Array) -> Array:
+            """Relative to the panel's values, but for those 1e-4 times smaller than its largest."""
             held = np.abs(values[0])
-            return np.maximum(held.min(axis=1), np.maximum(FALL * held.max(axis=1), NONE))
+            return np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), NONE))
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
-        table = Table(travel.scaled, edges, accuracy, shortest, felt=own, rounding=NOISY)
-        self._table = table
-        self._blur, self._known = blur * (table.begin < life.reach), dict[int, _Nodes]()
+        # last coefficients of 100 times the accuracy may be rounding of E itself
+        self._table = Table(travel.scaled, edges, accuracy, shortest, felt=own, rounding=1e2)
+        self._blur, self._known = blur, dict[int, _Nodes]()
 
     def _nodes(self, fastest: float, decay: float) -> _Nodes:
         """Nodes dense enough for |s| up to `fastest`, where E e^(decay x) is not negligible."""
-        table, scale = self._table, self.travel.scale
-        power = max(int(np.ceil(np.log2(max(fastest * table.end[-1], 1.0)))), 0)
+        last = float(self._table.end[-1])
+        power = max(int(np.ceil(np.log2(max(fastest * last, 1.0)))), 0)
         if power not in self._known:
-            size = 2.0**power / table.end[-1] * table.widths
-            pieces = np.maximum(np.ceil(size / WAVE), 1.0).astype(int)
-            share = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-            width = np.repeat(table.widths / pieces, pieces)
-            low = np.repeat(table.begin, pieces) + share * width
-            way = low[:, None] + width[:, None] * rule.GAUSS_NODES
-            weight = width[:, None] * rule.GAUSS_WEIGHTS
-            held, force = np.abs(values := table(way)) * weight
-            # the error of E itself is relative where few contacts hold
-            own = self.travel.life.error / np.maximum(values[0], FEW) + ROUND_OFF
-            tails, blur = (np.repeat(part, pieces)[:, None] for part in (table.tails, self._blur))
-            off = own * held + weight * tails, own * force + weight * (tails + blur)
-            held, force = values * weight
-            parts = way, held, force * scale, off[0], off[1] * scale
-            some = values[0] > NONE
-            self._known[power] = _Nodes(*(part[some] for part in parts))
+            self._known[power] = self._on_pieces(WAVE * last / 2.0**power)
         nodes = self._known[power]
-        size = np.log(nodes.held) + decay * nodes.way
-        return _Nodes(*(part[size > size.max() + np.log(UNFELT)] for part in nodes))
+        size = np.log(nodes.sums[0]) + decay * nodes.way
+        felt = size > size.max() + np.log(1e-20)
+        return _Nodes(*(part[..., felt] for part in nodes))
+
+    def _on_pieces(self, widest: float) -> _Nodes:
+        """Gauss nodes on pieces of the table's panels that are no wider than a length."""
+        table, scale = self._table, self.travel.scale
+        pieces = np.maximum(np.ceil(table.widths / widest), 1.0).astype(int)
+        cuts = (np.linspace(*span) for span in zip(table.begin, table.end, pieces + 1, strict=True))
+        edges = np.append(np.concatenate([cut[:-1] for cut in cuts]), table.end[-1])
+        width = np.diff(edges)[:, None]
+        way, weight = edges[:-1, None] + width * rule.GAUSS_NODES, width * rule.GAUSS_WEIGHTS
+        held, force = values = table(way)
+        # the error of E itself is relative where few contacts hold
+        own = np.abs(values) * (self.travel.life.error / np.maximum(held, FEW) + ROUND_OFF)
+        own += np.repeat(table.tails, pieces)[:, None]
+        own[1] += self._blur * (way < self.travel.life.reach)
+        turned = ROUND_OFF * np.abs(way * values)
+        some = held > NONE
+        sums = np.stack([held, -way * held, scale * force])
+        off = np.concatenate([own, turned])
+        off[1::2] *= scale
+        return _Nodes(way[some], (weight * sums)[:, some], (weight * off)[:, some])
 
     def __call__(self, s: Complex) -> Values:
         """The transforms at s (per length) of shape (n,)."""
-        s = np.asarray(s, dtype=complex)
-        nodes = self._nodes(float(np.abs(s).max(initial=0.0)), -float(s.real.min(initial=0.0)))
-        # at most 2,000,000 nodes times numbers s are summed together
-        parts = np.array_split(s, max(1, s.size * nodes.way.size // 2_000_000))
-        found = (self._some(nodes, part) for part in parts)
-        return Values(*(np.concatenate(row) for row in zip(*found, strict=True)))
-
-    def _some(self, nodes: _Nodes, s: Complex) -> Values:
-        way = nodes.way
+        way, sums, off = self._nodes(
+            float(np.abs(s).max(initial=0.0)), -float(s.real.min(initial=0.0))
+        )
+        found, wrong = np.empty((3, s.size), dtype=complex), np.empty((4, s.size))
         with np.errstate(over="ignore", invalid="ignore"):
-            wave: Complex = np.exp(-np.multiply.outer(s, way))
-            size = np.abs(wave)
-            turned = ROUND_OFF * np.abs(s)
-            held_off = size @ nodes.held_off + turned * (size @ (way * nodes.held))
-            force_off = size @ nodes.force_off + turned * (size @ np.abs(way * nodes.force))
-            held, slope, bend = (
-                np.asarray(wave @ (way**power * nodes.held), dtype=complex) for power in (0, 1, 2)
-            )
-            return Values(held, -slope, bend, wave @ nodes.force, held_off, force_off)
+            for i, one in enumerate(s):
+                wave = np.exp(-one * way)
+                found[:, i], wrong[:, i] = sums @ wave, off @ np.abs(wave)
+            return Values(*found, *(wrong[:2] + np.abs(s) * wrong[2:]))
 
-    def noise(self, decay: float) -> float:
-        """Error of the transform of E at Re s = -decay (per length)."""
-        nodes = self._nodes(0.0, decay)
-        off = nodes.held_off + ROUND_OFF * decay * nodes.way * nodes.held
+    def conserved(self, s: Complex) -> tuple[Complex, Complex]:
+        """D and D' at s of shape (n,), no s being 0."""
+        values, wait = self(s), self.wait
         with np.errstate(over="ignore", invalid="ignore"):
-            return float(np.exp(decay * nodes.way) @ off)
+            waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
+            slope = waited * (values.slope - wait * values.held) + (wait * waited - out) / s
+            return values.held * waited + out, slope
+
+    def root_errors(self, s: Complex) -> Array:
+        """Errors of roots: the residual and the error of D, divided by |D'|."""
+        value, slope = self.conserved(s)
+        waited = np.abs(np.exp(-s * self.wait))
+        off = self(s).held_off * waited
+        off += np.finfo(float).eps * (1.0 + (1.0 + np.abs(s) * self.wait) * waited) / np.abs(s)
+        return np.asarray((np.abs(value) + off) / np.abs(slope) + np.spacing(np.abs(s)))
 
     def grid(self, real: Array, step: float, count: int) -> Complex:
         """The transform of E at real + i step k for k < count, shape (count, real.size)."""
-        nodes = self._nodes(float(np.hypot(real.min(), step * count)), -float(real.min()))
-        growth = nodes.held[:, None] * np.exp(-np.multiply.outer(nodes.way, real))
+        way, sums, _ = self._nodes(float(np.hypot(real.min(), step * count)), -float(real.min()))
+        growth = sums[0][:, None] * np.exp(-np.multiply.outer(way, real))
         # waves of many frequencies are products of the waves of few
-        few = np.exp(-1j * step * np.multiply.outer(np.arange(BLOCK), nodes.way))
-        out = np.empty((-(-count // BLOCK), BLOCK, real.size), dtype=complex)
-        for block, rows in enumerate(out):
-            wave = np.exp(-1j * (step * BLOCK * block) * nodes.way)
-            rows[:] = few @ (wave[:, None] * growth)
-        return out.reshape(-1, real.size)[:count]
+        few = np.exp(-1j * step * np.multiply.outer(np.arange(BLOCK), way))
+        first = np.exp(-1j * step * np.multiply.outer(np.arange(0, count, BLOCK), way))
+        return np.concatenate([few @ (wave[:, None] * growth) for wave in first])[:count]
 
     def nodes_per_frequency(self) -> float:
         """Nodes of an integral per frequency (a length), where the frequency is high."""

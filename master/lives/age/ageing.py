@@ -116,11 +116,6 @@ class AgeingLife(Life):
         self._judge()
         return mesh
 
-    def marks(self, width: float) -> Array:
-        """See Life; on panels wider than a part of the reach integrals may be off by more than their
-        last coefficients."""
-        return np.linspace(0.0, self.reach, 17)[1:]
-
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
         speed = float(self.motion.speeds[0])

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from master.lives.age.cells import ASLEEP, Cells
 from master.lives.age.strands import fresh_rate
-from master.soft.in_time.memory import FEW_STARTS, MORE_STARTS, Leg, Memory, Scales
+from master.soft.in_time.memory import Leg, Memory, Scales
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -34,7 +34,7 @@ class AgeingMemory(Memory):
         self._cells = cells = Cells(contacts, level, fastest)
         self.width = CELLS + cells.edges.size - 1
         self.reach = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
-        self.starts = FEW_STARTS + MORE_STARTS * level
+        self.starts = 24 + 8 * level
         # first step of a hold: 1e-3 of the time in which thresholds spread by the narrowest width
         shortest = 1e-3 * cells.width**2 / ageing.rate
         # births change over a length of some 2 narrowest widths of both laws

@@ -5,25 +5,39 @@ born at s, number conservation says
 
     G_0(t) + integral of E(t, s) dJ(s) + [B(t) - J(t)] = 1,        J(t) = B(t - delay).
 
-Within a step the rate of births is taken as constant: the integral becomes a sum over steps with
-means of E, of second order in the step.
+Contacts are independent: the survival of those born at one moment depends on the motion since and on
+nothing else. They are represented by a cohort born at the end of each step, and each cohort by one
+strand for each stretch at which contacts form again. Within a step the rate of births is taken as
+constant: half of its births belong to the cohort at its begin, half to that at its end, of second
+order in the step.
 """
 
 from __future__ import annotations
 
 import time as clock
+from bisect import bisect_left
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import KroghInterpolator
 
-from master.soft.in_time.cohorts import Cohorts
+from master.lives.averages import StretchRule, stretch_rule
+from master.soft.in_time.memory import Leg, Memory
+from origins import Contacts
+from origins.start import SingleStart, Start
 
-# Points of the polynomial that interpolates the breaks of one delay before.
-STENCIL = 4
+Array = npt.NDArray[np.float64]
+
+# Share of a strand that holds below which it is dropped.
+DEAD = 1e-19
 
 
 class TooLongError(Exception):
     """The solution has reached its limit of work or time."""
+
+    def __init__(self, why: str = "no steps were found that follow the slider") -> None:
+        super().__init__(why)
 
 
 class Allowed(NamedTuple):
@@ -34,27 +48,48 @@ class Allowed(NamedTuple):
     until: float = np.inf
 
 
+class Strands(NamedTuple):
+    """Contacts that began or were born together at one stretch; arrays of shape (n,), (n, width).
+
+    stretch, furthest : x and the largest |x| so far (lengths)
+    share : of all contacts, over the share that holds at birth
+    births : J at birth, per contact; 0 for those that began
+    kept : their Memory's numbers
+    """
+
+    stretch: Array
+    furthest: Array
+    share: Array
+    births: Array
+    kept: Array
+
+    def and_born(self, memory: Memory, births: StretchRule, share: float, speed: float) -> Strands:
+        """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|.
+
+        The caller sets J at their birth.
+        """
+        x, kept = births.stretch, memory.fresh(births.stretch, speed)
+        new = Strands(x, np.abs(x), share * births.weight, np.zeros(x.size), kept)
+        return Strands(*(np.concatenate(both) for both in zip(self, new, strict=True)))
+
+
 class Trial(NamedTuple):
     """A step that is not taken yet: its travel, its end in time, and the state it leads to.
 
+    strands : all, with a new cohort that has no births yet
+    left : their share that holds and force, shape (2, n)
     force : F/(N_c <k>) (a length); holding : share of the contacts
     breaks, births : per contact since t = 0
     """
 
     travel: float
     now: float
-    cohorts: Cohorts
+    strands: Strands
+    left: Array
     force: float
     holding: float
     breaks: float
     births: float
-
-
-class Pending(NamedTuple):
-    """A time at which births bend, and a share of the contacts, possibly 0, is born at once."""
-
-    at: float
-    weight: float
 
 
 class Carried:
@@ -64,29 +99,41 @@ class Carried:
     ----------
     place, now, force, holding : float
         X (a length), the time, F/(N_c <k>) (a length), and the share of the contacts that holds.
-    pending : list of Pending
+    unit : float
+        Mean threshold (a length).
+    pending : dict
+        Times at which births bend, and the shares of the contacts, possibly 0, born at once there.
     steps : int
         Number of steps taken so far.
-    work : float
-        Operations in them: evaluated cohorts times the cost of each.
     unresolved : float
         Bound on the force (a length) of contacts whose share that holds the steps do not resolve.
     """
 
-    def __init__(self, cohorts: Cohorts, delay: float, allowed: Allowed) -> None:
-        self.delay, self._allowed = delay, allowed
+    def __init__(self, contacts: Contacts, memory: Memory, level: int, allowed: Allowed) -> None:
+        self.memory, self.delay, self._allowed = memory, contacts.waiting_time, allowed
         self.steps, self.work, self.unresolved = 0, 0.0, 0.0
-        self.place, self.now = 0.0, 0.0
-        self.settle(cohorts)
+        self.place, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
+        again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
+        start = stretch_rule(contacts.start, memory.reach, memory.starts)
+        # births at many stretches have more nodes with each level
+        self._births = _over_held(memory, stretch_rule(again, memory.reach, 8 + 4 * level))
+        start = _over_held(memory, start)
+        self._begin(start, memory.start(start.stretch))
 
-    def settle(self, cohorts: Cohorts) -> None:
-        """Begin with these contacts, and no breaks and births before."""
-        self.holding, self.force = cohorts.left[:, 0].tolist()
-        self.cohorts, self._last = cohorts.born(0.0), (0.0, 0.0)
-        # ends of steps, with breaks and births up to there; and bends, across which no polynomial goes
-        self._times, self._bends = [self.now], [0]
-        self._breaks, self._births = [0.0], [0.0]
-        self.pending: list[Pending] = []
+    def relax(self) -> None:
+        """Replace all contacts by those just formed again."""
+        self._begin(self._births, self.memory.fresh(self._births.stretch, 0.0))
+
+    def _begin(self, start: StretchRule, kept: Array) -> None:
+        x = start.stretch
+        strands = Strands(x, np.abs(x), start.weight, np.zeros(x.size), kept)
+        left = self.memory.left(strands.kept, x, strands.furthest)
+        self.holding, self.force = (left @ strands.share).tolist()
+        self._started, self._last = x.size, (0.0, 0.0)
+        self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
+        # ends of steps, with breaks and births up to there
+        self._times, self._breaks, self._born, self._bends = [self.now], [0.0], 0.0, [0]
+        self.pending: dict[float, float] = {}
 
     @property
     def breaks(self) -> float:
@@ -95,40 +142,44 @@ class Carried:
 
     def tried(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """A trial step by `travel` until `now`; where `frozen`, without births."""
-        duration, before = now - self.now, self._births[-1]
-        cohorts = self.cohorts.advance(travel, duration).born(self._speed(travel, duration))
+        duration, born, many = now - self.now, self._born, self._births.stretch.size
+        stretch = self.strands.stretch + travel
+        furthest = np.maximum(self.strands.furthest, np.abs(stretch))
+        leg = Leg(self.strands.stretch, stretch, furthest, duration)
+        kept = self.memory.advance(self.strands.kept, leg)
+        strands = Strands(stretch, furthest, *self.strands[2:4], kept)
+        strands = strands.and_born(self.memory, self._births, 0.0, self._speed(travel, duration))
+        left = self.memory.left(strands.kept, strands.stretch, strands.furthest)
+        known, force = (left @ strands.share).tolist()
+        # those born in this step, per contact born
+        new = 0.5 * (left[:, -2 * many : -many] + left[:, -many:]) @ self._births.weight
+        last, pull = new.tolist()
         frozen |= bool(self.delay) and now == self.now
-        slope, rest = (0.0, before) if frozen else self._births_at(now)
-        between = cohorts.between()
-        known, force = (cohorts.left[:, 0] + between[:, :-1] @ np.diff(self._births)).tolist()
-        last, pull = between[:, -1].tolist()
+        slope, rest = (0.0, born) if frozen else self._births_at(now)
         # known + last (J - J_before) + B - J = 1, J = slope B + rest
-        breaks = (1.0 - known + last * before + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
-        new = slope * breaks + rest - before
-        force, held = force + pull * new, known + last * new
-        return Trial(travel, now, cohorts, force, held, breaks, before + new)
+        breaks = (1.0 - known + last * born + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
+        more = slope * breaks + rest - born
+        force, held = force + pull * more, known + last * more
+        return Trial(travel, now, strands, left, force, held, breaks, born + more)
 
     def _births_at(self, now: float) -> tuple[float, float]:
         """Births up to a later moment, as a linear function of the breaks B up to then: (slope, rest)."""
         if not self.delay:
             return 1.0, 0.0
-        times = np.array([*self._times, now])
         # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
-        at = now - self.delay - 1e-13 * (now - times[0])
-        if at <= times[0]:
+        at, last = now - self.delay - 1e-13 * (now - self._times[0]), self._times[-1]
+        if at <= self._times[0]:
             return 0.0, 0.0
-        last = times.size - 1
-        cell = int(np.searchsorted(times, at, side="left"))
-        bends = np.array([*self._bends, last])
-        part = int(np.searchsorted(bends, cell, side="left"))
-        low, high = int(bends[part - 1]), min(int(bends[part]), last)
-        begin = min(max(cell - STENCIL // 2, low), max(high - STENCIL + 1, low))
-        nodes = np.arange(begin, min(begin + STENCIL - 1, high) + 1)
-        # births at one moment are stored as two nodes at one time
-        nodes = nodes[np.append(np.diff(times[nodes]) > 0.0, True)]
-        weights = _lagrange(times[nodes], at)
-        known = np.array([*self._breaks, 0.0])[nodes]
-        return float(weights[-1]) if nodes[-1] == last else 0.0, float(weights @ known)
+        if at <= last:
+            # a cubic through the nodes beside, across none at which breaks bend
+            cell = bisect_left(self._times, at)
+            low = max(bend for bend in self._bends if bend < cell)
+            high = min((bend for bend in self._bends if bend >= cell), default=len(self._times) - 1)
+            begin = min(max(cell - 2, low), max(high - 3, low))
+            some = slice(begin, min(begin + 4, high + 1))
+            return 0.0, float(KroghInterpolator(self._times[some], self._breaks[some])(at))
+        share = (at - last) / (now - last)
+        return share, (1.0 - share) * self.breaks
 
     def _speed(self, travel: float, duration: float) -> float:
         """|dX/dt| at the end of a step, from the mean speeds of this step and of the last."""
@@ -142,8 +193,9 @@ class Carried:
 
     def take(self, trial: Trial) -> None:
         """Take the step."""
+        strands, left, many = trial.strands, trial.left, self._births.stretch.size
         self.steps += 1
-        self.work += np.count_nonzero(trial.cohorts.left[0]) * trial.cohorts.work
+        self.work += strands.share.size * (self.memory.width + 60)
         if self.steps > self._allowed.steps or self.work > self._allowed.work:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise TooLongError(f"{done}, and more are not taken on")
@@ -151,52 +203,66 @@ class Carried:
             raise TooLongError("stopped by wall_time")
         self._last = trial.travel, trial.now - self.now
         self.place, self.now = self.place + trial.travel, trial.now
-        self.cohorts, self.force, self.holding = trial.cohorts, trial.force, trial.holding
-        self._add(trial.breaks, trial.births)
-        held, pull = self.cohorts.left[:, 1:]
+        self.force, self.holding = trial.force, trial.holding
+        half = 0.5 * (trial.births - self._born) * self._births.weight
+        strands.share[-many:] = half
+        strands.share[-2 * many : -many] += half
+        strands.births[-many:] = trial.births
         # a step is unresolved if the survival of its first births is less than half that of its
         # last: then it is unknown how many of the births in between hold
-        apart = np.where(held[:-1] < 0.5 * held[1:], 0.5 * np.abs(np.diff(pull)), 0.0)
-        self.unresolved = max(self.unresolved, float(apart @ np.abs(np.diff(self._births))))
+        held, pull = left[:, self._started :]
+        born = np.diff(strands.births[self._started :: many])[:, None] * self._births.weight
+        apart = np.where(held[:-many] < 0.5 * held[many:], 0.5, 0.0)
+        apart *= np.abs(pull[many:] - pull[:-many])
+        self.unresolved = max(self.unresolved, float(apart @ np.abs(born.ravel())))
+        # drop cohorts of which none hold; births go on between the last one and the next
+        alive = left[0] > DEAD
+        alive[self._started :] = np.repeat(held.reshape(-1, many).max(axis=1) > DEAD, many)
+        alive[-many:] = True
+        self._started = int(np.count_nonzero(alive[: self._started]))
+        self.strands = Strands(*(part[alive] for part in strands))
+        self._add(trial.breaks, trial.births)
 
     def _add(self, breaks: float, births: float) -> None:
         self._times.append(self.now)
         self._breaks.append(breaks)
-        self._births.append(births)
+        self._born = births
 
     def born_at_once(self, weight: float) -> None:
-        """Add a finite share that is born at one moment: two births without time between."""
+        """Add a finite share that is born at one moment."""
         self.bend()
-        self.cohorts = self.cohorts.born(0.0)
-        held, pull = self.cohorts.between()[:, -1].tolist()
-        self.force += pull * weight
-        self.holding += held * weight
-        self._add(self.breaks, self._births[-1] + weight)
+        at = self.strands.share.size
+        self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
+        new = Strands(*(part[at:] for part in self.strands))
+        new.births[:] = self._born + weight  # a view
+        held, pull = self.memory.left(new.kept, new.stretch, new.furthest) @ new.share
+        self.force += float(pull)
+        self.holding += float(held)
+        self._add(self.breaks, self._born + weight)
         self.bend()
 
     def bend(self) -> None:
-        """Breaks may bend or jump at this moment: no polynomial goes across it."""
+        """The speed and the rate of breaks may jump at this moment."""
         self._bends.append(len(self._times) - 1)
         self._last = 0.0, 0.0
 
     def mark_later(self, at: float, weight: float = 0.0) -> None:
         """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
         if self.delay:
-            again = Pending(at + self.delay, weight), Pending(at + 2.0 * self.delay, 0.0)
-            self.pending += again
+            for k, share in ((1.0, weight), (2.0, 0.0)):
+                later = at + k * self.delay
+                self.pending[later] = self.pending.get(later, 0.0) + share
 
     def born_now(self) -> None:
         """Let all contacts that are due be born."""
-        weight = sum(one.weight for one in self.pending if one.at <= self.now)
-        self.pending = [one for one in self.pending if one.at > self.now]
+        weight = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
         if weight > 0.0:
             self.born_at_once(weight)
 
 
-def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:
-    """Weights of values at nodes (n,) in the polynomial through them, at a point."""
-    apart = nodes[:, None] - nodes
-    np.fill_diagonal(apart, 1.0)
-    ways = np.tile(at - nodes, (nodes.size, 1))
-    np.fill_diagonal(ways, 1.0)
-    return np.asarray((ways / apart).prod(axis=1))
+def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:
+    """The rule with weights divided by the share that holds at birth."""
+    stretch = rule.stretch
+    whole = memory.left(memory.start(stretch), stretch, np.abs(stretch))[0]
+    share = np.divide(rule.weight, whole, out=np.zeros(whole.size), where=whole > 0.0)
+    return StretchRule(stretch, share)

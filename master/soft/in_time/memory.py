@@ -1,21 +1,37 @@
-"""Memory: the numbers that describe the history of contacts born together at one stretch."""
+"""Memory: the numbers that describe the history of contacts born together at one stretch.
+
+Contacts with the threshold x_s that have never been stretched beyond it still hold with the
+probability e^-A, A being the integral of their rate of breaking h(|x|; x_s) over time. A is kept for
+thresholds at the ends of cells, between which ln A is taken as linear: both where contacts are hot
+and A hardly changes over a cell, and where they are cold and only those of a thin skin above |x|
+break early, errors are of second order in the cells.
+"""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import exp1
 
 from master.lives.age.cells import narrowest
-from master.lives.cold import ColdLife
+from master.lives.cold import TIE
+from master.lives.heat.mean_rate import MeanRateLife
+from master.lives.heat.replay import Replay, rates_of
+from master.motion.motion import Legs
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 
-# Nodes for a start with a width, where each is expensive: on the coarsest level, and more for each
-# finer level.
-FEW_STARTS, MORE_STARTS = 24, 8
+# Shares of the contacts below the ends of cells, on the coarsest level; each is cut in 2
+# there, and halved with each level, from the fourth on with every second one.
+RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
+# The logarithms of the least and of the largest A that are told apart from 0 and infinity.
+LEAST, MOST = -700.0, 6.5
+# The logarithm of the smallest share above 0.
+NONE_LEFT = -745.0
 
 
 class Scales(NamedTuple):
@@ -47,28 +63,42 @@ class Leg(NamedTuple):
 
 
 class Memory:
-    """The history of contacts under one law, and their survival; this class: T = 0, where the
-    largest |x| suffices, as contacts break only at their thresholds.
+    """The history of contacts with thresholds that stay, which break there or by heat.
+
+    Cells are halved with each level, from the fourth on with every second one.
 
     Attributes
     ----------
     scales : Scales
     error : float
-        Error of the survival that `left` returns, however small the steps.
+        Error of the survival that `left` returns, however fine cells and steps are.
     reach : float
         Stretch beyond which no contact holds (a length).
     width : int
-        Number of values kept for a strand.
+        Number of values kept for a strand, of which the first `own` are not A.
     starts : int
         Most nodes for a start with a width.
     """
 
-    scales: Scales
-    width, starts, reach, error = 0, 400, np.inf, 1e-15
+    error, own = 1e-15, 0
 
-    def __init__(self, contacts: Contacts) -> None:
-        self._life = ColdLife(contacts)
-        self.reach, self.scales = self._life.reach, Scales(width_of(contacts))
+    def __init__(self, contacts: Contacts, level: int) -> None:
+        law = self._law = contacts.thresholds
+        self._hot, self._contacts = contacts.thermal is not None, contacts
+        self._linked = contacts.stiffness == "linked"
+        self.starts = 24 + 8 * level if self._hot else 400
+        self.reach = max([min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]])
+        self.scales = scales_of(contacts)
+        ends = np.concatenate([law.ppf(RANKS), law.isf(RANKS), law.breakpoints, [self.reach]])
+        # a very narrow cell for each exact threshold
+        atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
+        ends = np.unique(np.clip(np.concatenate([ends, *atoms]), 1e-12 * self.reach, self.reach))
+        cells = 2 ** min(level + 1, level // 2 + 3)
+        self._set_cells(np.unique([np.linspace(*two, cells + 1) for two in pairwise(ends)]))
+
+    def _set_cells(self, edges: Array) -> None:
+        self._edges, self._beyond = edges, self._law.sf(edges)
+        self.width = self.own + edges.size * self._hot
 
     def start(self, stretch: Array) -> Array:
         """Values, shape (n, width), of contacts with stretches (n,) at t = 0."""
@@ -80,7 +110,19 @@ class Memory:
 
     def advance(self, kept: Array, leg: Leg) -> Array:
         """Values after a move, shape (n, width)."""
-        return kept
+        if not leg.duration or not self._hot:
+            return kept
+        return np.asarray(kept + self._spent(leg, self._edges))
+
+    def _spent(self, leg: Leg, thresholds: Array) -> Array:
+        """A of one leg at thresholds (k,) or (n, k)."""
+        way, count = leg.end - leg.begin, leg.end.size
+        speed, duration = float(way[0]) / leg.duration, np.full((count, 1), leg.duration)
+        legs = Legs(np.stack([np.zeros(count), way], axis=-1), duration, np.array([speed]))
+        stiffness = self._contacts.relative_stiffness if self._linked else None
+        replay = Replay(rates_of(self._contacts), stiffness, leg.begin, legs)
+        above = np.maximum(thresholds, leg.furthest[:, None])
+        return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
 
     def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
         """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n).
@@ -88,18 +130,110 @@ class Memory:
         Both are multiplied by the share that holds at birth. kept : values; stretch, furthest :
         stretch and largest |x|, shape (n,).
         """
-        seen: Any = _Seen(stretch[:, None], furthest[:, None], np.zeros((furthest.size, 1)))
-        return self._life.left(np.zeros((1, 1)), seen)[:, :, 0]
+        unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
+        if not (self._hot or self._linked):
+            return np.stack([unmet, stretch * unmet])
+        return self._summed(kept, stretch, furthest, unmet)
+
+    def _summed(self, spent: Array, stretch: Array, least: Array, unmet: Array) -> Array:
+        """Share and force of contacts whose thresholds lie beyond the place `least` of the edges.
+
+        unmet : array of shape (n,), their share
+        """
+        edges, every = self._edges, np.arange(least.size)
+        weight = np.maximum(np.minimum(unmet[:, None], self._beyond[:-1]) - self._beyond[1:], 0.0)
+        # of the cell in which the place lies, only the part beyond it counts
+        cut = np.clip(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
+        low = np.clip(least, edges[cut], edges[cut + 1])
+        if self._hot:
+            log = np.log(np.maximum(spent, np.exp(LEAST)))
+            near, far = log[every, cut + 1], log[every, cut + 2]
+            # there ln A is extrapolated, by the square of the threshold as barriers change; the
+            # narrow cell of an exact threshold has no slope
+            width = edges[cut + 2] ** 2 - edges[cut + 1] ** 2
+            apart = edges[cut + 1] ** 2 - low**2
+            apart /= np.where(width > 1e-9 * edges[-1] ** 2, width, np.inf)
+            log[every, cut] = near + apart * np.maximum(near - far, 0.0)
+            weight = weight * mean_share(log)
+        held = weight.sum(axis=1)
+        if not self._linked:
+            return np.stack([held, stretch * held])
+        ends = np.tile(edges, (least.size, 1))
+        ends[every, cut] = low
+        middle = 0.5 * (ends[:, 1:] + ends[:, :-1])
+        borne = (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)
+        return np.stack([held, stretch * borne])
 
 
-class _Seen(NamedTuple):
-    """The part of a History that a ColdLife uses: arrays of shape (n, 1)."""
+class MeanRateMemory(Memory):
+    """The paper's closure: all break at the mean rate H(x), and where |x| grows at their thresholds.
 
-    now: Array
-    high: Array
-    low: Array
+    Kept are the logarithm of the share that holds, and |x| at birth. A contact forgets the thresholds
+    that it has survived: one that goes out again may break at all that it has passed before (App. C).
+    """
+
+    def __init__(self, contacts: Contacts) -> None:
+        super().__init__(contacts, 0)
+        life = MeanRateLife(contacts)
+        self._table, self.error = life.table, life.error + 1e-12
+        self.width, self.starts = 2, 400
+        self.scales = self.scales._replace(rate=float(self._table.rate(np.zeros(1))[0]))
+
+    def start(self, stretch: Array) -> Array:
+        """See Memory."""
+        return np.stack([np.zeros(stretch.size), np.abs(stretch)], axis=1)
+
+    def advance(self, kept: Array, leg: Leg) -> Array:
+        """See Memory."""
+        first, last, born = np.abs(leg.begin), np.abs(leg.end), kept[:, 1]
+        across = (leg.begin < 0.0) != (leg.end < 0.0)
+        near = np.maximum(np.where(across, 0.0, first), born)
+        far = np.where(across | (last > first), np.maximum(last, born), near)
+        log_share = kept[:, 0] + np.minimum(self._log_survival(far) - self._log_survival(near), 0.0)
+        if leg.duration:
+            way = np.abs(leg.end - leg.begin)
+            mean = self._table.mean(leg.begin, leg.end)
+            moved = (way > 1e-3 * (first + last)) | across
+            grown = np.abs(self._table.grown(leg.end) - self._table.grown(leg.begin))
+            mean = np.where(moved, grown / np.where(moved, way, 1.0), mean)
+            log_share = log_share - mean * leg.duration
+        return np.stack([np.maximum(log_share, NONE_LEFT), born], axis=1)
+
+    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
+        """See Memory."""
+        held = np.where(kept[:, 0] > NONE_LEFT, np.exp(kept[:, 0]), 0.0)
+        return np.stack([held, stretch * held])
+
+    def _log_survival(self, x: Array) -> Array:
+        return np.maximum(self._law.logsf(x * (1.0 + TIE)), 2.0 * NONE_LEFT)
 
 
-def width_of(contacts: Contacts) -> float:
-    """Length over which the number of breaks changes: the width of the sharpest tenth of P_c."""
-    return min(narrowest(contacts.thresholds), contacts.mean_threshold)
+def mean_share(log: Array) -> Array:
+    """Mean of e^-A over cells at whose ends ln A has the values (n, k + 1), shape (n, k)."""
+    share = np.exp(-np.exp(np.minimum(log, MOST)))
+    low, high = share[:, :-1], share[:, 1:]
+    mean = 0.5 * (low + high)
+    steep = np.abs(high - low) > 1e-4
+    ends = log[:, :-1][steep], log[:, 1:][steep]
+    # the integral of e^-A over ln A is -E_1(A)
+    below, above = (exp1(np.exp(np.clip(end, LEAST, MOST))) for end in ends)
+    mean[steep] = (above - below) / (ends[0] - ends[1])
+    return mean
+
+
+def scales_of(contacts: Contacts) -> Scales:
+    """The scales that steps resolve; the length is the width of the sharpest tenth of P_c."""
+    law, unit = contacts.thresholds, contacts.mean_threshold
+    width = min(narrowest(law), unit)
+    if contacts.thermal is None:
+        return Scales(width)
+    rates = contacts.thermal.rates
+    # steps need not resolve the rate of the weakest 30 % of fresh contacts: these break soon, with
+    # little effect on the others
+    weak = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * unit)
+    fresh_rate = float(rates.rate(0.0, weak, contacts.relative_stiffness(weak))[0])
+    # slope of ln h by the stretch, at 0.1 mean thresholds below the threshold
+    below = unit * (1.0 - np.array([0.1, 0.11]))
+    rise = -float(np.diff(rates.log_rate(below, np.array([unit]), 1.0))[0]) / (0.01 * unit)
+    # a thin skin: 0.005 widths of P_c over which the rate changes by more than a factor e
+    return Scales(width, 1.0 / rates.scale, fresh_rate, rise * width > 200.0)

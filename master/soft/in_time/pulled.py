@@ -2,51 +2,24 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import brentq
 
-from master.soft.in_time.carried import Allowed, Carried, TooLongError, Trial
-from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.carried import Carried, TooLongError, Trial
 from master.soft.in_time.steps import Steps
-from master.soft.in_time.track import Piece, Track
-from origins.drive import SlipRule
+from master.soft.in_time.track import Node, Piece
+from origins.drive import Drive
+
+Array = npt.NDArray[np.float64]
 
 # Step of the search for the end of a slip without births, as a share of the length over which births
 # change; and the shortest slip, as a share of a step.
 SCAN, LEAST_SLIP = 0.06, 1e-4
 # Most slips, and most steps of a search for the end of one.
 MOST_SLIPS = 20_000
-
-
-class Slip(NamedTuple):
-    """One slip; lengths, as in master.soft.slips.Slips."""
-
-    drive: float
-    before: float
-    after: float
-    force_before: float
-    force_after: float
-
-
-class Task(NamedTuple):
-    """The parameters of a soft slider that are the same on all levels.
-
-    pieces : of the drive
-    spring : K/(N_c <k>); rule : what a slip does
-    delay : of the contacts; unit : mean threshold (a length)
-    again : the contacts that a reset leaves
-    close : share of a step to which its balance is found
-    """
-
-    pieces: list[Piece]
-    spring: float
-    rule: SlipRule
-    delay: float
-    unit: float
-    again: Cohorts
-    close: float
+# Step that is tried when less than it remains of the planned ones, in their size.
+LAST = 1.5
 
 
 class Pulled:
@@ -54,154 +27,140 @@ class Pulled:
 
     Parameters
     ----------
-    cohorts : Cohorts
-        All contacts at X = 0.
-    task : Task
+    contacts : Carried
+        All contacts at X = 0; TooLongError says how far their steps came.
+    drive : Drive
+    pieces : list of Piece
+        Of the drive's path.
+    close : float
+        Share of a step to which its balance is found.
     level : int
     plan : list of float
         Lengths, in coarsest steps, of the smooth sections between bends and slips, as the next
         coarser level found them; empty on the coarsest level.
-    allowed : Allowed
-        Limits; TooLongError says how far the steps came.
 
     Attributes
     ----------
-    tracks : list of Track
+    tracks : list of lists of Node, one for each smooth section
     stretches : list of float
         Lengths of the smooth sections, and of instant slips, in the units of `plan`.
-    slips : list of Slip
-    contacts : Carried
+    slips : list of arrays of shape (5,)
+        X_T, X before and after, F before and after (lengths).
     """
 
     def __init__(
-        self, cohorts: Cohorts, task: Task, level: int, plan: list[float], allowed: Allowed
+        self,
+        contacts: Carried,
+        drive: Drive,
+        pieces: list[Piece],
+        close: float,
+        level: int,
+        plan: list[float],
     ) -> None:
-        self._task, self._finer, self._plan = task, 2**level, plan
-        self.stretches: list[float] = []
-        self.contacts = Carried(cohorts, task.delay, allowed)
-        self._steps = Steps(self.contacts, task.spring, task.unit, task.close)
-        self.tracks: list[Track] = []
-        self.slips: list[Slip] = []
+        self.contacts, self._rule, self._spring = contacts, drive.slip, float(drive.spring or 0.0)
+        self._pieces, self._finer, self._plan = pieces, 2**level, plan
+        self._steps = Steps(contacts, self._spring, close)
+        self.tracks, self.stretches = list[list[Node]](), list[float]()
+        self.slips = list[Array]()
 
     def run(self) -> None:
         """Follow the drive to its end."""
-        if not self._task.pieces:
-            self.tracks.append(Track())
-            self._write(self.tracks[0], 0.0)
-        for piece in self._task.pieces:
+        if not self._pieces:
+            self.tracks.append([])
+            self._write(0.0)
+        for piece in self._pieces:
             self.contacts.mark_later(piece.begin)
-            self._follow(piece, piece is self._task.pieces[-1])
+            self._follow(piece, piece is self._pieces[-1])
 
     def _follow(self, piece: Piece, last: bool) -> None:
         """Follow the drive to the end of a piece."""
         here, since = self.contacts, [len(self.tracks)]
         self._steps.begin(piece)
         while True:
-            end = min((one.at for one in here.pending if one.at < piece.end), default=piece.end)
+            end = min([*here.pending, piece.end])
             if self._slide(end):
                 self.slips.append(self._slip())
                 since.append(len(self.tracks))
-                if last and self._task.rule == "reset" and len(since) == 3:
+                if last and self._rule == "reset" and len(since) == 3:
                     return self._repeat(self.tracks[since[1] :])
             elif end < piece.end:
                 here.born_now()
             else:
                 return None
 
-    def _repeat(self, tracks: list[Track]) -> None:
+    def _repeat(self, tracks: list[list[Node]]) -> None:
         """Repeat the tracks since the last reset up to the end: after each reset all is the same."""
-        here, before, slip = self.contacts, *self.slips[-2:]
-        period, way = here.now - tracks[0].clock[0], slip.after - before.after
-        while True:
-            tracks = [track.later(period) for track in tracks]
-            self.tracks += tracks
-            if here.now + period > self._steps.piece.end:
-                return
-            lengths = slip.drive + way, slip.before + way, slip.after + way
-            slip = Slip(*lengths, slip.force_before, slip.force_after)
-            self.slips.append(slip)
-            here.now += period
-            if len(self.slips) > MOST_SLIPS:
-                raise TooLongError
+        here, (before, last) = self.contacts, self.slips[-2:]
+        period = here.now - tracks[0][0].clock
+        way = (last[2] - before[2]) * np.array([1.0, 1.0, 1.0, 0.0, 0.0])
+        more = int((self._steps.piece.end - here.now) / period)
+        if more > MOST_SLIPS:
+            raise TooLongError
+        self.slips += [last + k * way for k in range(1, more + 1)]
+        for k in range(1, more + 2):
+            later = k * period
+            self.tracks += [[one._replace(clock=one.clock + later) for one in t] for t in tracks]
 
     def _slide(self, end: float) -> bool:
         """Take steps until `end`, or until a slip begins; returns whether one does."""
-        here, steps, track = self.contacts, self._steps, Track()
-        self.tracks.append(track)
+        here, steps, nodes = self.contacts, self._steps, list[Node]()
+        self.tracks.append(nodes)
         here.bend()
-        self._write(track, 0.0)
-        steps.start(end, track)
-        number, size = self._planned()
-        total, share, taken, let_go = 0.0, 0.5, 0, False
-        while not let_go and here.now < end:
-            taken += 1
+        self._write(0.0)
+        steps.start(end, nodes)
+        # the number of steps doubles with each level, so that errors are series in their square
+        number = len(self.stretches)
+        length = self._plan[number] if number < len(self._plan) else 0.0
+        self._size = size = float(length / np.ceil(length) if length else 1.0) / self._finer
+        share, slips = 0.5, False
+        while not slips and here.now < end:
             # the last of the planned steps covers the rest
-            late = taken >= number
-            trial = steps.step(1.5 * size if late else size, share)
+            late = 0.0 < length < nodes[-1].step + LAST * size
+            trial = steps.step(LAST * size if late else size, share)
             if trial.now >= end:
                 trial = steps.to(end, trial.travel)
-            if trial.now <= here.now or steps.past(trial, size):
-                let_go = True
+            slips = steps.past(trial, size)
+            if slips:
                 # approach the slip by steps of half the rest
                 for _ in range(4):
                     half = steps.balanced(0.5 * steps.onset(trial.travel).travel)
-                    total += self._take(half, track, total)
+                    self._take(half)
                     trial = trial._replace(travel=trial.travel - half.travel)
                 trial = steps.onset(trial.travel)
-            elif trial.now < end and late:
+            elif late and trial.now < end:
                 trial = steps.step(size, share)
-            time = steps.clock.count(trial.now) - steps.clock.count(here.now)
-            stretch = self._take(trial, track, total)
-            if stretch > 0.0:
-                total += stretch
-                share = time / stretch
-        self.stretches.append(total)
-        return let_go
+            time, stretch = steps.counted(trial.now), self._take(trial)
+            share = time / stretch if stretch > 0.0 else share
+        self.stretches.append(nodes[-1].step)
+        return slips
 
-    def _planned(self) -> tuple[float, float]:
-        """Number (inf where unknown) and size of the steps of the next smooth section.
-
-        The number doubles with each level, so that errors are series in the square of the step.
-        """
-        number = len(self.stretches)
-        length = self._plan[number] if number < len(self._plan) else 0.0
-        if not length:
-            return np.inf, 1.0 / self._finer
-        count = int(np.ceil(length)) * self._finer
-        return count, length / count
-
-    def _take(self, trial: Trial, track: Track, total: float) -> float:
+    def _take(self, trial: Trial) -> float:
         """Take a step, unless it has neither travel nor duration; returns its size."""
         size = max(self._steps.size(trial), 0.0)
         if trial.travel or trial.now > self.contacts.now:
             self.contacts.take(trial)
-            self._write(track, total + size)
+            self._write(self.tracks[-1][-1].step + size)
         return size
 
-    def _write(self, track: Track, total: float) -> None:
+    def _write(self, step: float) -> None:
         here = self.contacts
-        track.step.append(total)
-        track.clock.append(here.now)
-        track.force.append(here.force)
-        track.holding.append(here.holding)
+        self.tracks[-1].append(Node(step, here.now, here.force, here.holding))
 
-    def _slip(self) -> Slip:
+    def _slip(self) -> Array:
         """Let the slider slip while the drive holds."""
-        here, rule = self.contacts, self._task.rule
+        here, rule = self.contacts, self._rule
         drive, before, force = self._steps.piece.at(here.now), here.place, here.force
         if rule == "reset":
-            cohorts = self._task.again
-            here.place = drive - float(cohorts.left[1, 0]) / self._task.spring
-            here.settle(cohorts)
+            here.relax()
+            here.place = drive - here.force / self._spring
         else:
-            self._rush(rule == "reform-after" or self._task.delay > 0.0)
-        return Slip(drive, before, here.place, force, here.force)
+            self._rush(rule == "reform-after" or here.delay > 0.0)
+        return np.array([drive, before, here.place, force, here.force])
 
     def _rush(self, out: bool) -> None:
         """Move the slider to the first balance; with `out`, broken contacts stay out until then."""
-        here, unit = self.contacts, self._task.unit
-        steps = self._steps
-        step = SCAN * steps.scales.length if out else self._planned()[1] * steps.length
+        here, steps = self.contacts, self._steps
+        step = SCAN * steps.scales.length if out else self._size * steps.length
         size = steps.sign * step
         here.bend()
         begin, broken, travel = here.place, here.breaks, 0.0
@@ -210,7 +169,7 @@ class Pulled:
         for _ in range(MOST_SLIPS):
             trial = here.tried(travel + size, here.now, out)
             lack = steps.lack(trial)
-            if lack <= 0.0 and (away or abs(here.place + travel - begin) > unit):
+            if lack <= 0.0 and (away or abs(here.place + travel - begin) > here.unit):
                 break
             away |= lack > 0.0
             if out:
@@ -226,7 +185,7 @@ class Pulled:
 
         if lacks(low) > 0.0:
             # accuracy of a slip's end, in mean thresholds
-            low = float(brentq(lacks, low, travel + size, xtol=1e-15 * unit))
+            low = float(brentq(lacks, low, travel + size, xtol=1e-15 * here.unit))
         here.take(here.tried(low, here.now, out))
         here.bend()
         if not out:

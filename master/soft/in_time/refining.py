@@ -13,26 +13,52 @@ from itertools import count, pairwise
 import numpy as np
 import numpy.typing as npt
 
-from master.outcome import Progress
-from master.soft.in_time.carried import Allowed, TooLongError
-from master.soft.in_time.cohorts import Cohorts
-from master.soft.in_time.make import memory_of
-from master.soft.in_time.pulled import Pulled, Task
+from master.outcome import Progress, outcome, unheard
+from master.soft.in_time.ageing import AgeingMemory
+from master.soft.in_time.carried import Allowed, Carried, TooLongError
+from master.soft.in_time.grains import GrainMemory
+from master.soft.in_time.memory import MeanRateMemory, Memory
+from master.soft.in_time.pulled import Pulled
 from master.soft.in_time.track import pieces, reached, read
-from master.soft.slips import Followed
+from master.soft.slips import Followed, Slips
+from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-# Most steps, and most operations in them, which take a minute or less; MORE times as many where the
-# number of slips still changes from level to level, so that there is no error estimate yet.
-MOST_STEPS, MOST_WORK, MORE = 6e3, 1e9, 10.0
+# Two positions of the drive nearer than this, in mean thresholds, count as equal.
+SAME = 1e-12
+# Most steps, and most operations in them, which take a minute or less.
+MOST_STEPS, MOST_WORK = 6e3, 1e9
 # Accuracy of a step's balance, as a share of the step: this share of the tolerance, between limits.
 CLOSE, CLOSEST = 1e-2, (1e-10, 1e-6)
 # Factor on the last change of extrapolated answers: changes fall irregularly where births jump or P_c
 # bends, and by a half with growing thresholds; it is 1 with ageing, whose method is of third order.
 MARGIN = 2.0
+
+
+def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
+    """The memory of contacts on a drive of at most this speed; its meshes are halved with each level."""
+    if contacts.ageing is not None:
+        return AgeingMemory(contacts, level, fastest)
+    if contacts.grains is not None:
+        return GrainMemory(contacts, level)
+    if contacts.thermal is not None and contacts.thermal.closure == "paper":
+        return MeanRateMemory(contacts)
+    return Memory(contacts, level)
+
+
+def balance_of(contacts: Contacts, drive: Drive) -> float:
+    """X_T = F(0)/K, where the drive begins (a length); refuses a path in time that begins elsewhere."""
+    start = Carried(contacts, memory_of(contacts, 0, 1.0), 0, Allowed(0.0, 0.0))
+    balance = start.force / float(drive.spring or 0.0)
+    if abs(drive.path[0] - balance) <= SAME * contacts.mean_threshold:
+        return float(drive.path[0])  # the difference is rounding
+    if drive.time is not None and drive.time[0] == 0.0:
+        rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
+        refuse("path[0]", drive.path[0], rule)
+    return balance
 
 
 def refined(
@@ -46,31 +72,28 @@ def refined(
     """Slips, and force and holding at the points of the path, on finer and finer steps.
 
     until : reading of time.monotonic() at which to stop
+
+    Raises InputError where the coarsest steps take too long.
     """
-    unit, course, asked = contacts.mean_threshold, pieces(drive, balance), reached(drive, balance)
+    course, asked = pieces(drive, balance), reached(drive, balance)
     fastest, spring = max((one.speed for one in course), default=0.0), float(drive.spring or 0.0)
-    answers, best = Answers(contacts, drive, balance), None
+    answers, best, plan = Answers(contacts, drive, balance), None, list[float]()
     close = float(np.clip(CLOSE * tolerance, *CLOSEST))
-    plan, before = list[float](), 0.0
     for level in count():
         memory = memory_of(contacts, level, fastest)
-        cohorts, again = (Cohorts.of(contacts, memory, level, reset) for reset in (False, True))
         # an error estimate needs three levels with the same number of slips
         share = 0.5 ** max(2 - level, 0)
-        more = 1.0 if best is None or np.isfinite(best.error) else MORE
-        allowed = Allowed(more * MOST_STEPS * share, more * MOST_WORK * share**2, until)
-        task = Task(course, spring, drive.slip, contacts.waiting_time, unit, again, close)
-        pulled = Pulled(cohorts, task, level, plan, allowed)
-        here = pulled.contacts
+        allowed = Allowed(MOST_STEPS * share, MOST_WORK * share**2, until)
+        here = Carried(contacts, memory, level, allowed)
+        pulled = Pulled(here, drive, course, close, level, plan)
         try:
             pulled.run()
         except TooLongError as why:
-            reason = str(why) or "no steps were found that follow the slider"
             if best is not None:
-                return best._replace(reason=reason)
+                return best._replace(reason=str(why))
             if time.monotonic() <= until:
-                refuse("path[-1]", drive.path[-1], f"{reason}; end the path sooner")
-            return answers.add(pulled, asked[asked <= here.now], np.inf)._replace(reason=reason)
+                refuse("path[-1]", drive.path[-1], f"{why}; end the path sooner")
+            return answers.add(pulled, asked[asked <= here.now], np.inf)
         stiff = spring if pulled.slips else min(spring, 1.0)
         # round-off of the force grows with the number of steps
         rounding = 1e-13 * (1.0 + here.steps) * (1.0 + stiff)
@@ -78,16 +101,55 @@ def refined(
         progress(found.error)
         if best is None or found.error <= best.error:
             best = found
-        # the next level doubles the steps, and multiplies the work as this level did
-        more = 1.0 if np.isfinite(best.error) else MORE
-        work = here.work * max(here.work / before, 4.0) if before else 0.0
-        too_many = max(2.0 * here.steps / MOST_STEPS, work / MOST_WORK) > more
+        # the next level takes twice the steps, each of which has twice the strands
+        too_many = 2.0 * here.steps > MOST_STEPS or 4.0 * here.work > MOST_WORK
         if best.error <= tolerance or found.error < 2.0 * memory.error or too_many:
             told = f"error estimate {best.error:.1e} with {best.nodes} steps"
             told += f", above the tolerance {tolerance:.1e}"
             return best._replace(reason=f"{told}; shorten the path or loosen the tolerance")
-        plan, before = pulled.stretches, here.work
+        plan = pulled.stretches
     raise AssertionError
+
+
+def solve_given(
+    contacts: Contacts,
+    drive: Drive,
+    tolerance: float,
+    progress: Progress = unheard,
+    wall_time: float | None = None,
+) -> Solution:
+    """Force on a rigid slider, with steps halved until the tolerance is reached; see `solve`.
+
+    It is used for growing grains with heat on paths that turn or hold. The slider is taken as one on
+    a spring so stiff that it follows the drive.
+
+    Raises InputError where a path takes too many steps.
+    """
+    began = time.perf_counter()
+    until = np.inf if wall_time is None else time.monotonic() + wall_time
+    # K/(N_c <k>) = 1e10: the slider is nearly rigid, with an error F/K of X
+    stiff = Drive(drive.path, drive.velocity, drive.time, 1e10, drive.slip)
+    found = refined(contacts, stiff, 0.0, tolerance, progress, until)
+    end = drive.path[: found.force.size]
+    success, message = outcome(contacts, found.error, tolerance, found.reason)
+    if end.size < drive.path.size:
+        last = f"X = {end[-1]:.6g}" if end.size else "the first point"
+        success, message = False, f"stopped at {last} by wall_time; the path is cut there"
+    times = reached(drive, 0.0)[: end.size]
+    return Solution(
+        path=end,
+        force=found.force,
+        time=times,
+        force_error=found.error,
+        holding=found.holding,
+        run_time=time.perf_counter() - began,
+        nodes=found.nodes,
+        success=success,
+        message=message,
+        _march=None,
+        _by_index=True,
+        _moments=times,
+    )
 
 
 class Answers:
@@ -128,10 +190,17 @@ class Answers:
             answer = told + np.where(off, 0.0, second / 3.0)
         error = max(float(error) + beside, here.unresolved / unit)
         force, holding = answer[: 2 * n].reshape(2, n)
-        better, force = answer[2 * n :].reshape(slips.shape) / scale, force * unit
-        position, drive_error = path - force / self._spring, error * unit / self._spring
-        found = self._balance, position, force, holding, better, drive_error, error
-        return Followed(*found, here.steps, "", "by wall_time")
+        better = answer[2 * n :].reshape(slips.shape) / scale
+        return Followed(
+            balance=self._balance,
+            position=path - force * unit / self._spring,
+            force=force * unit,
+            holding=holding,
+            slips=Slips.of(list(better.T), error * unit / self._spring),
+            error=error,
+            nodes=here.steps,
+            over="by wall_time",
+        )
 
 
 def _beside(path: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:

@@ -15,23 +15,22 @@ from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
 from master.soft.in_time.carried import Carried, TooLongError, Trial
-from master.soft.in_time.track import Clock, Piece, Track
+from master.soft.in_time.track import Clock, Node, Piece
 
 # A step on the coarsest level, as a share of the length over which births change.
 COARSEST = 0.5
 # Weight of the drive's travel in the size of a step, relative to the slider's, which matters more.
 LESS = 0.25
-# Share of a step from which on the beginning of a slip is searched; and nodes of the polynomial for
-# the derivative of the drive's clock.
-LEAST_WAY, SLOPE_NODES = 0.01, 5
-# Accuracy of a balance just before a slip, as a share of a step's time.
-CLOSE = 1e-10
-# Largest residual force of a balance, in mean thresholds; most doublings of the time to find one.
-BALANCED, DOUBLINGS = 1e-9, 60
+# Share of the time in the size of a step below which the slider runs ahead of its drive: while they
+# move alike it is some LESS. Share of a step from which on the beginning of a slip is searched; and
+# nodes of the polynomial for the derivative of the drive's clock.
+SHORT, LEAST_WAY, SLOPE_NODES = 0.3 * LESS, 0.01, 5
+# Accuracy of a balance just before a slip, as a share of a step's time; largest residual force of a
+# balance, in mean thresholds; most doublings of the time to find one.
+CLOSE, BALANCED, DOUBLINGS = 1e-10, 1e-9, 60
 # Time that counts as none, as a share of a step: in exactly none, diffusing thresholds cannot break.
 NO_TIME = 1e-11
 ITERATIONS = 40  # most steps of the secant method
-Function = Callable[[float], float]
 
 
 class Steps:
@@ -42,15 +41,13 @@ class Steps:
     contacts : Carried
     spring : float
         K/(N_c <k>).
-    unit : float
-        Mean threshold (a length).
     close : float
         Accuracy of a step's balance, as a share of the step.
     """
 
-    def __init__(self, contacts: Carried, spring: float, unit: float, close: float) -> None:
-        self.contacts, self._spring, self._unit, self._close = contacts, spring, unit, close
-        self.scales = contacts.cohorts.memory.scales
+    def __init__(self, contacts: Carried, spring: float, close: float) -> None:
+        self.contacts, self._spring, self._close = contacts, spring, close
+        self.scales = contacts.memory.scales
         self.length = COARSEST * self.scales.length
         # first guesses of how fast the spring's force minus F grows with the count of the clock
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
@@ -61,9 +58,9 @@ class Steps:
         self.piece = piece
         self.sign = float(np.sign(piece.travel) or np.sign(self.contacts.force) or 1.0)
 
-    def start(self, end: float, track: Track) -> None:
-        """Begin a smooth section; the next bend is at `end`."""
-        self._track, piece, spring = track, self.piece, self._spring
+    def start(self, end: float, nodes: list[Node]) -> None:
+        """Begin a smooth section, whose steps end at `nodes`; the next bend is at `end`."""
+        self._nodes, piece, spring = nodes, self.piece, self._spring
         # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
         even = self.scales.rate / COARSEST
         even += LESS * piece.speed * spring / (self.length * (1.0 + spring))
@@ -71,105 +68,109 @@ class Steps:
         even = 0.0 if held else even
         self.clock = Clock(self.contacts.now, end, held, even, self.scales.time)
 
+    def counted(self, now: float) -> float:
+        """Steps of the clock from the contacts' time to `now`."""
+        return self.clock.count(now) - self.clock.count(self.contacts.now)
+
     def size(self, trial: Trial) -> float:
         """The size of a step."""
-        time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
-        return time + self.sign * trial.travel / self.length
+        return self.counted(trial.now) + self.sign * trial.travel / self.length
 
     def lack(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion."""
         ahead = self.piece.at(trial.now) - self.contacts.place - trial.travel
         return self.sign * (self._spring * ahead - trial.force)
 
+    def _later(self, count: float) -> float:
+        """The time after so many steps of the clock, and not before now."""
+        now = self.contacts.now
+        return max(self.clock.time(self.clock.count(now) + count), now)
+
     def step(self, size: float, share: float) -> Trial:
         """A balanced step of this size; if there is none, one with a time before now.
 
         share : expected share of the time in the size
         """
-        here, clock = self.contacts, self.clock
-        begin = clock.count(here.now)
-        found: list[Trial] = []
+        here = self.contacts
 
         def lack(count: float) -> float:
-            now = max(clock.time(begin + count), here.now)
-            trial = here.tried(self.sign * self.length * (size - count), now)
-            found[:] = [trial if count > 0.0 else trial._replace(now=here.now - 1.0)]
+            trial = here.tried(self.sign * self.length * (size - count), self._later(count))
+            self._found = trial if count > 0.0 else trial._replace(now=here.now - 1.0)
             return self.lack(trial)
 
         self._steep = secant(lack, share * size, self._steep, self._close * size, 0.0)
-        return found[0]
+        return self._found
+
+    def _lacking(self, trial: Trial) -> float:
+        self._found = trial
+        return self.lack(trial)
 
     def to(self, end: float, guess: float) -> Trial:
         """A balanced step up to the time `end`."""
-        here, spring = self.contacts, self._spring
-        found: list[Trial] = []
 
-        def lack(travel: float) -> float:
-            found[:] = [here.tried(travel, end)]
-            return self.sign * self.lack(found[0])
+        def lack(way: float) -> float:
+            return self._lacking(self.contacts.tried(self.sign * way, end))
 
-        secant(lack, guess, -spring - 1.0, self._close * self.length)
-        return found[0]
+        secant(lack, self.sign * guess, -self._spring - 1.0, self._close * self.length)
+        return self._found
 
     def past(self, trial: Trial, size: float) -> bool:
         """Whether a slip begins within a step."""
-        # before a slip the slider runs ahead of its drive, and steps take less than 0.3 of their time
-        time = self.clock.count(trial.now) - self.clock.count(self.contacts.now)
-        return time < 0.3 * LESS * size and self._drive_slope(trial) <= 0.0
+        if trial.now <= self.contacts.now:
+            return True
+        return self.counted(trial.now) < SHORT * size and self._drive_slope(trial) <= 0.0
 
     def _drive_slope(self, trial: Trial) -> float:
         """Derivative of the clock by the size of steps, at the end of a step, by interpolation."""
-        track, count = self._track, self.clock.count
-        steps = [*track.step[-SLOPE_NODES:], track.step[-1] + self.size(trial)]
-        counts = [*map(count, track.clock[-SLOPE_NODES:]), count(trial.now)]
+        last = self._nodes[-SLOPE_NODES:]
+        steps = [*(node.step for node in last), last[-1].step + self.size(trial)]
+        counts = [self.counted(time) for time in (*(node.clock for node in last), trial.now)]
         return float(KroghInterpolator(steps, counts).derivative(steps[-1]))
 
     def onset(self, travel: float) -> Trial:
         """The step up to the beginning of a slip, within a step that goes beyond it."""
-        here = self.contacts
 
         def slope(way: float) -> float:
             trial = self.balanced(way)
             # no balance: the drive would have to move back
-            gone = self.clock.count(trial.now) - self.clock.count(here.now)
-            return -1.0 if gone < 2.0 * NO_TIME else self._drive_slope(trial)
+            return -1.0 if self.counted(trial.now) < 2.0 * NO_TIME else self._drive_slope(trial)
 
-        way, low = travel, LEAST_WAY * travel
-        if slope(travel) <= 0.0:
-            way = low  # possible by rounding, or by the error of a coarse step before
-            if slope(low) > 0.0:
-                way = float(brentq(slope, low, travel, xtol=self._close * abs(travel)))
+        way = low = LEAST_WAY * travel
+        if slope(travel) > 0.0:
+            way = travel  # possible by the error of a coarse step before
+        elif slope(low) > 0.0:
+            way = float(brentq(slope, low, travel, xtol=self._close * abs(travel)))
         return self.balanced(way)
 
     def balanced(self, way: float) -> Trial:
         """The step by a travel `way` up to the time of balance; in no time if that has passed."""
-        here, clock = self.contacts, self.clock
-        begin = clock.count(here.now)
-        found: list[Trial] = []
 
         def lack(count: float) -> float:
-            found[:] = [here.tried(way, max(clock.time(begin + count), here.now))]
-            return self.lack(found[0])
+            return self._lacking(self.contacts.tried(way, self._later(count)))
 
         short = lack(NO_TIME)
         if short >= 0.0:
-            return found[0]
+            return self._found
         rise = secant(lack, -short / self._rise, self._rise, CLOSE, NO_TIME)
-        if abs(self.lack(found[0])) <= BALANCED * self._unit:
+        if abs(self.lack(self._found)) <= BALANCED * self.contacts.unit:
             self._rise = rise
-            return found[0]
+            return self._found
         # where births jump, the secant method may fail: bracket the root
         most = max(2.0 * CLOSE, -1.5 * short / self._rise)
         for _ in range(DOUBLINGS):
             if lack(most) >= 0.0:
                 brentq(lack, NO_TIME, most, xtol=CLOSE)
-                return found[0]
+                return self._found
             most *= 2.0
         raise TooLongError
 
 
 def secant(
-    function: Function, guess: float, slope: float, close: float, least: float = -np.inf
+    function: Callable[[float], float],
+    guess: float,
+    slope: float,
+    close: float,
+    least: float = -np.inf,
 ) -> float:
     """Find a root by the secant method, from guesses of it and of the slope there; returns the slope.
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
+from scipy.optimize.elementwise import find_root
 from scipy.special import wrightomega
 
 from master.motion.motion import Motion
@@ -34,22 +34,13 @@ class Piece(NamedTuple):
         return self.after - self.before
 
     @property
-    def duration(self) -> float:
-        return self.end - self.begin
-
-    @property
-    def way(self) -> float:
-        """|dX_T|."""
-        return abs(self.travel)
-
-    @property
     def speed(self) -> float:
         """|dX_T/dt|."""
-        return self.way / self.duration
+        return abs(self.travel) / (self.end - self.begin)
 
     def at(self, now: float) -> float:
         """X_T at a time."""
-        return self.before + self.travel / self.duration * (now - self.begin)
+        return self.before + self.travel / (self.end - self.begin) * (now - self.begin)
 
 
 def reached(drive: Drive, balance: float) -> Array:
@@ -110,43 +101,37 @@ class Clock:
         return self._begin + self._first * (grown - 1.0)
 
 
-@dataclass
-class Track:
-    """One smooth section: step parameter, time, force and holding at its nodes."""
+class Node(NamedTuple):
+    """The end of a step: the size of all steps so far of its smooth section, time, force and holding."""
 
-    step: list[float] = field(default_factory=list)
-    clock: list[float] = field(default_factory=list)
-    force: list[float] = field(default_factory=list)
-    holding: list[float] = field(default_factory=list)
-
-    def later(self, time: float) -> Track:
-        """The same track, `time` later."""
-        return Track(self.step, [at + time for at in self.clock], self.force, self.holding)
-
-    def read(self, at: Array) -> Array:
-        """Force and holding at times (n,), shape (2, n), by splines in the step parameter."""
-        step, first = np.unique(self.step, return_index=True)
-        told = np.array([self.clock, self.force, self.holding]).T[first]
-        if step.size == 1:
-            return np.repeat(told[0, 1:, None], at.size, axis=1)
-        # splines are best at odd degrees
-        degree = min(5, 2 * ((step.size - 2) // 2) + 1)
-        values = make_interp_spline(step, told, k=degree)
-        cell = np.clip(np.searchsorted(told[:, 0], at, side="left"), 1, step.size - 1)
-        low, high = step[cell - 1], step[cell]
-        # 60 halvings of a step reach rounding
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            early = values(middle)[:, 0] < at
-            low, high = np.where(early, middle, low), np.where(early, high, middle)
-        return np.asarray(values(0.5 * (low + high))[:, 1:].T)
+    step: float
+    clock: float
+    force: float
+    holding: float
 
 
-def read(tracks: list[Track], asked: Array) -> Array:
-    """Force (lengths) and holding share at times (n,), shape (2, n); at a slip, after it."""
-    ends = np.array([track.clock[-1] for track in tracks])
+def read(tracks: list[list[Node]], asked: Array) -> Array:
+    """Force (lengths) and holding share at times (n,), shape (2, n); at a slip, after it.
+
+    By splines in the size of all steps, in which the time, too, is smooth.
+    """
+    ends = np.array([track[-1].clock for track in tracks])
     which = np.minimum(np.searchsorted(ends, asked, side="right"), len(tracks) - 1)
     out = np.empty((2, asked.size))
     for k in np.unique(which):
-        out[:, which == k] = tracks[k].read(asked[which == k])
+        at, nodes = asked[which == k], np.array(tracks[k])
+        nodes = nodes[np.unique(nodes[:, 0], return_index=True)[1]]
+        step, clock = nodes[:, 0], nodes[:, 1]
+        if step.size == 1:
+            out[:, which == k] = nodes[0, 2:, None]
+            continue
+        # splines are best at odd degrees
+        values = make_interp_spline(step, nodes[:, 1:], k=min(5, 2 * ((step.size - 2) // 2) + 1))
+        cell = np.clip(np.searchsorted(clock, at, side="left"), 1, step.size - 1)
+        found = find_root(
+            lambda x, time, values=values: values(x)[..., 0] - time,
+            (step[cell - 1], step[cell]),
+            args=(np.clip(at, clock[cell - 1], clock[cell]),),
+        )
+        out[:, which == k] = values(found.x)[:, 1:].T
     return out
