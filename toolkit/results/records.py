@@ -237,5 +237,5 @@ def slip_line(result: Result) -> str:
     ]
     if late:
         told += f"; of eq the first are late by {', '.join(late)} of <x_s>"
-    reason = "N contacts slip late by some N^(-2/3)/K of <x_s>, more at each; where N K^3 is below some 50"
-    return f"{told}; {reason} chance may make them slip early, and at K > K*, too"
+    told += "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each; unless N is large,"
+    return f"{told} chance may make them slip early, and at K > K*, too"
