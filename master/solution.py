@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.ageing import AgeingPath
 from master.lives.grains import GrainLife
 from master.motion.motion import Motion
 from master.renewal import reading
@@ -98,7 +97,7 @@ class Solution:
         march, unknown = self._march, "is not known along paths in time yet where"
         if march is None or (isinstance(march.life, GrainLife) and not march.motion.one_leg):
             raise InputError(f"contacts.grains: Q(x;X) {unknown} thresholds grow")
-        if isinstance(march.life, AgeingPath):
+        if march.life.has_strands:
             raise InputError(f"contacts.ageing: Q(x;X) {unknown} contacts age")
         if not march.births.law.is_single:
             raise InputError(

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from master.lives.make import life_of
 from master.outcome import Progress, unheard
 from master.rigid import motion_of, solve_rigid
-from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
@@ -20,6 +19,7 @@ from origins.errors import check_tolerance, positive
 
 if TYPE_CHECKING:
     from master.paper.q15_transient import AgeingTransient
+    from master.soft.solution import SoftSolution
 
 
 def solve(
@@ -105,6 +105,8 @@ def solve(
         if wall_time is not None:
             wall_time = max(until - clock.monotonic(), 0.0)
         return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+    from master.soft.solution import solve_soft
+
     return solve_soft(contacts, drive, tolerance, progress, wall_time)
 
 

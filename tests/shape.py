@@ -32,9 +32,9 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 11123, 200, 274),
+    "master": Room(7500, 10757, 200, 265),
     "eq_model": Room(2200, 3757, 60, 131),
-    "origins": Room(4500, 8985, 120, 257),
+    "origins": Room(4500, 7902, 120, 177),
     "toolkit": Room(4000, 4000, 100, 65),
 }
 Graph = dict[str, set[str]]

@@ -43,11 +43,13 @@ class Life:
         Whether the survival depends only on the way, and not on the time that it took.
     error : float
         Bound on the error of the share that `left` returns, which finer panels do not reduce.
+    has_strands : bool
+        Whether births of earlier legs have to be followed, since `left` does not know them.
     """
 
     reach: float
     grain: float
-    quiet, quick, timeless = 0.0, False, False
+    quiet, quick, timeless, has_strands = 0.0, False, False, False
     pair_work, error = 1, 0.0
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from master.lives.age.ageing import LONGEST, AgeingLife, AgeingPath
 from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
 from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.thermal import RESOLVED, ThermalLife
 from master.lives.life import Life
-from master.lives.warm_grains import WarmGrainLife
 from master.motion.motion import Motion
 from origins import Contacts, GrainContact, InputError
 from origins.errors import refuse
@@ -32,11 +30,15 @@ def life_of(
         assert motion is not None
         if contacts.thermal is None:
             return GrainLife(contacts, float(motion.times[-1]))
+        from master.lives.warm_grains import WarmGrainLife
+
         accuracy = float(np.clip(0.02 * tolerance, 1e-11, 1e-6))
         return WarmGrainLife(contacts, float(motion.times[-1]), accuracy)
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)
+        from master.lives.age.ageing import AgeingLife, AgeingPath
+
         accuracy = max(0.2 * tolerance, 1e-10)
         return (AgeingLife if motion.one_leg else AgeingPath)(contacts, motion, accuracy, until)
     if contacts.thermal is None:
@@ -57,6 +59,8 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
         _check_some_hold(contacts.grains, velocity)
         longest = _outlived(contacts, velocity)
     elif ageing is not None:
+        from master.lives.age.ageing import LONGEST
+
         laws = contacts.thresholds, ageing.final
         longest = LONGEST * max(float(law.isf(1e-17)) for law in laws) / velocity
         stepped = ageing.normal is None or contacts.thermal is not None

@@ -11,17 +11,19 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.age.ageing import AgeingPath
 from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import CLOSE, MOST_WORK, TINY, Births, Panels, Pieces, Rows, moments
 from master.renewal.lumps import Lump, of_lumps
-from master.renewal.strand_births import StrandBirths
 from master.renewal.table import Table, basis_of, beside
+
+if TYPE_CHECKING:
+    from master.renewal.strand_births import StrandBirths
 
 Array = npt.NDArray[np.float64]
 
@@ -83,7 +85,7 @@ class Past:
         self.find(leg, panels)
         self._table, life = None, self._births.life
         self._lumps = [lump for lump in lumps if lump.holds and lump.time <= self._late]
-        if life.quick or isinstance(life, AgeingPath):
+        if life.quick or life.has_strands:
             return  # these sums take no longer than a look-up
 
         def found(x: Array) -> Array:
@@ -120,7 +122,9 @@ class Past:
         if delay > 0.0:
             since = np.maximum(begin + delay - whole.times[legs], 0.0)
         most = np.abs(breaks).max(axis=1)
-        if isinstance(self._births.life, AgeingPath):
+        if self._births.life.has_strands:
+            from master.renewal.strand_births import StrandBirths
+
             for earlier in range(max(before, 0), leg):
                 own = legs == earlier
                 if most[own].sum() > self._negligible:
@@ -203,7 +207,7 @@ class Past:
             t = np.clip(grid, grid[:, :1] + inside, grid[:, -1:] - inside)
         t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
         out = np.zeros((2, t.size))
-        if isinstance(births.life, AgeingPath):
+        if births.life.has_strands:
             return sum((own.sums(t) for own in self._strands), out).reshape(2, *grid.shape)
         if not self._first.size:
             return out.reshape(2, *grid.shape)

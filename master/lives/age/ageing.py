@@ -140,7 +140,7 @@ class AgeingLife(Life):
         places = np.unique(stretch)
         if places.size <= BETWEEN:
             parts = [self._table(speed, float(x)).survival(lag) * (stretch == x) for x in places]
-            return np.add.reduce(parts)
+            return sum(parts, np.zeros(lag.shape))
         out, nodes = np.zeros(lag.shape), np.cos(np.pi * (np.arange(BETWEEN) + 0.5) / BETWEEN)
         for here in (stretch < 0.0, stretch >= 0.0):
             if here.any():
@@ -250,6 +250,7 @@ class AgeingPath(AgeingLife):
     master.renewal.strand_births follows births of earlier legs.
     """
 
+    has_strands = True
     _start: Strands | None = None
 
     def left(self, born: Start | Array, history: History) -> Array:
