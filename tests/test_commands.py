@@ -72,6 +72,8 @@ def test_what_is_to_be_minded_is_told_once_and_before(capsys: Any) -> None:
         origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", 300.0))
     far = toolkit.run(scene(drive={"to": 5e6, "points": 3}))
     assert far.success and "5e+06 mean thresholds" in far.notes[0]
+    near = toolkit.run(scene(drive={"to": 5e-9, "points": 3}))
+    assert near.success and "5e-09 mean thresholds" in near.notes[0]
 
 
 def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:

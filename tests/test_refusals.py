@@ -361,6 +361,7 @@ colour = "red"  colour: unknown key; known here: contacts, drive, title, master,
 sweep = {}  sweep: goes along nothing
 sweep = {"velocity": "fast"}  sweep.velocity: expected float | table | array
 sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1]: expected float > 0.0
+sweep = {"velocity": SPEEDS | {"from": 0.0}}  sweep.velocity = 0.0: must be above zero
 sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing: invalid enum value 'wide'
 sweep = {"temperature": SPEEDS | {"from": 0.0}}  sweep.temperature: 0 has no logarithm; write spacing = "e
 sweep = {"rate": [0.0, 1.0]}  sweep.rate: the contacts have no law for it; add [contacts.ageing]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from phase_type import gaussian_force
+from scipy import stats
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -198,6 +199,14 @@ def test_slips_that_die_out_and_slips_that_do_not():
     assert instant.regime.verdict == "decaying transient"
     short = solved(contacts, [0.0, 0.5], 0.5)
     assert short.regime.verdict == "undecided" and short.period is None
+
+
+def test_a_turn_makes_a_slider_slip_on_a_spring_above_critical():
+    """Exponential thresholds: K* = 0, and after a turn F changes by up to 0.019 of its way."""
+    contacts = origins.Contacts(stats.expon())
+    turned = solved(contacts, [0.0, 300.0, -300.0], 0.01, "reset", 1e-6)
+    assert turned.slips.drive.size == 1 and "until the drive turns" in turned.regime.reason
+    assert not solved(contacts, [0.0, 600.0], 0.01, "reset", 1e-6).slips.drive.size
 
 
 @pytest.mark.parametrize("thermal", [None, origins.Thermal("soft", 0.1)])

@@ -72,11 +72,9 @@ def report(result: Any) -> list[str]:
         error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
-        slips = f"{solved.slips.drive.size} slips"
-        if solved.slips.drive.size > 1:
-            period = with_error(solved.period, 2.0 * solved.slips.drive_error, 9)
-            slips += f", last pause {period}"
-        lines.append(f"regime  {solved.regime.verdict}, {slips}: {solved.regime.reason}")
+        period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.in_metres}"
+        told = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
+        lines.append(f"regime  {solved.regime.verdict}{told}: {solved.regime.reason}")
     if solved is not None and solved.outrun is not None:
         lines.append(
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
@@ -91,7 +89,7 @@ def report(result: Any) -> list[str]:
     if eq is not None:
         error = eq.force_standard_error.max() / result.mean_threshold
         steps = eq.step_error.max() / result.mean_threshold
-        besides = f", steps of ageing {steps:.1e}" if steps else ""
+        besides = f"; of the time steps of ageing {steps:.1e}" if steps else ""
         lines.append(
             f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
@@ -126,6 +124,8 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
         if (whose := another(folder, scene.name, scene.text)) is not None:
             rule = f"holds the result of {whose}; choose another, or run this scene there"
             refuse("out", str(folder), rule)
+        for note in foreseen(scene):
+            say(note)
         with closing(Progress("thresholds")), runner.until(scene.deadline(), scene, "[contacts]"):
             return describe(scene.contacts, scene.sliding)
 

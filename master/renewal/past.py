@@ -142,7 +142,7 @@ class Past:
         begin = self._knots[legs] + speeds * since
         ends = np.append(begin, begin[-1:] + speeds[-1:] * width[-1:])
         self._ends, self._slopes = ends, breaks @ rule.SLOPES.T
-        self._most = np.append(0.0, np.cumsum(most))
+        self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
         self._find_runs(np.bincount(legs, most, leg).astype(float), legs)
 
     def _find_runs(self, most: Array, legs: Rows) -> None:
@@ -254,10 +254,9 @@ class Past:
         return self._motion.history(np.repeat(t, place.shape[1])[:, None], s[:, None])
 
     def _born(self, pieces: Pieces) -> Array:
-        """Upper bound of the births on the panels that each piece touches."""
-        first = np.searchsorted(self._ends, pieces.left, "right") - 1
-        last = np.minimum(np.searchsorted(self._ends, pieces.right), self._most.size - 1)
-        return self._most[last] - self._most[np.clip(first, 0, last)]
+        """Upper bound of the births on each piece."""
+        bounds = [np.interp(x, self._ends, self._most) for x in (pieces.left, pieces.right)]
+        return np.asarray(bounds[1] - bounds[0])
 
     def _pieces(self, t: Array) -> Pieces:
         """Pieces of the births, for each target, with ends where the survival bends."""

@@ -189,7 +189,7 @@ class Pull:
         """The march that continues from `since`; from `cut_at` to there no contact is born."""
         matter, end = self.matter, since - self.past.end + self._ahead
         motion = Motion.along(np.array(self.past.line_to(self.at(end))))
-        births = Births(matter.life, matter.again, motion)
+        births = Births(matter.life, matter.again, motion, accuracy=0.1 * matter.tolerance)
         if march is None:
             wide = WIDE * matter.life.grain
             nothing, reach = np.empty(0), matter.life.reach

@@ -35,8 +35,8 @@ class Regime:
         In words.
     critical_spring, critical_spring_error : float
         K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive:
-        at T = 0 a stiffer spring never slips. It is not that of steady sliding, where the start is
-        forgotten.
+        at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where
+        the start is forgotten.
     stiffness_ratio : float
         K/K*.
     slips : int
@@ -65,7 +65,9 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
         lasts = sum(piece.end - piece.begin for piece in moving)
         speed = sum(abs(piece.travel) for piece in moving) / lasts
     critical, error = critical_spring(contacts, speed, tolerance)
-    known = f"K = {spring:.6g}, and a rigid slider as fast as the drive has K* = {critical:.6g}"
+    known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
+    if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
+        known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
     if found.force.size < drive.path.size or not np.isfinite(found.error):
         reason = f"{count} slips up to where the solution stopped"
@@ -113,9 +115,9 @@ def _by_drops(
     first = (spring + 1.0) / spring * _oldest(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     told, drops = f"{count} slips up to the end of the path", np.abs(slips.drop)
-    # slips are over if the last is this many times the longest pause ago
+    # slips are over if the last is this many times the longest period ago
     if since > 1.5 * longest:
-        silent = f"then none for {since / longest:.3g} times the longest pause"
+        silent = f"then none for {since / longest:.3g} times the longest period"
         return "decaying transient", f"{count} slips, {silent}"
     if count < FEWEST:
         return "undecided", f"{told} are too few to tell; lengthen it"
@@ -144,17 +146,15 @@ def _lacking(
 ) -> str:
     """Why a path without slips does not yet prove smooth sliding; "" if it does.
 
-    Without ageing the slider cannot slip above K*; with heat it may creep along with the drive on a
-    softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
+    Without ageing and turns it cannot slip above K*; with heat it may creep along with the drive on
+    a softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
     to age: F drops more steeply than on a rigid slider, and K* decides nothing. Once all contacts
     of the start have broken, the first drop is over, and it is the steepest.
 
     last : the drive's last straight way, None where it never moved
     """
-    ages, spring = (
-        bool({"ageing", "grains"}.intersection(contacts.laws)),
-        float(drive.spring or 0.0),
-    )
+    ages = bool({"ageing", "grains"}.intersection(contacts.laws))
+    spring = float(drive.spring or 0.0)
     if not ages and spring >= critical:
         return ""
     if last is None or not RATES.intersection(contacts.laws):

@@ -84,7 +84,7 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
     numbers = {}
     for name in _SHOWN:
         if (own := found.numbers.get(name)) is not None:
-            scale = unit if own.unit else 1.0
+            scale = unit if own.unit in ("m", "length") else 1.0
             numbers[name] = Number(own.value / scale, (own.error or 0.0) / scale, "")
     held = conditions(contacts, speed)
     cautions = [note for note in found.notes if note not in held]
@@ -92,10 +92,8 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
         if scene.given_drive is not None:
             scene.only_forward("the picture of forces")
     except InputError as error:
-        scene, cautions = (
-            replace(scene, master=None, eq=None),
-            [f"F(X) is left out: {error}", *cautions],
-        )
+        scene = replace(scene, master=None, eq=None)
+        cautions = [f"F(X) is left out: {error}", *cautions]
     result = solve(scene, comm, told=told)[0]
     evidence = _evidence(result, numbers["kinetic_force"].value * unit)
     return Verdict(scene.name, numbers, held, cautions, evidence, found, result)
@@ -139,8 +137,6 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         rows.append(cells)
         notes += [f"{verdict.name}: {note}" for note in own]
     widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
-    padded = (
-        [f"{cell:>{width}}" for cell, width in zip(row, widths, strict=False)] for row in rows
-    )
+    padded = ([f"{cell:>{n}}" for cell, n in zip(row, widths, strict=False)] for row in rows)
     head, *lines = ("  ".join(row).rstrip() for row in padded)
     return [head, "-" * len(head), *lines, *notes]

@@ -114,7 +114,7 @@ def _slide(
     error = steady.force_error * contacts.mean_threshold
     numbers["kinetic_force"] = Number(steady.force, error, unit)
     found = master.propensity(contacts, velocity=velocity, tolerance=tolerance)
-    for name, own in zip(PROPENSITY, ("", "", unit), strict=True):
+    for name, own in zip(PROPENSITY, ("N_c<k>", "", unit), strict=True):
         numbers[name] = Number(getattr(found, name), getattr(found, f"{name}_error"), own)
     if steady.success and found.success:
         return []
@@ -128,5 +128,8 @@ def conditions(contacts: Contacts, velocity: float) -> list[str]:
         laws.append(f"Ageing(rate={contacts.ageing.rate:.4g})")
     if contacts.grains is not None and contacts.grains.age is not None:
         laws.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
-    told = ", ".join([f"v = {velocity:.4g}", *laws])
+    if contacts.stiffness == "linked":
+        laws.append("linked stiffness")
+    unit = "length per time" if contacts.interface is None else "m/s"
+    told = ", ".join([f"v = {velocity:.4g} {unit}", *laws])
     return [f"F_k, K*, F_s/F_k and X* at {told}; all else is P_c alone"] if laws else []

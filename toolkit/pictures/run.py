@@ -169,9 +169,7 @@ def save_picture(result: Result, path: Path) -> None:
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    swept: list[Any] = (
-        [plot_sweep] if curves(result) and result.sweep is not None else []
-    )  # else it is above
+    swept: list[Any] = [plot_sweep] if curves(result) and result.sweep is not None else []
     if result.sweep is not None and result.sweep.critical_spring is not None:
         swept.append(plot_critical_spring)
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]

@@ -12,7 +12,7 @@ from origins.domains.domain_samples import DomainSamples
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import panel_edges
 from toolkit.scene.drive import make_drive
-from toolkit.scene.interfaces import Number
+from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import SceneTable, read_table
 
@@ -56,9 +56,8 @@ class SolvedRecord:
 
 def record_of(answer: Any) -> SolvedRecord:
     """The record of the master equation's answer."""
-    values: dict[str, Any] = {
-        field.name: getattr(answer, field.name, None) for field in fields(SolvedRecord)
-    }
+    names = (field.name for field in fields(SolvedRecord))
+    values: dict[str, Any] = {name: getattr(answer, name, None) for name in names}
     if values["slips"] is not None and values["period"] is None:
         values["period"] = np.nan
     return SolvedRecord(**values)
@@ -228,12 +227,15 @@ def slip_line(result: Result) -> str:
     """The comparison slip by slip, as a line of text."""
     solved, eq = result.master, result.eq
     told = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
+    unit = result.mean_threshold
     if solved is not None and solved.slips is not None:
         told += f", {solved.slips.drive.size} of the master equation"
     late = [
-        (slip["mean_drive"] - slip["drive"]) / result.mean_threshold
-        for slip in slips_beside(result)
+        with_error((slip["mean_drive"] - slip["drive"]) / unit, slip["drive_error"] / unit, 2)
+        for slip in slips_beside(result)[:10]
+        if slip["have"] > 1
     ]
     if late:
-        told += f"; of eq the first are late by {', '.join(f'{x:.1e}' for x in late[:10])} of <x_s>"
-    return told + "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each"
+        told += f"; of eq the first are late by {', '.join(late)} of <x_s>"
+    told += "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each; unless N is large,"
+    return f"{told} chance may make them slip early, and at K > K*, too"

@@ -25,11 +25,7 @@ from toolkit.version import __version__
 
 _STOP = 7117  # tag of the message by which a rank passes a signal on to the others
 _OWN = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
-_EQ_KEYS = {
-    "n_contacts": "contacts",
-    "n_replicas": "replicas",
-    **dict(zip(_OWN, _OWN, strict=True)),
-}
+_EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {name: name for name in _OWN}
 
 
 def run(

@@ -44,17 +44,13 @@ def of_interface(interface: Interface) -> dict[str, Number]:
     """The numbers of the interface in SI units, its fields and properties, without the law's mean."""
     names = [field.name for field in fields(interface) if field.name != "mean_threshold"]
     names += [name for name, value in vars(type(interface)).items() if isinstance(value, property)]
-    values = {name: getattr(interface, name) for name in names}
-    return {
-        # height integrals are good to 1e-8, as tests check; these two are given
-        name: Number(
-            value,
-            None if name in ("pressure", "patch_area") else abs(value) * 1e-8,
-            _UNITS.get(name, ""),
-        )
-        for name, value in values.items()
-        if isinstance(value, float)
-    }
+    numbers = {}
+    for name in names:
+        if isinstance(value := getattr(interface, name), float):
+            # height integrals are good to 1e-8, as tests check; these two are given
+            error = None if name in ("pressure", "patch_area") else abs(value) * 1e-8
+            numbers[name] = Number(value, error, _UNITS.get(name, ""))
+    return numbers
 
 
 def in_a_line(numbers: Mapping[str, Number]) -> str:
@@ -92,18 +88,20 @@ def remarks(law: Thresholds) -> list[str]:
 
 
 def foreseen(scene: Scene) -> list[str]:
-    """Warnings before a run: a drive so long that its unit may be wrong, temperatures at which no contact holds,
-    stretches beyond nearly all thresholds, numbers of contacts other than that of the nominal area, and laws that the
-    numbers of the surface do not include."""
+    """Notes before a run: a drive so long or short that its unit may be wrong, temperatures at which no contact holds,
+    stretches beyond nearly all thresholds, N_c<k> of the nominal area in N/m, numbers of contacts other than its own,
+    and laws that the numbers of the surface do not include."""
     contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
     surface, mean = contacts.interface, contacts.mean_threshold
     reach = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
-    if reach > 1e6:  # probably a mistake
+    if reach > 1e6 or 0.0 < reach < 1e-3:  # probably a mistake
         unit = "" if surface is None else " m"
         far = f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}"
         said.append(f"{far}; is it meant in that unit?")
     if contacts.thermal is not None:
-        said += filter(None, [too_hot(contacts.thermal.temperature, law)])
+        swept = {} if scene.sweep is None else scene.sweep.at
+        hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
+        said += filter(None, [too_hot(float(hottest), law)])
     again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
     for own, they in [(contacts.start, "start"), *again]:
         middle = own.mean() if own.is_single else float(own.ppf(0.5))
@@ -113,15 +111,17 @@ def foreseen(scene: Scene) -> list[str]:
                 f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
                 "they have the thresholds of that tail, and break at once"
             )
-    if surface is not None and scene.eq is not None and scene.area is not None:
+    if surface is not None and scene.area is not None:
         held = surface.contact_density * scene.area
-        if not 0.5 < scene.eq.contacts / held < 2.0:
+        said.append(f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m on drive.area")
+        if scene.eq is not None and not 0.5 < scene.eq.contacts / held < 2.0:
             said.append(
                 f"drive.area holds {held:.3g} contacts, and [eq] follows {scene.eq.contacts:,} in each replica: the "
                 "spring is that of the area, but slips scatter and come late as those of so many contacts"
             )
     named = {"grains": "growth", "thermal": "temperature", "reforming": "re-forming"}
-    there = ", ".join(named.get(name, name) for name in contacts.laws if name != "stiffness")
+    named["stiffness"] = "linked stiffness"
+    there = ", ".join(named.get(name, name) for name in contacts.laws)
     if surface is not None and there:
         load = "F_k/load and the stress of the surface are those of its thresholds alone"
         said.append(f"{load}, without {there}")
@@ -194,7 +194,6 @@ def of_samples(law: Thresholds) -> list[str]:
         if part.effective_samples < 29.5 or part.cdf_misfit > part.cdf_error:
             told = f"few thresholds, or structure that their smooth law misses: {part.n_samples} samples, worth "
             told += f"{part.effective_samples:.3g}; its cdf lies {part.cdf_misfit:.2g} from theirs, sampling allows "
-            notes.append(
-                f"{told}{part.cdf_error:.2g}; take more samples, or give peaks apart, in a mixture"
-            )
+            told += f"{part.cdf_error:.2g}; take more samples, or give peaks apart, in a mixture"
+            notes.append(told)
     return notes

@@ -67,9 +67,8 @@ class Scene:
     @property
     def sliding(self) -> float:
         """The speed for F_k and other quantities that depend on it."""
-        return sliding_speed(
-            self.given_drive, None if self.sweep is None else self.sweep.at["velocity"]
-        )
+        swept = None if self.sweep is None else self.sweep.at["velocity"]
+        return sliding_speed(self.given_drive, swept)
 
     def histogram_points(self) -> npt.NDArray[np.intp]:
         """Indices of the path's points that eq.histograms and eq.histogram_times name. Raises InputError for others."""

@@ -1,6 +1,7 @@
 """A scene's [sweep]: F_k, the fraction that holds, and K* at many speeds, temperatures, rates of ageing or delays."""
 
 import time
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.brief import brief
-from origins.contacts import Contacts
-from origins.errors import InputError
+from origins.contacts import Contacts, TooHot
+from origins.errors import InputError, refuse
 from toolkit.scene import laws
 from toolkit.scene.tables import RangeTable, SweepTable
 
@@ -90,9 +91,12 @@ def _values(name: str, value: float | list[float] | RangeTable) -> Array:
     """One value, those of a list, or those of a range."""
     if not isinstance(value, RangeTable):
         return np.atleast_1d(np.asarray(value, float))
+    lowest = min(value.begin, value.to)
+    if name == "velocity" and lowest == 0.0:
+        refuse(f"sweep.{name}", lowest, "must be above zero")
     if value.spacing == "even":
         return np.linspace(value.begin, value.to, value.points)
-    if not min(value.begin, value.to) > 0.0:
+    if lowest == 0.0:
         raise InputError(f'sweep.{name}: 0 has no logarithm; write spacing = "even"')
     return np.geomspace(value.begin, value.to, value.points)
 
@@ -104,7 +108,8 @@ def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
     began = time.perf_counter()
     velocity: Any = asked.at["velocity"]
     laws_at: dict[str, Any] = {name: asked.at[name] for name in QUANTITIES[1:] if name in asked.at}
-    with laws.inside("sweep", {name: name for name in QUANTITIES}):
+    with laws.inside("sweep", {name: name for name in QUANTITIES}), warnings.catch_warnings():
+        warnings.simplefilter("ignore", TooHot)  # a note of the run says it
         curve = master.kinetic_curve(contacts, velocity, **laws_at)
         success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
         message, springs = curve.message, dict[str, Array]()
