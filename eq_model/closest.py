@@ -1,6 +1,6 @@
 """The paper's own algorithm (Sec. II): find the contact closest to breaking, shift all by the distance to its break.
 
-It is the plain twin of the ensemble, with the same statistics; every break costs a pass over all contacts.
+It is the plain twin of an ensemble without laws, with the same statistics; every break takes a pass over all contacts.
 """
 
 import numpy as np

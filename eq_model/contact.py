@@ -141,8 +141,8 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     """Add to bin j a contact that is born (sign 1) or breaks (-1).
 
     birth : the slider's position at which the contact is relaxed
-    sums : (bins + 1, 6), of the number, k y and k, in measured blocks also of k² y², k² y and k², with y minus
-    the stretch at the bin's end. Stiffnesses of 1 are not summed. Ignore the last row: breaks beyond the path.
+    sums : (bins + 1, 6), of the number, k y and k, in measured blocks also of k² y², k² y and k², where
+    y = -(stretch at the bin's end). Stiffnesses of 1 are not summed. Ignore the last row: breaks beyond the path.
     """
     j = unsigned(j)
     y, k, square = birth - work.way.places[j], stiffness * stiffness, work.way.square

@@ -135,4 +135,5 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
                 f"{key}: each contact {name} about {number:.0e} times on the drive, which takes {total:.1g}; "
                 "take a shorter or faster drive, other units of time, or the master equation"
             )
+    # seconds of a cold break, of one by heat, and of a step of ageing
     return 2e-8 * breaks + 1e-7 * often + 2e-7 * steps

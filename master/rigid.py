@@ -11,7 +11,7 @@ from master.lives.life import Life
 from master.motion.motion import Motion
 from master.outcome import Progress, outcome
 from master.renewal import reading, rule
-from master.renewal.births import Births, births_of
+from master.renewal.births import Births, reforming_law
 from master.renewal.edges import edges
 from master.renewal.march import March
 from master.solution import Solution
@@ -132,7 +132,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     or that too many lives would have to be followed."""
     if life.timeless or contacts.thermal is None:
         return
-    again, mean, scale = births_of(contacts), contacts.mean_threshold, contacts.thermal.rates.scale
+    again, mean, scale = reforming_law(contacts), contacts.mean_threshold, contacts.thermal.rates.scale
     fastest = float(np.abs(motion.speeds).max())
     if not scale * mean < FURTHEST * fastest and fastest > 0.0:
         share = f"{fastest / scale / mean:.1g} of a mean threshold"
@@ -169,7 +169,7 @@ def march_of(
 
     most : upper limit of |x| of contacts that hold, where the caller knows one
     """
-    again = births_of(contacts)
+    again = reforming_law(contacts)
     stretch = min(longest_stretch(contacts, motion, life), most)
     # panels get the part of the tolerance that rounding and the life's own error leave
     taken = round_off(motion, contacts.mean_threshold)
@@ -192,7 +192,7 @@ def march_of(
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     """The longest |x| that a contact may have: turns an error of the number into one of the force."""
     first = max(abs(end) for end in contacts.start.span)
-    most = max(first, *(abs(end) for end in births_of(contacts).span)) + float(
+    most = max(first, *(abs(end) for end in reforming_law(contacts).span)) + float(
         np.ptp(motion.positions)
     )
     return max(min(life.reach, most), 1e-3 * contacts.mean_threshold)

@@ -32,10 +32,10 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 10757, 200, 265),
-    "eq_model": Room(2200, 3757, 60, 131),
-    "origins": Room(4500, 7902, 120, 177),
-    "toolkit": Room(4000, 4000, 100, 65),
+    "master": Room(7500, 10761, 200, 264),
+    "eq_model": Room(2200, 3758, 60, 131),
+    "origins": Room(4500, 7913, 120, 176),
+    "toolkit": Room(4000, 3994, 100, 65),
 }
 Graph = dict[str, set[str]]
 

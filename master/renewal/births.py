@@ -38,7 +38,7 @@ CHUNK = 100_000
 MOST_WORK = 15_000_000
 
 
-def births_of(contacts: Contacts) -> Start:
+def reforming_law(contacts: Contacts) -> Start:
     """The law of the stretches at which broken contacts form again."""
     return SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
 

@@ -1,4 +1,6 @@
-"""Past: number and force, on the present leg, of the births on all legs before.
+"""Past: number and force, on the present leg, of the births on all legs before and of all lumps.
+
+Lumps are contacts that are born together, the start among them (G_0 and M_0 of the equation).
 
 Where the slider has turned round, rested or changed its speed since a birth, the survival depends on
 the moves since. As a function of the place of birth it is nearly smooth where the speed changed, and

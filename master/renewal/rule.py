@@ -36,8 +36,6 @@ GAUSS_NODES = 0.5 * (legendre.leggauss(GAUSS)[0] + 1.0)
 GAUSS_WEIGHTS = 0.5 * legendre.leggauss(GAUSS)[1]
 # Matrix from values at share 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
-# Matrix from values at the Gauss nodes to coefficients of Legendre polynomials.
-GAUSS_TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * GAUSS_NODES - 1.0, GAUSS - 1))
 
 
 def legendre_values(share: Array) -> Array:

@@ -98,7 +98,7 @@ class Pace:
     tolerance : float
         Largest error of a panel.
     in_time : bool
-        Whether contacts break at rates.
+        Whether their survival depends on time, or takes long to compute (Life.quick is False).
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Table: functions of one length, kept as polynomials on panels that are halved as needed."""
+"""Table: functions of one number, kept as polynomials on panels that are halved as needed."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def beside(x: Array, ends: Array) -> Array:
 
 
 class Table:
-    """Functions of one length x >= 0, polynomials between edges; 0 beyond the last.
+    """Functions of one number x >= 0, a length or a time, polynomials between edges; 0 beyond the last.
 
     Parameters
     ----------

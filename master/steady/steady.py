@@ -13,7 +13,7 @@ from master.lives.life import Life
 from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.outcome import WELL, judged
-from master.renewal.births import births_of
+from master.renewal.births import reforming_law
 from master.steady.travel import Travel, check_finite
 from origins import Contacts, Thresholds
 from origins.contacts import LAWS, check_contacts
@@ -92,7 +92,7 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         return _as_printed(contacts, contacts.ageing.rate / velocity)
     check_finite(contacts)
-    life, births = steady_life(contacts, velocity), births_of(contacts)
+    life, births = steady_life(contacts, velocity), reforming_law(contacts)
     travel = Travel(contacts, life, births, velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     force, off = travel.force(wait)

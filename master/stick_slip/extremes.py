@@ -11,7 +11,7 @@ from master.lives.life import Life
 from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import births_of
+from master.renewal.births import reforming_law
 from master.renewal.march import March
 from master.rigid import FINEST, GRAINS, longest_stretch, march_of
 from master.rigid import ROUND_OFF as ROUND_OFF_OF_FORCE
@@ -104,7 +104,7 @@ def extremes(contacts: Contacts, travel: Travel, velocity: float, tolerance: flo
 def births_table(contacts: Contacts, life: Life, velocity: float, tolerance: float) -> Travel:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(ACCURACY * tolerance, FINEST_TABLE)
-    return Travel(contacts, life, births_of(contacts), velocity, accuracy)
+    return Travel(contacts, life, reforming_law(contacts), velocity, accuracy)
 
 
 def forward_march(

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.life import Life
-from master.renewal.births import births_of
+from master.renewal.births import reforming_law
 from master.steady.travel import Travel
 from master.stick_slip.transform import NONE, Complex, Transform
 from origins import Contacts
@@ -119,7 +119,7 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> tuple
     infinitely many crowd may not exist, and X* is that of this rate.
     """
     wait = velocity * contacts.waiting_time
-    travel = Travel(contacts, life, births_of(contacts), velocity)
+    travel = Travel(contacts, life, reforming_law(contacts), velocity)
     rate, off = min(tail_rate(contacts), (crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
         return np.inf, 0.0

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
-from master.renewal.births import births_of
+from master.renewal.births import reforming_law
 from master.steady.travel import Travel, check_finite
 from master.stick_slip.extremes import births_table, forward_march
 from master.stick_slip.roots import BROAD, NEAR, crowding_rate, leading_roots, tail_rate
@@ -137,7 +137,7 @@ def decoherence_spectrum(
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     check_finite(contacts)
-    life, again, start = steady_life(contacts, velocity), births_of(contacts), contacts.start
+    life, again, start = steady_life(contacts, velocity), reforming_law(contacts), contacts.start
     travel = Travel(contacts, life, again, velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     limit = _searched(contacts, travel, wait)

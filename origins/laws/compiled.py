@@ -65,13 +65,15 @@ def _compiled(kind: Any) -> dict[str, Callable[..., float]]:
 def called(rates: Any) -> CompiledRates:
     """For a RateLaw without compiled functions: calls of its methods, some microseconds each.
 
-    The bound of its rate is its scale.
+    The bound of its rate is its scale. Each method is called once before, as kernels cannot pass on an error.
     """
     from ctypes import CFUNCTYPE, c_double
     from typing import NamedTuple
 
     def number(count: int, function: Callable[..., Any]) -> Any:
         return CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(function(*given)))
+
+    rates.rate(0.0, 1.0, 1.0), rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
 
     # a separate class for each law, so that no two laws share compiled code
     class Called(NamedTuple):

@@ -14,7 +14,7 @@ from origins.errors import TEMPERATURE, positive
 Array = npt.NDArray[np.float64]
 Numbers = float | Array
 
-# ln of the integral of h/v at which no contact holds any more; its exponential is still finite
+# ln of the integral of h at which no contact holds any more; its exponential is still finite
 LARGEST_EXPONENT = 650.0
 # of formulas: the logarithm of 0 is -inf, and what underflows or overflows is meant to
 quiet = np.errstate(divide="ignore", over="ignore")

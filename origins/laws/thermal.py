@@ -14,7 +14,7 @@ from origins.laws.rate_law import Array, RateLaw
 
 
 class BreakingRate:
-    """A RateLaw for solvers and users: extended to stretches of either sign, with checked arguments.
+    """A RateLaw wrapped for users: for stretches of either sign, with checked arguments.
 
     Attributes
     ----------

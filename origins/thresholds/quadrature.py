@@ -17,7 +17,7 @@ GAUSS_NODES = 0.5 * (GAUSS_NODES + 1.0)  # on (0, 1)
 GAUSS_WEIGHTS = 0.5 * GAUSS_WEIGHTS
 
 _SEEDS = np.array([1e-15, 1e-9, 1e-5, 1e-3, 0.03, 0.25, 0.5])
-_TAIL, _FAINT = 1e-18, 1e-60  # survivals at which panels end, in general and for moments
+_TAIL = 1e-18  # survival at which panels end
 _ACCURACY = 1e-15
 _DEPTH = 64
 _MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many

@@ -78,11 +78,11 @@ class Above:
         """
         if not self.edges.size:
             return np.zeros((2, share.size))
-        least = np.maximum(replay.least, SMALLEST)
+        least = np.maximum(replay.furthest, SMALLEST)
         ends = np.maximum(self.edges, least[:, None])
         level = replay.log_spent(np.arange(least.size), ends)
         felt = self._mass * share[:, None] > _NO_WEIGHT
-        # A rises up to a threshold and falls beyond, so that it is least at an end of a panel
+        # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
 
         def held(contact: Rows, xi: Array, weight: Array) -> Array:
@@ -132,7 +132,7 @@ class Above:
             values = summed(row, xi, finite_density(self.law, xi))
             if not self._rooted:
                 return np.concatenate([values[:1], values])
-            # the weight 2 at is 0 at `least`; halving is decided by the integrand without it
+            # the first row only decides on halving and is dropped below: the weight 2 at is 0 at `least`
             whole = 2.0 * at.max(axis=1, keepdims=True)
             return np.concatenate([whole * values[:1], 2.0 * at * values])
 

@@ -34,7 +34,7 @@ class Replay:
 
     Attributes
     ----------
-    least : array of shape (n,)
+    furthest : array of shape (n,)
         Largest |x| of each contact: its threshold lies above.
     """
 
@@ -47,20 +47,20 @@ class Replay:
         self._far = born[:, None] + legs.displacement[:, used + 1]
         self._duration, self._speed = legs.duration[:, used], legs.speed[used]
         ends = np.abs(np.concatenate([born[:, None], self._near, self._far], axis=1))
-        self.least: Array = ends.max(axis=1)
+        self.furthest: Array = ends.max(axis=1)
         self._in_proportion: tuple[Array, Array] | None = None
         if rates.separable and stiffness is None:
             # A at one threshold gives A at all others
-            log_spent = self.log_spent(np.arange(born.size), self.least[:, None])[:, 0]
-            self._in_proportion = log_spent, rates.log_rate(0.0, self.least, 1.0)
+            log_spent = self.log_spent(np.arange(born.size), self.furthest[:, None])[:, 0]
+            self._in_proportion = log_spent, rates.log_rate(0.0, self.furthest, 1.0)
 
     @classmethod
-    def known(cls, rates: RateLaw, least: Array, log_spent: Array) -> Replay:
+    def known(cls, rates: RateLaw, furthest: Array, log_spent: Array) -> Replay:
         """A Replay from known largest |x| and ln A at that threshold, shapes (n,); for a separable law."""
         out = cls.__new__(cls)  # there are no legs
         out._rates, out._stiffness = rates, None
-        out.least = least
-        out._in_proportion = log_spent, rates.log_rate(0.0, least, 1.0)
+        out.furthest = furthest
+        out._in_proportion = log_spent, rates.log_rate(0.0, furthest, 1.0)
         return out
 
     def log_spent(self, row: Rows, threshold: Array) -> Array:
