@@ -110,6 +110,7 @@ class Contacts:
         reforming: object = None,
         stiffness: Literal["independent", "linked"] = "independent",
     ) -> None:
+        """Check the parts, each by itself and together; the arguments are those above."""
         self.grains = thresholds if isinstance(thresholds, GrainContact) else None
         self.thresholds = as_thresholds(thresholds if self.grains is None else self.grains.at_start)
         self.interface = self.thresholds.interface

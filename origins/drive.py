@@ -46,6 +46,7 @@ class Drive:
         spring: float | None = None,
         slip: SlipRule = "reset",
     ) -> None:
+        """Check the arguments, which are those above."""
         self.path = finite_array("path", path)
         self.velocity = positive("velocity", velocity)
         self.time = None if time is None else _check_time(time, self.path, velocity)

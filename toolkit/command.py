@@ -52,6 +52,7 @@ def _run(words: list[str]) -> int:
 
 
 def _parse(words: list[str]) -> "argparse.Namespace":
+    """The command line as arguments; each command imports what it needs."""
     import argparse
 
     from toolkit.version import __version__

@@ -40,6 +40,7 @@ class ColdLife(Life):
     quick = timeless = True
 
     def __init__(self, contacts: Contacts) -> None:
+        """Find where the survival bends; InputError where P_c has weight too near to 0."""
         law = contacts.thresholds
         self._law, self._mean = law, contacts.mean_threshold
         self._linked = contacts.stiffness == "linked"

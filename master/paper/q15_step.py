@@ -60,6 +60,7 @@ class Q15Stepper:
         cells: int | None = None,
         parts: int = 1,
     ) -> None:
+        """Choose the cells of thresholds and factorise the diffusion of one step."""
         ageing, start, fresh = ages(contacts), contacts.start, contacts.thresholds
         cells = enough_cells(contacts, step) if cells is None else cells
         amount = ageing.rate / velocity * step

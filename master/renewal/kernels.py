@@ -54,6 +54,7 @@ class Straight:
     """
 
     def __init__(self, births: Births, speed: float, longest: float) -> None:
+        """Tabulate the survival up to the lag `longest`."""
         life, law = births.life, births.law
         motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * speed]))
         most = min(max(abs(end) for end in law.span) + abs(speed) * longest, life.reach)

@@ -4,12 +4,11 @@ With B(t) the breaks per contact since t = 0, at every t
 
     1 = G_0(t) + integral over s of E(t, s) dB(s),      F(t) = M_0(t) + integral of K(t, s) dB(s),
 
-where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums
-over lumps: the contacts that hold at t = 0, and sets of contacts that break at one moment because
-they reach one exact threshold together. On a panel B is a polynomial; its values at the Radau nodes
-follow from conservation there, given all panels before. Within one leg of the motion the
-contribution of a panel to a later one depends only on their distance, so that a run of equal panels
-needs one small matrix product a panel. A panel that does not resolve B is halved at once.
+where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums over lumps: the
+contacts that hold at t = 0, and sets of contacts that break at one moment because they reach one exact threshold
+together. On a panel B is a polynomial; its values at the Radau nodes follow from conservation there, given all panels
+before. Within one leg of the motion the contribution of a panel to a later one depends only on their distance, so that
+a run of equal panels needs one small matrix product a panel. A panel that does not resolve B is halved at once.
 """
 
 from __future__ import annotations
@@ -88,6 +87,7 @@ class March:
         stretch: float,
         until: float = np.inf,
     ) -> None:
+        """Begin with the start as the only lump, before the first panel."""
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
         self.stretch, self.until, self.unfinished = stretch, until, False

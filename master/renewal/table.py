@@ -109,6 +109,7 @@ class Table:
         felt: Callable[[Array, Array], Array] | None = None,
         rounding: float = 0.0,
     ) -> None:
+        """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
         basis = basis_of(size)
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         kept, self.error, was = [], 0.0, np.full(low.size, np.inf)

@@ -35,6 +35,7 @@ class Ride:
     """
 
     def __init__(self, matter: Matter, drive: Drive) -> None:
+        """Balance the spring with the force of the start, at X = 0."""
         self.matter, self.rule, path = matter, drive.slip, drive.path
         self.path, self.spring = path, float(drive.spring or 0.0)
         spring = self.spring

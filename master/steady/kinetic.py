@@ -80,6 +80,7 @@ class Points:
         rate: npt.ArrayLike | None,
         delay: npt.ArrayLike | None,
     ) -> None:
+        """Broadcast what is given along the curve; InputError for what these contacts do not have."""
         thermal, ageing, wait = contacts.thermal, contacts.ageing, contacts.delay
         if temperature is not None and thermal is None:
             raise InputError(

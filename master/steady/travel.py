@@ -92,6 +92,7 @@ class Travel:
         velocity: float,
         accuracy: float | None = None,
     ) -> None:
+        """Tabulate E and K over the way since a birth, and integrate them."""
         if accuracy is None:
             accuracy = ACCURACY if born.is_single else OF_MANY
         if not (born.is_single or life.quick):

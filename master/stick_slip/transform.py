@@ -70,6 +70,7 @@ class Transform:
     """
 
     def __init__(self, travel: Travel, wait: float, blur: float = 0.0) -> None:
+        """Extend the table of E until hardly any contact holds, and sum up its panels."""
         self.travel, self.wait, life = travel, wait, travel.life
         edges = travel.table.edges
         # at most 40 doublings of the way

@@ -54,6 +54,7 @@ class MovingIsland:
     def __init__(
         self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
     ) -> None:
+        """Find the atoms that move, and energies and forces at nine places of a cell."""
         from ase.constraints import FixAtoms
 
         fixed = np.zeros(len(atoms), dtype=bool)

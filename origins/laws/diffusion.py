@@ -37,6 +37,7 @@ class Diffusion:
     """
 
     def __init__(self, final: Thresholds, edges: npt.ArrayLike) -> None:
+        """Make the rates between neighbouring cells, in balance with the final law."""
         self.edges = finite_array("edges", edges)
         if self.edges.size < 3 or not (np.diff(self.edges) > 0.0).all():
             rule = "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)"

@@ -74,6 +74,7 @@ class Likelihood:
     """
 
     def __init__(self, x: Array, shares: Array, size: float, unit: float, form: Form) -> None:
+        """Prepare the sums of the likelihood and the places at which the density must stay smooth."""
         degree = int(np.clip(round(4.0 * size**0.3), 4, _MOST_DEGREE))
         self._law = law = LogPolynomial(form, (float(x[0]), float(x[-1])), degree, unit)
         self._size, self._bends, x = size, x.size > 2, x / unit

@@ -145,6 +145,7 @@ class Mixture(Thresholds):
     components: tuple[Thresholds, ...]
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
+        """Join the components; those of a mixture within become its own."""
         self.given = tuple(zip(weights.tolist(), components, strict=True))
         flat: list[tuple[float, Thresholds]] = []
         for share, law in self.given:

@@ -75,6 +75,7 @@ class NumericalLaw:
         points: npt.ArrayLike = (),
         power: float = np.inf,
     ) -> None:
+        """Halve panels of the density until its integral is resolved, and sum it up from both ends."""
         self._log_density, self._lower, self._upper = log_density, lower, upper
         edges, top, level = self._first_edges(np.asarray(points, dtype=float), power)
         self._edges, values, missed = self._halved(edges, top)

@@ -72,6 +72,7 @@ def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> li
 
 
 def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
+    """F_k, K* and what the run of one scene showed."""
     contacts, speed, unit = scene.contacts, scene.sliding, scene.contacts.mean_threshold
 
     def measure() -> Description:

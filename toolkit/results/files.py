@@ -198,6 +198,7 @@ def _write_result(result: Result, path: Path) -> None:
 
 
 def _fill(result: Result, store: Any) -> None:
+    """Write all fields of a result into an open HDF5 file, with their units."""
     units = _units(result)
     store.attrs["scene"] = result.text
     for name in ("name", "title", "version", "mean_threshold"):

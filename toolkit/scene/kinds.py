@@ -212,6 +212,7 @@ def open_scan(
     channel = whole("channel", channel, least=0)
 
     def read(path: Path) -> Topography:
+        """The scan in a file, by its channel; InputError for what the reader refuses."""
         try:
             from SurfaceTopography import open_topography
 

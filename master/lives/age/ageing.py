@@ -65,6 +65,7 @@ class AgeingLife(Life):
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
+        """Keep the contacts and the motion; strands are followed when they are first asked for."""
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final

@@ -182,6 +182,7 @@ class Passage:
         start: float = 0.0,
         accuracy: float = 1e-13,
     ) -> None:
+        """Tabulate the flux into the stretch and what it leaves; InputError for a start beyond every threshold."""
         normal = ageing.normal
         assert normal is not None and velocity > 0.0
         if not float(fresh.sf(abs(start))) > 0.0:

@@ -45,6 +45,7 @@ class MeanRateLife(ReplayedLife):
     """
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
+        """Tabulate the mean rate H and its integral."""
         rates = rates_of(contacts)
         self._above = Above(contacts.thresholds, rates, None)
         super().__init__(contacts.thresholds, self._above.edges, resolved)

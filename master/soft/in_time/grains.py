@@ -32,6 +32,7 @@ class GrainMemory(Memory):
     error, own = 1e-13, SPENT
 
     def __init__(self, contacts: Contacts, level: int) -> None:
+        """Choose the moments at which grains pin in the start, and how far births are apart."""
         super().__init__(contacts, level)
         grains = contacts.grains
         assert grains is not None and grains.age is not None
