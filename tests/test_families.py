@@ -1,5 +1,7 @@
 """Every family of thresholds against mpmath, laws of scipy and of one's own, averages over a parameter."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import references as exact
@@ -331,3 +333,13 @@ def test_averages_of_a_closed_form() -> None:
         assert law.weights.sum() == pytest.approx(1.0, abs=1e-14)
     frozen = origins.continuous_mixture(lambda rate: stats.expon(scale=1.0 / rate), 1.0, 2.0)
     assert frozen.sf(1.0) == pytest.approx(np.exp(-1.0) - np.exp(-2.0), abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    "law", [stats.wald(), stats.kappa3(3.0), stats.mielke(2.0, 1.5), stats.invgauss(0.3, scale=1e9)]
+)
+def test_quantiles_where_scipy_has_no_survival_far_out(law: Any) -> None:
+    """Their sf is NaN or 1 beyond some place; quantiles once ran off to it, and no contact broke."""
+    found, q = origins.Contacts(law).thresholds, np.array([0.9, 0.5, 0.1, 1e-4])
+    np.testing.assert_allclose(found.isf(q), law.isf(q), rtol=1e-10)
+    assert not np.isnan(found.logsf(law.mean() * np.geomspace(1e-3, 1e200, 60))).any()

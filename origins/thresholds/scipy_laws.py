@@ -112,13 +112,31 @@ class ScipyDensity(Thresholds):
 
 
 class FrozenThresholds(ScipyDensity):
-    """Delegates to a frozen distribution on x >= 0, whose own quantiles contradict its cdf in some far tails."""
+    """Delegates to a frozen distribution on x >= 0, whose own quantiles contradict its cdf in some far tails.
+
+    Beyond `last` its survival counts as 0: far out some distributions give NaN there, or 1. Raises InputError where
+    that happens too near.
+    """
+
+    def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
+        self.distribution, self.last = distribution, np.inf
+        self.median = float(distribution.ppf(0.5))
+        away = self.median * np.append(1.0, 2.0 ** 2.0 ** np.arange(10))
+        held = self._ask("sf", np.minimum(away, ends[1]))
+        wrong = np.isnan(held) | (held > np.minimum.accumulate(held) + 1e-12)
+        if wrong.any():
+            known = max(int(wrong.argmax()) - 1, 0)
+            self.last = float(away[known])
+            if not held[known] <= _BELOW_ZERO:
+                rule = f"the distribution's sf is no survival beyond x = {self.last:g}, where it is {held[known]:.2g}"
+                raise InputError(f"thresholds: {rule}")
+        super().__init__(distribution, ends, below)
 
     def _told(self, method: str, x: Array, below: float, above: float) -> Array:
-        """What the distribution gives; where it gives no number, far from its mean, the limit on that side."""
+        """What the distribution gives; where it gives no number and beyond the last place, the limit on that side."""
         found = self._ask(method, x)
-        limit = np.where(x < float(self.distribution.mean()), below, above)
-        return np.where(np.isnan(found), limit, found)
+        lost = np.isnan(found) | (x > self.last)
+        return np.where(lost, np.where(x < self.median, below, above), found)
 
     def _pdf(self, x: Array) -> Array:
         return self._told("pdf", x, 0.0, 0.0)
@@ -127,13 +145,16 @@ class FrozenThresholds(ScipyDensity):
         return self._told("logpdf", x, -np.inf, -np.inf)
 
     def _cdf(self, x: Array) -> Array:
-        return self._told("cdf", x, 0.0, 1.0)
+        return np.clip(self._told("cdf", x, 0.0, 1.0), 0.0, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        return self._told("sf", x, 1.0, 0.0)
+        return np.clip(self._told("sf", x, 1.0, 0.0), 0.0, 1.0)
 
     def _logsf(self, x: Array) -> Array:
-        return self._near_one(x, self._told("logsf", x, 0.0, -np.inf))
+        found = self._ask("logsf", x)
+        with np.errstate(divide="ignore"):
+            lost = np.isnan(found) | (x > self.last)
+            return self._near_one(x, np.where(lost, np.log(self._sf(x)), found))
 
     def _moment(self, n: float) -> float:
         mean = float(self.distribution.mean())
