@@ -66,12 +66,12 @@ CASES = {
     "ageing, turning": Case(Contacts(YOUNG, ageing=AGEING), TURN, {"velocity": 2.0}, 1e-4, 400),
     "growing grains, stiff": Case(Contacts(GRAINS, 0.1, STIFF), tolerance=1e-5, number=1000),
     "growing grains, turning": Case(Contacts(GRAINS), TURN, tolerance=1e-4, number=400),
-    "loop, a law of the tests' own": Case(
-        Contacts(WIDE, START, thermal=Tilted(0.1, 0.4)), LOOP, tolerance=1e-4, number=800
-    ),
     "hold, soft": Case(Contacts(WIDE, thermal=SOFT), HELD, {"time": WHEN}, 1e-5, 1000),
 }
 SLOW = {
+    "loop, a law of the tests' own": Case(
+        Contacts(WIDE, START, thermal=Tilted(0.1, 0.4)), LOOP, tolerance=1e-4, number=800
+    ),
     "stiff, slow": Case(Contacts(WIDE, thermal=STIFF), drive={"velocity": 0.1}, tolerance=1e-6),
     "re-forming": Case(Contacts(WIDE, reforming=origins.boltzmann_reforming(0.05))),
     "ageing, soft, delay": Case(
