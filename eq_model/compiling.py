@@ -10,8 +10,7 @@ import numpy as np
 from numba import njit, types
 from numba.extending import intrinsic
 
-# Types of numbers in kernels. With an unsigned index numba needs no branch for negative ones, which count from an
-# array's end.
+# Types of numbers in kernels; an unsigned index needs no branch for those that count from an array's end.
 unsigned, whole, real = np.uint64, np.int64, np.float64
 
 

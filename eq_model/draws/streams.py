@@ -16,8 +16,9 @@ LANES = 256  # contacts that are followed side by side: their scratch rows stay 
 ROW = LANES + 24  # a word for each lane; rows of one array then do not share a cache set
 ROUNDS = 7
 
-# purposes of words; plus FINE: further bits, where 32 are too few. They have a numpy type, since numba
-# would compile a function again for each Python number.
+# Purposes of words, no word for two: births take thresholds, +16 stretches, +24 others, +32 what lies beyond
+# a stretch; exposures +12 those of a forward path's start, +FINE further bits, which meet STEPS; such paths have none.
+# They have a numpy type, since numba would compile a function again for each Python number.
 THRESHOLDS, STARTS, EXPOSURES, STEPS, WATCHED = np.array([0, 48, 96, 112, 128])
 FINE = 4
 
