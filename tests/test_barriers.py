@@ -169,6 +169,7 @@ def test_atom_on_a_slab_of_lennard_jones_atoms() -> None:
     assert np.array_equal(atoms.positions, before) and atoms.calc is own
 
 
+@pytest.mark.slow
 def test_two_atoms_on_a_spring() -> None:
     """One bond, its direction held: c_x(s) sin X + c_y(s) sin Y + K s²/2, the lowest in s of each kind of place."""
     length, angle, stiffness = 2.2, 0.6, 5.0

@@ -66,6 +66,7 @@ def test_the_first_fall_of_the_force_in_closed_form() -> None:
     assert line.critical_spring[0, 1] == pytest.approx(line.critical_spring[1, 1], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_steady_sliding_and_the_decay_to_it() -> None:
     """With those that never hold, the travel from break to break has the transform e^(-sd) [lost + held p^(s)]."""
     velocity, contacts = 1.0, Contacts(GRAINS)

@@ -51,7 +51,12 @@ print(json.dumps(errors))
 
 
 @pytest.mark.parametrize(
-    ("degree", "counts"), [(3, (128, 256, 512)), (4, (96, 192, 384)), (5, (80, 120, 180))]
+    ("degree", "counts"),
+    [
+        (3, (128, 256, 512)),
+        pytest.param(4, (96, 192, 384), marks=pytest.mark.slow),
+        (5, (80, 120, 180)),
+    ],
 )
 def test_the_order_is_one_more_than_the_degree(python, degree: int, counts: tuple) -> None:
     """Breaks of thresholds of the gamma law of shape 2, whose number has a closed form."""

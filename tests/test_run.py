@@ -147,6 +147,7 @@ def test_a_sweep_goes_along_kelvins_beside_a_run() -> None:
     np.testing.assert_allclose(found.temperature, known, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_defects_of_the_papers_ageing_are_kept_and_told(capsys: Any) -> None:
     """What (Q15) does not keep, on a path that goes on where contacts outrun P_c; the shipped one ends before."""
     tables = tomllib.loads((SHIPPED / "ageing-paper.toml").read_text())
