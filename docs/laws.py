@@ -71,6 +71,7 @@ def draw_ageing() -> None:
 
 
 def _draw_a04(axes: Any) -> None:
+    """Fig. A04: P_c(x; X) of the paper's equation (Q15), its force beside the exact one, and what it does not keep."""
     found = transient()
     kept = found["positivity"]
     exact = master.solve(a04("exact"), kept.path, 1e-8)
@@ -107,6 +108,7 @@ def _draw_a04(axes: Any) -> None:
 
 
 def _draw_a05(histogram: Any, curve: Any) -> None:
+    """Fig. A05: the steady thresholds of (Q15), and the kinetic force against the speed by both closures."""
     x = np.linspace(0.2, 1.1, 901)
     for number, diffusion in enumerate((1e-5, 1e-4, 3e-4, 1e-3, 1e-2)):
         steady = master.steady_state(a05("paper"), velocity=1.0 / diffusion)
@@ -132,6 +134,7 @@ def _draw_a05(histogram: Any, curve: Any) -> None:
 
 
 def _draw_a06(axes: Any) -> None:
+    """Fig. A06: the spring K* below which sliding is stick-slip against the speed, by both closures."""
     v = np.geomspace(1.5, 12.0, 15)
     line = master.phase_line(a06("exact"), v, tolerance=1e-4)
     axes.semilogx(v, line.critical_spring, color=BLUE, lw=1.5, label="exact")
@@ -254,6 +257,7 @@ def _draw_delay(axes: Any) -> None:
 
 
 def draw_decoherence() -> None:
+    """The force after the start beside the sum of its slowest terms, and the error that the spectrum estimates."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(12.5, 3.9), layout="constrained")
@@ -282,7 +286,7 @@ def draw_decoherence() -> None:
     late = x[x >= 2.0]
     off = np.abs(found.force(late) - solved.force[x >= 2.0])
     axes[2].semilogy(late, np.maximum(off, 1e-17), color=BLUE, lw=0.6, label="60 roots less master equation")
-    axes[2].semilogy(late, found.force_error(late), color=RED, lw=1.2, label="bound that comes with them")
+    axes[2].semilogy(late, found.force_error(late), color=RED, lw=1.2, label="error estimated with them")
     axes[2].set(title="the sum of 60 terms", xlabel="$X$", ylabel=r"$|\Delta F|/(N_c\langle k\rangle)$")
     axes[2].set_ylim(1e-12, 1e2)
     axes[2].legend(fontsize="small")

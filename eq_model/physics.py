@@ -4,15 +4,12 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import numpy.typing as npt
 
 from eq_model.draws.tables import DEEPEST
 from eq_model.lattice import Way, durations
 from origins import Contacts, Drive, RateLaw, Thermal
 from origins.errors import InputError
 from origins.laws.compiled import CompiledRates, called
-
-Array = npt.NDArray[np.float64]
 
 # longest step, over the relaxation time of a normal final law: within a step diffusion is taken as free
 STEP = 0.04

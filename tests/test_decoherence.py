@@ -119,3 +119,21 @@ def test_heat_that_leaves_nothing_to_transform_is_told_in_the_error():
     )
     found = master.propensity(contacts, velocity=3.0095672, tolerance=1e-5)
     assert abs(found.decoherence_length - 0.0063846) < found.decoherence_length_error
+
+
+def test_exponential_thresholds_that_wait() -> None:
+    """(1 + s) e^(sd) = 1, each root with c = 2/(1 + s)^2/[d + 1/(1 + s)]."""
+    wait, found = 100.0, []
+    spectrum = master.decoherence_spectrum(
+        Contacts(stats.expon(), delay=origins.Delay(wait)), n_roots=4
+    )
+    for turn in 2j * mp.pi * np.arange(1, 5):
+        at = mp.findroot(lambda s, t=turn: mp.log1p(s) + s * wait - t, turn / (1 + wait))
+        found.append(complex(at))
+    exact = np.array(found)
+    exact = exact[exact.real > -0.9][: spectrum.roots.size]
+    assert exact.size == spectrum.roots.size > 0
+    assert (np.abs(spectrum.roots - exact) <= spectrum.roots_error).all()
+    amplitude = 2.0 / (1.0 + exact) ** 2 / (wait + 1.0 / (1.0 + exact))
+    assert (np.abs(spectrum.amplitude - amplitude) <= spectrum.amplitude_error).all()
+    assert spectrum.roots_error.max() < 1e-9

@@ -129,7 +129,7 @@ def test_quantiles(case: Reference) -> None:
         assert (np.abs(exactly(function, x) - targets) <= slack).all()
 
 
-def test_moments_and_steady_sliding(case: Reference) -> None:
+def test_moments_and_steady_sliding(case: Reference, request: pytest.FixtureRequest) -> None:
     """F_k = <x²>/(2 <x>), within the error claimed."""
     mean, square = float(case.moment(1)), float(case.moment(2))
     assert case.law.mean() == pytest.approx(mean, rel=1e-12)
@@ -141,7 +141,9 @@ def test_moments_and_steady_sliding(case: Reference) -> None:
     steady = master.steady_state(origins.Contacts(case.law))
     assert steady.mean_threshold == pytest.approx(mean, rel=1e-10)
     assert abs(steady.force - square / (2.0 * mean)) <= steady.force_error * mean
-    assert steady.force_error < 5e-14 * max(steady.force / mean, 1.0)
+    # parts that weigh a thousandth and a half leave more round-off
+    most = 5e-14 if "[unequal]" in request.node.name else 2e-14
+    assert steady.force_error < most * max(steady.force / mean, 1.0)
 
 
 def test_onset_power(case: Reference) -> None:

@@ -13,6 +13,7 @@ from rate_laws import Tilted
 from scipy.integrate import quad
 from solving import gauss
 
+import eq_model
 import master
 from origins import Contacts, Delay, Thermal, gaussian, identical
 
@@ -256,3 +257,16 @@ def test_the_kinetic_force_falls_by_alpha_with_each_e_fold_of_a_low_speed():
     low, high = master.kinetic_curve(contacts, asked).force.reshape(2, -1)
     fastest = WIDE.moment(2) / (2.0 * WIDE.mean())  # F_k(∞): contacts break at their thresholds
     np.testing.assert_allclose((high - low) / (2.0 * step), rates.alpha * fastest, rtol=0.01)
+
+
+class Unfinished(Tilted):
+    """A law whose inverse is still missing."""
+
+    def reached(self, log_amount, near, threshold, stiffness):
+        raise NotImplementedError("no inverse yet")
+
+
+def test_an_error_in_a_law_of_ones_own_is_seen_before_kernels_call_it() -> None:
+    contacts = Contacts(gaussian(1.0, 0.1), thermal=Unfinished(0.1, 0.4))
+    with pytest.raises(NotImplementedError, match="no inverse yet"):
+        eq_model.simulate(contacts, [0.0, 1.0], n_contacts=10)

@@ -253,6 +253,7 @@ Drive([0.0, 1.0], time=[0.0, 0.0])  time[1] = 0.0: leaves no time to get there
 Drive([0.0, 1.0], 2.0, time=[0.0, 1.0])  velocity = 2.0: the times of the points
 explicit(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], step=0.01)  contacts.thermal: master.paper.explicit
 closest(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], n_contacts=10)  contacts.thermal: eq_model.closest does
+simulate(laws={"reforming": 1.0 - 1e-12}, law=origins.identical(1.0))  reforming: each contact breaks about 1e+12 times
 simulate(n_contacts=0)  n_contacts
 simulate(n_contacts=2**40)  n_contacts
 simulate(seed=-1)  seed
@@ -332,15 +333,15 @@ contacts.thresholds.kind = "gausian"  contacts.thresholds.kind = 'gausian': must
 contacts.delays = {"time": 1.0}  contacts.delays: unknown key; known here: thresholds, start,
 contacts.delay = {}  contacts.delay.time: is missing; it takes time
 contacts.thermal = {"law": "weak", "temperature": 0.1}  contacts.thermal.law = 'weak': must be "soft"
-eq.contacts = 2.5  eq.contacts: expected int, got float
+eq.contacts = 2.5  eq.contacts = 2.5: expected int
 contacts.thermal.temperature = {"kelvin": 300.0}  contacts.thermal.temperature.kelvin = 300.0: needs
 contacts.ageing = {"rate": 1.0, "final": OLD | {"std": 0.0}}  contacts.ageing.final.std = 0.0: must be above
 contacts.reforming = {"kind": "identical", "value": 9.0}  contacts.reforming: a weight of 1 lies beyond
 contacts.stiffness = "linkd"  contacts.stiffness = 'linkd': must be "independent" or "linked"
-drive.to = -5.0  drive.to: expected float > 0.0
-drive.to = True  drive.to: expected float, got bool
-drive.turns = [2.0, "a"]  drive.turns[1]: expected float, got str
-drive.points = 1  drive.points: expected int >= 2
+drive.to = -5.0  drive.to = -5.0: expected float > 0.0
+drive.to = True  drive.to = True: expected float
+drive.turns = [2.0, "a"]  drive.turns[1] = 'a': expected float
+drive.points = 1  drive.points = 1: expected int >= 2
 drive = {"points": 11}  drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; neither
 drive = {"points": 3, "turns": [1.0, -1.0, 1.0]}  drive.points = 3
 drive = {"points": 11, "turns": [1.0, 1.0]}  drive.turns = [1.0, 1.0]: has a leg of no length
@@ -348,21 +349,21 @@ drive = {"points": 11, "to": 5e6}  1e6 mean thresholds at most, or leave [eq] ou
 drive = {"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}  for drive.from and each of drive.turns, 2
 drive = {"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}  drive.velocity = 2.0: the times of
 drive = {"points": 11, "to": 1.0, "hold_scale": 1.0}  drive.hold_scale = 1.0
-drive.spring = 0.0  drive.spring: expected float > 0.0
+drive.spring = 0.0  drive.spring = 0.0: expected float > 0.0
 drive.slip = "instant"  drive.slip = 'instant': is what a slip of a soft slider does, and without
-master.tolerance = 0.0  master.tolerance: expected float > 0.0
-eq.seed = -1  eq.seed: expected int >= 0
+master.tolerance = 0.0  master.tolerance = 0.0: expected float > 0.0
+eq.seed = -1  eq.seed = -1: expected int >= 0
 eq.threads = 2  eq.threads: unknown key; known here: contacts, replicas, seed, tolerance, wall
 eq.histograms = [1.0, 2.005]  eq.histograms[1] = 2.005: is none of the path's points; near it are 2
 eq.histogram_times = [1.0]  eq.histogram_times = [1.0]: are of a path with drive.times; without them say
-wall_time = 0.0  wall_time: expected float > 0.0
+wall_time = 0.0  wall_time = 0.0: expected float > 0.0
 title = "a\\0b"  title
 colour = "red"  colour: unknown key; known here: contacts, drive, title, master, eq,
 sweep = {}  sweep: goes along nothing
-sweep = {"velocity": "fast"}  sweep.velocity: expected float | table | array
-sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1]: expected float > 0.0
+sweep = {"velocity": "fast"}  sweep.velocity = 'fast': expected float | table | array
+sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1] = 0.0: expected float > 0.0
 sweep = {"velocity": SPEEDS | {"from": 0.0}}  sweep.velocity = 0.0: must be above zero
-sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing: invalid enum value 'wide'
+sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing = 'wide': invalid enum value
 sweep = {"temperature": SPEEDS | {"from": 0.0}}  sweep.temperature: 0 has no logarithm; write spacing = "e
 sweep = {"rate": [0.0, 1.0]}  sweep.rate: the contacts have no law for it; add [contacts.ageing]
 sweep = {"kelvin": [1.0, 2.0]}  sweep.kelvin: needs <k> in N/m

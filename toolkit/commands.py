@@ -72,7 +72,7 @@ def report(result: Any) -> list[str]:
         error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
-        period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.in_metres}"
+        period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
         told = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
         lines.append(f"regime  {solved.regime.verdict}{told}: {solved.regime.reason}")
     if solved is not None and solved.outrun is not None:

@@ -73,7 +73,8 @@ def called(rates: Any) -> CompiledRates:
     def number(count: int, function: Callable[..., Any]) -> Any:
         return CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(function(*given)))
 
-    rates.rate(0.0, 1.0, 1.0), rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
+    rates.rate(0.0, 1.0, 1.0)
+    rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
 
     # a separate class for each law, so that no two laws share compiled code
     class Called(NamedTuple):

@@ -74,7 +74,7 @@ def plot_force(axes: Any, result: Result) -> Any:
         error = eq.force_standard_error[some]
         axes.errorbar(along(result, eq)[some], eq.force[some], yerr=error, **style)
     write_along(axes, result)
-    name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.in_metres)
+    name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.thresholds.in_metres)
     axes.margins(y=0.15)  # slips and cycles leave no corner free
     axes.legend(loc="upper right", ncols=2, fontsize="small")
     return axes
@@ -92,7 +92,7 @@ def plot_position(axes: Any, result: Result) -> Any:
         axes.plot(along(result, curve), curve.position, **_style("master", lw=1.2, label="slider"))
         axes.legend(fontsize="small")
     write_along(axes, result)
-    name_lengths(axes.yaxis, "position", result.in_metres)
+    name_lengths(axes.yaxis, "position", result.thresholds.in_metres)
     return axes
 
 
@@ -140,14 +140,14 @@ def plot_sweep(axes: Any, result: Result, name: str = "force") -> Any:
             style["label"] = f"{other} = {here:.3g}"
             style["color"] = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
         axes.plot(rows, table[:, column], **style)
-    units = _UNITS if result.in_metres else {}
+    units = _UNITS if result.thresholds.in_metres else {}
     axes.set_xlabel(f"{first} ({units.get(first, '')})".removesuffix(" ()"))
     if rows.min() > 0.0 and rows.max() > 30.0 * rows.min():
         axes.set_xscale("log")
     if second:
         axes.legend(fontsize="small")
     if name == "force":
-        name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.in_metres)
+        name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.thresholds.in_metres)
     else:
         axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, None))
     return axes

@@ -62,9 +62,9 @@ def write_along(axes: Any, result: Result) -> None:
     if drive is None or drive.times is None:
         pulled = drive is not None and drive.spring is not None
         place = "drive position $X_T$" if pulled else "slider position $X$"
-        name_lengths(axes.xaxis, place, result.in_metres)
+        name_lengths(axes.xaxis, place, result.thresholds.in_metres)
         return
-    axes.set_xlabel(f"time $t${' (s)' if result.in_metres else ''}")
+    axes.set_xlabel(f"time $t${' (s)' if result.thresholds.in_metres else ''}")
     if drive.hold_scale is not None:
         times, number = result.time, np.arange(result.time.size, dtype=float)
         both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))

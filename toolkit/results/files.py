@@ -177,8 +177,8 @@ def _write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
 
 def _units(result: Result, short: bool = False) -> dict[str, str]:
     """Units of arrays by name; a scene's own unit of length is written in full unless `short`."""
-    unit = "length" if short and not result.in_metres else result.thresholds.unit
-    clock = "s" if result.in_metres else "time"
+    unit = "length" if short and not result.thresholds.in_metres else result.thresholds.unit
+    clock = "s" if result.thresholds.in_metres else "time"
     units = dict.fromkeys(_LENGTHS.split(), unit) | {"notes": "text"}
     inverse = "density thresholds stretches threshold_error stretch_error"
     units |= dict.fromkeys(inverse.split(), f"1 / {unit}")

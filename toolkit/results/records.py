@@ -121,10 +121,6 @@ class Result:
     __repr__ = brief
 
     @property
-    def in_metres(self) -> bool:
-        return self.thresholds.in_metres
-
-    @property
     def asked(self) -> SceneTable:
         """The scene's tables, defaults filled in."""
         return read_table(tomllib.loads(self.text))

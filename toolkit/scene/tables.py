@@ -100,15 +100,18 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         return msgspec.convert(_counted(tables), SceneTable)
     except msgspec.ValidationError as error:
         # such as: Expected `float | null`, got `str` - at `$.drive.to`
-        rule, _, place = str(error).partition(" - at ")
+        rule, _, place = str(error).replace("object", "table").partition(" - at ")
         where = place.strip("`$").lstrip(".")
         if "field" in rule:
             key = f"{where}.{rule.split('`')[1]}".lstrip(".")
             known = ", ".join(_TABLES.get(where, RangeTable).__struct_encode_fields__)
             said = "is missing" if "missing" in rule else f"unknown key; known here: {known}"
             raise InputError(f"{key}: {said}") from error
-        said = rule.replace(" | null", "").replace("`", "").replace("object", "table")
-        raise InputError(f"{where}: {said[0].lower()}{said[1:]}") from error
+        value: Any = tables
+        for key in where.replace("]", "").replace("[", ".").split("."):
+            value = value[int(key) if key.isdigit() else key]
+        said = rule.partition(", got")[0].replace(" | null", "").replace("`", "")
+        refuse(where, value, f"{said[0].lower()}{said[1:]}")
 
 
 def _counted(value: Any, key: str = "") -> Any:
