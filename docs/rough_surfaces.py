@@ -102,7 +102,7 @@ def plot_loads(axes: "Axes", found: list[Reading]) -> None:
         # points on both sides of a jump, so that it is drawn vertically
         x = np.sort(np.concatenate([x, law.breakpoints[1:] * (1 - 1e-9), law.breakpoints[1:] * (1 + 1e-9)]))
         load, bend = i.force_threshold(x) / i.mean_force_threshold, i.force_law
-        steepness = np.where(x <= bend.at, bend.below.exponent, bend.above.exponent)
+        steepness = np.where(x <= bend.at, bend.exponent, bend.above)
         density = law.pdf(x) * x / (steepness * load)
         axes.plot(load, density, color=reading.ink, ls=reading.dashes, lw=1.4, label=reading.name)
     axes.set(title="how contacts share the load", xlabel="load of a contact / its mean", ylabel="density")

@@ -10,7 +10,7 @@ from origins.roughness.greenwood_williamson import pressed, summits_of
 from origins.roughness.interface import Interface
 from origins.roughness.material import Material
 from origins.roughness.moments import SpectralMoments, spectral_moments
-from origins.roughness.power_law import Bend, PowerLaw
+from origins.roughness.power_law import Bend, straight
 from origins.roughness.surface import as_topography
 from origins.thresholds.families import persson
 from origins.thresholds.law import Thresholds
@@ -34,6 +34,32 @@ def from_topography(
         Heights of the surface (of two rough ones, their sum) in metres, NaN where missing.
     pixel_size : float or (dx, dy)
         Metres; left out for a topography object, which is converted by its unit.
+    detrend, periodic, step
+        As in spectral_moments.
+    options
+        All other arguments of from_moments.
+
+    Returns thresholds and raises InputError as from_moments does.
+    """
+    moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
+    return from_moments(moments, **options)
+
+
+def from_moments(
+    moments: SpectralMoments,
+    *,
+    model: str,
+    law: str,
+    material: Material,
+    pressure: float,
+    regime: str = "elastic",
+    patch_area: float | None = None,
+    height_law: str = "gaussian",
+) -> Thresholds:
+    """Thresholds in metres of a surface known by its moments, as moments_of_spectrum or moments_of_summits give them.
+
+    Parameters
+    ----------
     model : "gw" or "persson"
         "gw": Greenwood and Williamson's summits, counted and shaped by the spectral moments (McCool 1986), heights
         measured from the summits' mean plane. "persson": normal stress in the real contact, of width
@@ -67,8 +93,6 @@ def from_topography(
         Use `interface.mean_area` of model="gw" on the same surface, under the same pressure.
     height_law : "gaussian" or "exponential"
         gw only: law of the summits' heights, either of the measured standard deviation.
-    detrend, periodic, step
-        As in spectral_moments.
 
     Returns
     -------
@@ -77,22 +101,6 @@ def from_topography(
 
     Raises InputError for other values and for meaningless combinations; the message says what to write instead.
     """
-    moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
-    return from_moments(moments, **options)
-
-
-def from_moments(
-    moments: SpectralMoments,
-    *,
-    model: str,
-    law: str,
-    material: Material,
-    pressure: float,
-    regime: str = "elastic",
-    patch_area: float | None = None,
-    height_law: str = "gaussian",
-) -> Thresholds:
-    """from_topography for a surface known by its moments alone: moments_of_spectrum, moments_of_summits."""
     if not isinstance(moments, SpectralMoments):
         such = "origins.moments_of_summits(...)"
         refuse("moments", moments, f"must be SpectralMoments, such as {such}")
@@ -121,21 +129,13 @@ def resolution_study(
     pixel_size: object = None,
     *,
     factors: tuple[int, ...] = (1, 2, 4, 8),
-    **options: object,
+    **options: Any,
 ) -> tuple[Thresholds, ...]:
-    """from_topography with neighbours 1, 2, 4, ... pixels apart: the dependence on the scan's resolution.
+    """from_topography with neighbours `factors` pixels apart: the dependence on the scan's resolution.
 
     m4, and with it radius and density of the summits, depends on both the surface and the resolution. Each
     result has its moments as `.interface.moments`, with the step and the spacing of their differences.
-
-    Parameters
-    ----------
-    heights, pixel_size
-        As in from_topography.
-    factors : tuple of int
-        Spacings in pixels.
-    options
-        All other arguments of from_topography, except step.
+    options : all other arguments of from_topography, except step.
 
     Raises InputError as from_topography does, and for empty factors.
     """
@@ -145,7 +145,7 @@ def resolution_study(
         refuse("step", options["step"], "is what the study varies; write factors=(1, 2, 4, 8)")
     surface = as_topography(heights, pixel_size)
     steps = [whole("factors", factor, 1) for factor in factors]
-    return tuple(from_topography(surface, step=step, **options) for step in steps)  # type: ignore[arg-type]
+    return tuple(from_topography(surface, step=step, **options) for step in steps)
 
 
 def _on_summits(known: dict[str, Any], regime: str, height_law: str) -> Thresholds:
@@ -162,7 +162,7 @@ def _on_summits(known: dict[str, Any], regime: str, height_law: str) -> Threshol
     return _joined(
         summits.compressions(z),
         summits.load,
-        summits.area,
+        straight(np.pi * summits.radius, 1.0),
         **known,
         area_fraction=summits.area_fraction(z),
         contact_density=summits.contact_density(z),
@@ -174,7 +174,7 @@ def _on_summits(known: dict[str, Any], regime: str, height_law: str) -> Threshol
 
 
 def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
-    """Persson's contacts: patches of one area under P(s) ~ exp[-((s-p)/D)²] - exp[-((s+p)/D)²] (paper, Eq. PcPersson).
+    """Persson's stresses on patches of one area: P(s) ~ exp[-(s-p)²/D²] - exp[-(s+p)²/D²] (paper, Eq. PcPersson).
 
     D = E* h'_rms/2^(1/2) = E* m2^(1/2); the norm of P(s) is erf(p/D), the real over the nominal area of contact.
     """
@@ -189,11 +189,11 @@ def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
     # the square root of the stress has the law (PcPersson3)
     roots = persson(centre=float(np.sqrt(pressure)), width=float(np.sqrt(width)))
     plastic = None if material.hardness is None else float(roots.sf(np.sqrt(material.hardness)))
-    load, area_fraction = PowerLaw(patch_area, 2.0), float(erf(pressure / width))
+    area_fraction = float(erf(pressure / width))
     return _joined(
         roots,
-        Bend(load, load, np.inf),
-        PowerLaw(patch_area, 0.0),
+        straight(patch_area, 2.0),
+        straight(patch_area, 0.0),
         **known,
         area_fraction=area_fraction,
         contact_density=area_fraction / patch_area,
@@ -203,7 +203,7 @@ def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
     )
 
 
-def _joined(size: Thresholds, load: Bend, area: PowerLaw, **known: Any) -> Thresholds:
+def _joined(size: Thresholds, load: Bend, area: Bend, **known: Any) -> Thresholds:
     """Thresholds and interface of contacts whose load (N) and area (m²) are powers of `size`, a random variable.
 
     Raises InputError where the material lacks a constant, and where k grows at least as fast as f_s, so that x_s does
@@ -212,26 +212,26 @@ def _joined(size: Thresholds, load: Bend, area: PowerLaw, **known: Any) -> Thres
     law, material, moments = known["law"], known["material"], known["moments"]
     constant = "shear_strength" if law == "strength" else "local_friction"
     strength = material.needed(constant, f'law = "{law}"')
-    force = (Bend(area, area, np.inf) if law == "strength" else load) * PowerLaw(strength, 0.0)
+    force = (area if law == "strength" else load).times(strength)
     if law == "paper":
         coefficient = material.needed("force_coefficient", 'law = "paper"')
-        thresholds = Powered(size, (force * PowerLaw(1.0 / coefficient, 0.0)) ** 0.5)
+        thresholds = Powered(size, force.times(1.0 / coefficient).raised(0.5))
         stiffness = coefficient * thresholds.mean()  # k = c x_s
     else:
-        each = material.stiffness(law).of(area)
-        stretch = force * each**-1.0
-        if not min(stretch.below.exponent, stretch.above.exponent) > 0.0:
+        of_area = material.stiffness(law)
+        each = area.raised(of_area.exponent).times(of_area.coefficient)
+        stretch = force.times(1.0 / each.coefficient, -each.exponent)
+        if not min(stretch.exponent, stretch.above) > 0.0:
             raise InputError(
-                f"material.contact_stiffness: k ~ A^{material.stiffness(law).exponent:g} makes thresholds fall as a "
-                "summit is pressed down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its "
-                "aspect"
+                f"material.contact_stiffness: k ~ A^{of_area.exponent:g} makes thresholds fall as a summit is pressed "
+                "down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its aspect"
             )
         thresholds = Powered(size, stretch)
         stiffness = each.coefficient * size._moment(each.exponent)
     density, pressure = known["contact_density"], known["pressure"]
     carried = known["area_fraction"] if law == "strength" else pressure
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
-    radius = (area * PowerLaw(1.0 / np.pi, 0.0)) ** 0.5
+    radius = area.times(1.0 / np.pi).raised(0.5)
     thresholds.interface = Interface(
         **known,
         mean_radius=radius.coefficient * size._moment(radius.exponent),
@@ -239,7 +239,7 @@ def _joined(size: Thresholds, load: Bend, area: PowerLaw, **known: Any) -> Thres
         mean_stiffness=stiffness,
         mean_force_threshold=strength * carried / density,
         friction_coefficient=density * stiffness * kinetic / pressure,
-        force_law=force.of(thresholds.power.inverse),
+        force_law=force.against(thresholds.power),
         plasticity_index=material.plasticity_index(moments.summit_std, moments.summit_radius),
     )
     return thresholds

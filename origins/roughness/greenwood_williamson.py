@@ -7,7 +7,6 @@ continuous there, but the threshold as a function of delta has a kink and P_c ha
 """
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -15,15 +14,13 @@ from scipy.special import log_ndtr
 from origins.errors import between, finite, one_of, positive, refuse
 from origins.roughness.material import Material
 from origins.roughness.moments import SpectralMoments
-from origins.roughness.power_law import Bend, PowerLaw
+from origins.roughness.power_law import Bend, straight
 from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Thresholds
 from origins.thresholds.powered import Powered
 
 REGIMES = ("elastic", "plastic", "mixed")
-
-_rule = cache(np.polynomial.legendre.leggauss)  # computed on first use, to keep the import fast
 
 
 def compressions(std: float, z: float, heights: str = "gaussian") -> Thresholds:
@@ -45,95 +42,70 @@ class Summits:
     heights: str
     load: Bend
 
-    @property
-    def area(self) -> PowerLaw:
-        """Area of a contact (m²) as a function of its compression (m)."""
-        return PowerLaw(np.pi * self.radius, 1.0)
-
     def compressions(self, z: float) -> Thresholds:
         """The law of the compressions of the contacts, in m."""
         return compressions(self.std, z, self.heights)
 
+    def log_touching(self, z: float) -> float:
+        """Log of the share of the summits that touch the flat."""
+        return float(log_ndtr(-z)) if self.heights == "gaussian" else -z
+
     def contact_density(self, z: float) -> float:
         """Contacts per nominal area, 1/m²."""
-        log_touching = log_ndtr(-z) if self.heights == "gaussian" else -z
-        return float(self.density * np.exp(log_touching))
+        return float(self.density * np.exp(self.log_touching(z)))
 
     def area_fraction(self, z: float) -> float:
         """Real over nominal area of contact."""
-        return self.contact_density(z) * float(self.area(self.compressions(z).mean()))
+        return self.contact_density(z) * np.pi * self.radius * self.compressions(z).mean()
+
+    def log_pressure(self, z: float) -> float:
+        """Log of the nominal pressure in Pa where the flat is at z sigma_h."""
+        mean_load = Powered(self.compressions(z), self.load).mean()
+        return float(np.log(self.density) + self.log_touching(z) + np.log(mean_load))
+
+    def separation(self, pressure: float) -> float:
+        """z = h0/sigma_h under a nominal pressure in Pa; at least -1e6, which is taken for covered."""
+        from scipy.optimize import brentq
+
+        def excess(z: float) -> float:
+            return self.log_pressure(z) - float(np.log(pressure))
+
+        if self.heights == "exponential":
+            return excess(0.0)  # the pressure is proportional to e^-z
+        # the pressure falls faster than e^(-z²/2); half of the summits are compressed by more than -h0
+        if (most := excess(0.0)) > 0.0:
+            ends = 0.0, np.sqrt(2.0 * most)
+        else:
+            deepest = straight(1.0, 1.0).against(self.load)(2.0 * pressure / self.density)
+            ends = max(-float(deepest) / self.std, -1e6), 0.0
+        return brentq(excess, *ends, xtol=1e-14, rtol=1e-14) if excess(ends[0]) > 0.0 else ends[0]
 
     def check_apart(self, z: float, name: str, value: float, remedy: str) -> None:
         """InputError where the contacts would cover the whole surface; the model needs them to be separate."""
-        if (covered := self.area_fraction(z)) >= 1.0:
-            rule = f"summits would cover {covered:.3g} of the surface; Greenwood and Williamson hold for contacts far "
+        if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
+            rule = f"summits would cover {covered:.3g} of the surface, under a flat at {z:.3g} sigma_h; Greenwood and "
+            rule += "Williamson hold for contacts far "
             rule += f'apart, so {remedy}, or take the thresholds of model = "persson"; are heights and pixel size in '
             refuse(name, value, rule + "metres, pressure and moduli in Pa?")
 
-    def pressure(self, z: float) -> float:
-        """Nominal pressure in Pa where the flat is at z sigma_h."""
-        with np.errstate(over="ignore"):
-            return float(self.density * np.exp(self._log_load(z)[0]))
 
-    def separation(self, pressure: float) -> float:
-        """z = h0/sigma_h under a nominal pressure in Pa, by Newton's method, which always converges here.
-
-        The logarithm of the load is concave in z and falls, so that after the first step the iterates approach the
-        root from above; a step back up is round-off.
-        """
-        goal = float(np.log(pressure) - np.log(self.density))
-        z = 0.0
-        for count in range(200):
-            value, slope = self._log_load(z)
-            step = (value - goal) / slope
-            z -= step
-            if (count > 0 and step <= 1e-15 * abs(z)) or z < -1e8:
-                break
-        return z
-
-    def _log_load(self, z: float) -> tuple[float, float]:
-        """log of the mean load over all summits (0 for those that do not touch), and its derivative in z.
-
-        Nothing under- or overflows, whether the flat is far above (z >> 1) or deep below (z < 0).
-        """
-        # in sigma_h a summit at z + t is compressed by t; the density of t is e^-(slope t + curvature t²/2)
-        slope, curvature = (z, 1.0) if self.heights == "gaussian" else (1.0, 0.0)
-        peak = max(0.0, -slope * curvature)
-        tilt = slope + curvature * peak
-        reach = 120.0 / (tilt + np.sqrt(tilt * tilt + 120.0 * curvature))
-        near, far, bend = max(0.0, peak - reach), peak + reach, self.load.at / self.std
-        # with t = s^4 powers of t in quarters are smooth at 0, and other powers smooth enough
-        s = np.unique(np.array([near, np.clip(bend, near, far), far]) ** 0.25)
-        half = 0.5 * np.diff(s)[:, None]
-        places, shares = _rule(200)
-        nodes = s[:-1, None] + half * (places + 1.0)
-        t, weights = nodes**4, 4.0 * half * shares * nodes**3
-        weights = weights * np.exp(-(t - peak) * (tilt + 0.5 * curvature * (t - peak)))
-        loads = weights * self.load(self.std * t)
-        if self.heights == "gaussian":
-            log_density = -0.5 * max(z, 0.0) ** 2 - 0.5 * np.log(2.0 * np.pi)
-            falls = float((loads * (z + t)).sum() / loads.sum())
-        else:
-            log_density, falls = -z, 1.0
-        return float(np.log(loads.sum())) + log_density, -falls
-
-
-def summits_of(moments: SpectralMoments, material: Material, regime: str, heights: str) -> Summits:
+def summits_of(
+    moments: SpectralMoments, material: Material, regime: str, height_law: str
+) -> Summits:
     """The summits that a surface's moments imply, loaded in a regime.
 
     Raises InputError for other names, and for a regime that needs the hardness where the material has none.
     """
     one_of("regime", regime, REGIMES)
-    one_of("height_law", heights, ("gaussian", "exponential"))
+    one_of("height_law", height_law, ("gaussian", "exponential"))
     radius = moments.summit_radius
-    hertz = PowerLaw(4.0 / 3.0 * material.contact_modulus * np.sqrt(radius), 1.5)
-    load = Bend(hertz, hertz, np.inf)
+    load = straight(4.0 / 3.0 * material.contact_modulus * np.sqrt(radius), 1.5)
     if regime != "elastic":
         hardness = material.needed("hardness", f'regime = "{regime}"')
+        plastic = straight(np.pi * radius * hardness, 1.0)
         limit = material.critical_compression(radius)
-        plastic = PowerLaw(np.pi * radius * hardness, 1.0)
-        load = Bend(hertz, plastic, limit) if regime == "mixed" else Bend(plastic, plastic, np.inf)
-    return Summits(radius, moments.summit_std, moments.summit_density, heights, load)
+        load = plastic if regime == "plastic" else Bend(load.coefficient, 1.5, 1.0, limit)
+    return Summits(radius, moments.summit_std, moments.summit_density, height_law, load)
 
 
 def pressed(summits: Summits, pressure: float) -> float:
@@ -147,7 +119,8 @@ def pressed(summits: Summits, pressure: float) -> float:
     """
     z = summits.separation(pressure)
     if summits.heights == "exponential" and z < 0.0:
-        rule = f"exponential heights bear at most {summits.pressure(0.0):.3g} Pa, where every summit touches; take "
+        most = np.exp(summits.log_pressure(0.0))
+        rule = f"exponential heights bear at most {most:.3g} Pa, where every summit touches; take "
         rule += 'height_law = "gaussian", or the thresholds of model = "persson"'
         refuse("pressure", pressure, rule)
     summits.check_apart(z, "pressure", pressure, "lower it")
@@ -191,7 +164,7 @@ def pressure_of_separation(
         rule = "exponential heights begin at 0, where every summit touches; write one above"
         refuse("separation", separation, rule)
     summits.check_apart(z, "separation", separation, "raise it")
-    pressure = summits.pressure(z)
+    pressure = float(np.exp(summits.log_pressure(z)))
     if not pressure > 0.0:
         refuse("separation", separation, f"is {z:.3g} sigma_h, where no summit reaches; lower it")
     return pressure
@@ -238,14 +211,16 @@ def gw_gaussian(
         refuse("separation", separation, "is h0/sigma_h and must lie between -1000 and 1e+06")
     # lengths whose squares are still finite
     scale = between("scale", scale, 1e-150, 1e150, "choose another unit of length")
-    # b of x_s ~ delta^b, elastic and plastic, for k ~ A^(1/2)
-    exponents = {"paper": (0.75, 0.5), "amontons": (1.0, 0.5), "strength": (0.5, 0.5)}
-    elastic, plastic = (PowerLaw(scale, b) for b in exponents[one_of("law", law, (*exponents,))])
+    # b of elastic contacts, for k ~ A^(1/2); 1/2 of plastic ones
+    exponents = {"paper": 0.75, "amontons": 1.0, "strength": 0.5}
+    exponent = exponents[one_of("law", law, (*exponents,))]
     if one_of("regime", regime, REGIMES) != "mixed":
         if plasticity_index is not None:
             rule = 'belongs to regime = "mixed" alone; leave it out'
             refuse("plasticity_index", plasticity_index, rule)
-        return Powered(compressions(1.0, z), elastic if regime == "elastic" else plastic)
+        return Powered(
+            compressions(1.0, z), straight(scale, exponent if regime == "elastic" else 0.5)
+        )
     if plasticity_index is None:
         rule = 'regime = "mixed" needs it, such as plasticity_index = 5.0'
         refuse("plasticity_index", plasticity_index, rule)
@@ -253,9 +228,6 @@ def gw_gaussian(
         at = float(np.float64(2.25 * np.pi / positive("plasticity_index", plasticity_index)) ** 2)
     if not 0.0 < at < np.inf:
         return gw_gaussian(z, scale, law, "plastic" if at == 0.0 else "elastic")
-    # `scale` is the coefficient of the part that includes delta = sigma_h; the other one meets it at the bend
-    if at > 1.0:
-        plastic *= PowerLaw(at ** (elastic.exponent - plastic.exponent), 0.0)
-    else:
-        elastic *= PowerLaw(at ** (plastic.exponent - elastic.exponent), 0.0)
-    return Powered(compressions(1.0, z), Bend(elastic, plastic, at))
+    # `scale` belongs to the part that includes delta = sigma_h
+    first = scale * min(at, 1.0) ** (0.5 - exponent)
+    return Powered(compressions(1.0, z), Bend(first, exponent, 0.5, at))

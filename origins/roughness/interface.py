@@ -131,58 +131,44 @@ class Interface:
     @property
     def cautions(self) -> tuple[str, ...]:
         """Sentences about surface or load at the limits of the theory; empty where there are none."""
-        gw, moments, radius = self.model == "gw", self.moments, self.mean_radius
-        covered, mu, said = self.area_fraction, self.friction_coefficient, list[str]()
+        moments, material, said = self.moments, self.material, list[str]()
+        covered, radius, mu = self.area_fraction, self.mean_radius, self.friction_coefficient
+        local, slope = material.local_friction or np.inf, moments.rms_slope
         along, across = np.sqrt(sorted(moments.m2_axes))
         # without a scan, or without patches, there are no cautions about their size
         pixel = moments.pixel_size or (0.0, 0.0)
         size = (moments.size if moments.pixel_size else None) or (0.0, np.inf)
-        scan, patch = size[0] * size[1] or np.inf, self.patch_area or pixel[0] * pixel[1]
+        point, scan = pixel[0] * pixel[1], size[0] * size[1] or np.inf
+        patch, held = self.patch_area or point, self.contact_density * scan
         if np.inf > max(size) > 0.1:
             said.append(f"the scan is {max(size):.3g} m across: is the unit right?")
-        if (held := self.contact_density * scan) < 1.0:
-            said.append(
-                f"the scan would hold {held:.2g} contacts: what they bear extrapolates its tail"
-            )
-        if patch < pixel[0] * pixel[1]:
-            said.append(
-                f"patch_area = {patch:.3g} m² is below the {pixel[0] * pixel[1]:.3g} m² of a pixel"
-            )
+        if held < 1.0:
+            said.append(f"the scan would hold {held:.2g} contacts: what they bear is extrapolated")
+        if patch < point:
+            said.append(f"patch_area = {patch:.3g} m² is below the {point:.3g} m² of a pixel")
         if patch > scan:
-            said.append(
-                f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan: is it in m²?"
-            )
-        if not gw and covered >= 0.995:
-            said.append("full contact: no contact stands alone, and patches do not slip one by one")
-        elif covered > 0.1:
-            theory = (
-                "Greenwood and Williamson's are far apart"
-                if gw
-                else "neighbouring patches are hardly independent"
-            )
+            said.append(f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan")
+        if covered > 0.1:
+            theory = "neighbours are hardly independent, and in full contact none stands alone"
             said.append(f"contacts cover {covered:.0%} of the surface: {theory}")
-        if moments.rms_slope > 0.5:
-            slope = f"rms slope is {moments.rms_slope:.2g}"
-            said.append(f"{slope}, not small: are heights and pixel size in one unit?")
+        if slope > 0.5:
+            said.append(f"rms slope is {slope:.2g}: are heights and pixel size in one unit?")
         if across > 1.5 * along:
-            factor = f"rms slopes along the two axes differ by a factor {across / along:.2g}"
-            said.append(f"{factor}: theory is isotropic")
-        if self.regime == "elastic" and (plastic := self.plastic_fraction or 0.0) > 0.01:
-            said.append(f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic")
-        if self.regime == "plastic" and (plastic := self.hertz_plastic_fraction or 0.0) < 0.01:
-            said.append(
-                f"{plastic:.1%} would be plastic by Hertz' theory, and all contacts are taken as plastic"
-            )
+            said.append(f"rms slopes along the two axes differ by a factor {across / along:.2g}")
+        if self.regime == "elastic" and (share := self.plastic_fraction or 0.0) > 0.01:
+            said.append(f"{share:.0%} of the contacts would be plastic, and are taken as elastic")
+        if self.regime == "plastic" and (share := self.hertz_plastic_fraction or 0.0) < 0.01:
+            said.append(f"{share:.1%} would be plastic by Hertz' theory, and all are taken as such")
         if self.mean_threshold > radius:
-            slip = f"contacts would slip after {self.mean_threshold:.2g} m"
-            said.append(f"{slip}, more than their radius of {radius:.2g} m")
-        if gw and radius < 2.0 * max(
-            pixel
-        ):  # the scan need not resolve the area of Persson's patches
-            small = f"mean radius of a contact is {radius:.2g} m"
-            said.append(f"{small}, below 2 pixels: the scan does not resolve it")
-        if self.law != "strength" and mu > (local := self.material.local_friction or np.inf):
             said.append(
-                f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random"
+                f"contacts slip after {self.mean_threshold:.2g} m, over their {radius:.2g} m"
             )
+        # the scan need not resolve the area of Persson's patches
+        if self.model == "gw" and radius < 2.0 * max(pixel):
+            said.append(
+                f"mean radius {radius:.2g} m is below 2 pixels: the scan does not resolve it"
+            )
+        if self.law != "strength" and mu > local:
+            told = f"friction coefficient {mu:.2g} is above the local {local:.2g}"
+            said.append(f"{told}: Eq. Q6 pairs k and x_s at random")
         return tuple(said)

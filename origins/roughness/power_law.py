@@ -1,4 +1,4 @@
-"""Power laws of one quantity, and pairs of them: one below the bend, the other above it."""
+"""Power laws of one quantity, and their continuation with another exponent beyond a bend."""
 
 from dataclasses import dataclass
 
@@ -27,59 +27,43 @@ class PowerLaw:
     def __call__(self, y: npt.ArrayLike) -> Array:
         return np.asarray(self.coefficient * np.asarray(y, dtype=float) ** self.exponent)[()]
 
-    def __mul__(self, other: "PowerLaw") -> "PowerLaw":
-        """The product with another law of the same quantity."""
-        return PowerLaw(self.coefficient * other.coefficient, self.exponent + other.exponent)
-
-    def __pow__(self, exponent: float) -> "PowerLaw":
-        return PowerLaw(self.coefficient**exponent, self.exponent * exponent)
-
-    def of(self, inner: "PowerLaw") -> "PowerLaw":
-        """The composition self(inner(y))."""
-        return PowerLaw(self.coefficient, 0.0) * inner**self.exponent
-
-    @property
-    def inverse(self) -> "PowerLaw":
-        """The inverse law, for an exponent other than 0."""
-        return PowerLaw(self.coefficient ** (-1.0 / self.exponent), 1.0 / self.exponent)
-
-    @property
-    def slope(self) -> "PowerLaw":
-        """Its derivative, for an exponent above 0."""
-        return PowerLaw(self.coefficient * self.exponent, self.exponent - 1.0)
-
 
 @dataclass(frozen=True)
-class Bend:
-    """`below` for y <= at, `above` beyond, equal at `at`, which may be 0 or inf: then one of them is used."""
+class Bend(PowerLaw):
+    """The power law up to y = at, and beyond it, without a jump, with the exponent `above`."""
 
-    below: PowerLaw
-    above: PowerLaw
+    above: float
     at: float
 
     def __call__(self, y: npt.ArrayLike) -> Array:
         y = np.asarray(y, dtype=float)
+        up_to = super().__call__(np.minimum(y, self.at))
         if self.at == np.inf:
-            return self.below(y)
-        return np.asarray(np.where(y <= self.at, self.below(y), self.above(y)))[()]
+            return up_to
+        return np.asarray(up_to * np.maximum(y / self.at, 1.0) ** self.above)[()]
 
-    def __mul__(self, other: PowerLaw) -> "Bend":
-        return Bend(self.below * other, self.above * other, self.at)
+    def times(self, coefficient: float, exponent: float = 0.0) -> "Bend":
+        """The product with a power law of the same y."""
+        above = self.above + exponent
+        return Bend(self.coefficient * coefficient, self.exponent + exponent, above, self.at)
 
-    def __pow__(self, exponent: float) -> "Bend":
-        return Bend(self.below**exponent, self.above**exponent, self.at)
+    def raised(self, power: float) -> "Bend":
+        """This law to a power."""
+        exponents = self.exponent * power, self.above * power
+        return Bend(self.coefficient**power, *exponents, self.at)
 
-    def of(self, inner: "Bend") -> "Bend":
-        """The composition self(inner(y)); `inner` rises, and its bend must be at the same y."""
-        return Bend(self.below.of(inner.below), self.above.of(inner.above), inner.at)
+    def slope(self, y: Array) -> Array:
+        """The derivative, which jumps at the bend."""
+        return self.times(1.0, -1.0)(y) * np.where(y <= self.at, self.exponent, self.above)
 
-    @property
-    def inverse(self) -> "Bend":
-        """The inverse law; both parts must rise."""
-        at = float(self.below(self.at)) if 0.0 < self.at < np.inf else self.at
-        return Bend(self.below.inverse, self.above.inverse, at)
+    def against(self, other: "Bend") -> "Bend":
+        """This law as a function of another one, which rises with y; if both bend, then at the same y."""
+        power, at = self.exponent / other.exponent, min(self.at, other.at)
+        coefficient = self.coefficient * other.coefficient**-power
+        at = float(other(at)) if at < np.inf else at
+        return Bend(coefficient, power, self.above / other.above, at)
 
-    @property
-    def slope(self) -> "Bend":
-        """Its derivative, which jumps at the bend."""
-        return Bend(self.below.slope, self.above.slope, self.at)
+
+def straight(coefficient: float, exponent: float) -> Bend:
+    """The power law without a bend."""
+    return Bend(coefficient, exponent, exponent, np.inf)

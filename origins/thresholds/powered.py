@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from origins.roughness.power_law import Bend, PowerLaw
+from origins.roughness.power_law import Bend, PowerLaw, straight
 from origins.thresholds.law import Array, Thresholds
 
 
@@ -13,14 +13,13 @@ class Powered(Thresholds):
     at 0, the density jumps by the ratio of the exponents: a breakpoint.
     """
 
-    def __init__(self, base: Thresholds, power: PowerLaw | Bend) -> None:
-        power = power if isinstance(power, Bend) else Bend(power, power, np.inf)
-        if power.at == 0.0 or power.below == power.above:
-            power = Bend(power.above, power.above, np.inf)
-        self.base, self.power, self._back = base, power, power.inverse
+    def __init__(self, base: Thresholds, power: PowerLaw) -> None:
+        if not isinstance(power, Bend) or power.above == power.exponent:
+            power = straight(power.coefficient, power.exponent)
+        self.base, self.power, self._back = base, power, straight(1.0, 1.0).against(power)
         self.onset_power = base.onset_power
         if base.support()[0] == 0.0:
-            self.onset_power = (base.onset_power + 1.0) / power.below.exponent - 1.0
+            self.onset_power = (base.onset_power + 1.0) / power.exponent - 1.0
 
     def support(self) -> tuple[float, float]:
         lower, upper = self.power(np.array(self.base.support()))
@@ -68,5 +67,4 @@ class Powered(Thresholds):
     def _moment(self, n: float) -> float:
         if self.power.at < np.inf:
             return super()._moment(n)
-        each = self.power.below
-        return each.coefficient**n * self.base._moment(n * each.exponent)
+        return self.power.coefficient**n * self.base._moment(n * self.power.exponent)
