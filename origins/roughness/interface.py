@@ -134,7 +134,7 @@ class Interface:
         moments, material, said = self.moments, self.material, list[str]()
         covered, radius, mu = self.area_fraction, self.mean_radius, self.friction_coefficient
         local, slope = material.local_friction or np.inf, moments.rms_slope
-        along, across = np.sqrt(sorted(moments.m2_axes))
+        uneven = np.sqrt(max(moments.m2_axes) / min(moments.m2_axes))
         # without a scan, or without patches, there are no cautions about their size
         pixel = moments.pixel_size or (0.0, 0.0)
         size = (moments.size if moments.pixel_size else None) or (0.0, np.inf)
@@ -153,8 +153,8 @@ class Interface:
             said.append(f"contacts cover {covered:.0%} of the surface: {theory}")
         if slope > 0.5:
             said.append(f"rms slope is {slope:.2g}: are heights and pixel size in one unit?")
-        if across > 1.5 * along:
-            said.append(f"rms slopes along the two axes differ by a factor {across / along:.2g}")
+        if uneven > 1.5:
+            said.append(f"slopes of the two axes differ by a factor {uneven:.2g}: not isotropic")
         if self.regime == "elastic" and (share := self.plastic_fraction or 0.0) > 0.01:
             said.append(f"{share:.0%} of the contacts would be plastic, and are taken as elastic")
         if self.regime == "plastic" and (share := self.hertz_plastic_fraction or 0.0) < 0.01:
