@@ -134,7 +134,7 @@ class Interface:
         moments, material, said = self.moments, self.material, list[str]()
         covered, radius, mu = self.area_fraction, self.mean_radius, self.friction_coefficient
         local, slope = material.local_friction or np.inf, moments.rms_slope
-        uneven = np.sqrt(max(moments.m2_axes) / min(moments.m2_axes))
+        uneven = np.sqrt(np.divide(max(moments.m2_axes), min(moments.m2_axes)))
         # without a scan, or without patches, there are no cautions about their size
         pixel = moments.pixel_size or (0.0, 0.0)
         size = (moments.size if moments.pixel_size else None) or (0.0, np.inf)

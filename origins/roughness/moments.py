@@ -152,41 +152,36 @@ def spectral_moments(
         rule = f"the scan of {shape} points needs at least 2 step + 1 along each axis"
         refuse("step", step, rule)
     level = detrended(surface, detrend)
-    slopes, curvatures = _differences(level.heights, step, periodic)
-    inside = [n if periodic else n - 2 * step for n in shape]
-    used = float(np.isfinite(curvatures[0]).sum()) / (inside[0] * inside[1])
+    h, inside = level.heights, [n if periodic else n - 2 * step for n in shape]
+    wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
+    inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
+    ahead = np.stack([wide[after, inner], wide[inner, after]])
+    behind = np.stack([wide[before, inner], wide[inner, before]])
+    slopes, curvatures = _known(ahead - h), _known(ahead - 2.0 * h + behind)
+    used = curvatures.shape[1] / (inside[0] * inside[1])
     if used < 0.5:
         rule = f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils"
-        rule += ", less than half; fill them in or cut out a part that is whole"
-        refuse("heights", level.heights, rule)
+        refuse(
+            "heights", h, f"{rule}, less than half; fill them in or cut out a part that is whole"
+        )
     dx, dy = level.pixel_size
-    sizes = step * dx, step * dy
-    m2 = [float(np.nanmean((d / size) ** 2)) for d, size in zip(slopes, sizes, strict=True)]
-    m4 = [float(np.nanmean((d / size**2) ** 2)) for d, size in zip(curvatures, sizes, strict=True)]
+    sizes = np.array([step * dx, step * dy])
+    m2, m4 = (slopes**2).mean(axis=1) / sizes**2, (curvatures**2).mean(axis=1) / sizes**4
     return SpectralMoments(
-        m0=float(np.nanmean(level.heights**2)),
-        m2_axes=(m2[0], m2[1]),
-        m4_axes=(m4[0], m4[1]),
+        m0=float(np.nanmean(h**2)),
+        m2_axes=(float(m2[0]), float(m2[1])),
+        m4_axes=(float(m4[0]), float(m4[1])),
         step=step,
-        pixel_size=sizes,
+        pixel_size=(step * dx, step * dy),
         missing_fraction=level.missing_fraction,
         used_fraction=used,
         size=(shape[0] * dx, shape[1] * dy),
     )
 
 
-def _differences(h: Array, step: int, periodic: bool) -> tuple[list[Array], list[Array]]:
-    """First and second differences of heights along both axes, NaN in both where either is missing."""
-    wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
-    inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
-    along = wide[after, inner], wide[before, inner]
-    pairs = along, (wide[inner, after], wide[inner, before])
-    slopes = [ahead - h for ahead, _ in pairs]
-    curvatures = [ahead - 2.0 * h + behind for ahead, behind in pairs]
-    for one, other in (slopes, curvatures):
-        lost = np.isnan(one + other)
-        one[lost] = other[lost] = np.nan
-    return slopes, curvatures
+def _known(differences: Array) -> Array:
+    """Those of the points that have one along both axes, shape (2, number), from shape (2, n_x, n_y)."""
+    return differences[:, np.isfinite(differences).all(axis=0)]
 
 
 def moments_of_spectrum(

@@ -42,36 +42,29 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
     """
     if isinstance(heights, Topography):
         return heights
+    values, scale = heights, 1.0
     if callable(getattr(heights, "heights", None)):
         if pixel_size is not None:
             refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
-        unit = getattr(heights, "unit", None)
-        if unit not in METRES:
+        if (unit := getattr(heights, "unit", None)) not in METRES:
             rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size"
             refuse("heights.unit", unit, f"{rule} in metres")
-        scale, sizes = METRES[unit], None
         if getattr(heights, "physical_sizes", True) is not None:
-            sizes = getattr(heights, "pixel_size", None)
-        if not isinstance(sizes, tuple | list | np.ndarray) or len(sizes) != 2:
-            rule = "must be a pair (dx, dy); open the scan with its physical_sizes given"
-            refuse("heights.pixel_size", sizes, rule)
-        values = _height_array(heights.heights()) * scale  # type: ignore[attr-defined]
-        return Topography(values, pixel_sizes(np.multiply(sizes, scale), "heights.pixel_size"))
-    values = _height_array(heights)
+            pixel_size = getattr(heights, "pixel_size", None)
+        values, scale = heights.heights(), METRES[unit]  # type: ignore[attr-defined]
     if pixel_size is None:
-        rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres"
-        refuse("pixel_size", pixel_size, rule)
-    return Topography(values, pixel_sizes(pixel_size))
+        rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres, or open the scan with its "
+        refuse("pixel_size", pixel_size, rule + "physical_sizes given")
+    dx, dy = pixel_sizes(pixel_size)
+    return Topography(_height_array(values) * scale, (dx * scale, dy * scale))
 
 
-def pixel_sizes(pixel_size: object, name: str = "pixel_size") -> tuple[float, float]:
+def pixel_sizes(pixel_size: object) -> tuple[float, float]:
     """`pixel_size`, one number or a pair, as (dx, dy), both above zero."""
-    if isinstance(pixel_size, tuple | list | np.ndarray):
-        if len(pixel_size) != 2:
-            refuse(name, pixel_size, "must be one number or a pair (dx, dy)")
-        return positive(f"{name}[0]", pixel_size[0]), positive(f"{name}[1]", pixel_size[1])
-    size = positive(name, pixel_size)
-    return size, size
+    given = pixel_size if isinstance(pixel_size, tuple | list | np.ndarray) else (pixel_size,) * 2
+    if len(given) != 2:
+        refuse("pixel_size", pixel_size, "must be one number or a pair (dx, dy)")
+    return positive("pixel_size[0]", given[0]), positive("pixel_size[1]", given[1])
 
 
 def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
@@ -84,20 +77,18 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
     one_of("detrend", detrend, ("curvature", "tilt", "centre"))
     heights = surface.heights
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in heights.shape), indexing="ij")
-    terms = [np.ones_like(x)] + ([x, y] if detrend != "centre" else [])
-    if detrend == "curvature":
-        terms += [x * x, y * y, x * y]
+    count = {"centre": 1, "tilt": 3, "curvature": 6}[detrend]
+    terms = np.stack([np.ones_like(x), x, y, x * x, y * y, x * y][:count], axis=-1)
     there = np.isfinite(heights)
     # fitted about their mean, in units of their range, for heights in any unit and far from zero
     known = heights[there]
     middle, span = float(known.mean()), float(np.ptp(known))
-    basis = np.stack([term[there] for term in terms], axis=1)
-    coefficients = np.linalg.lstsq(basis, (known - middle) / (span or 1.0), rcond=None)[0]
-    left = heights - middle - span * np.tensordot(coefficients, np.stack(terms), axes=1)
-    if not float(np.nanstd(left)) > 1e-12 * float(np.abs(known).max()):  # else it is round-off
+    coefficients = np.linalg.lstsq(terms[there], (known - middle) / (span or 1.0), rcond=None)[0]
+    rest = heights - middle - span * (terms @ coefficients)
+    if not float(np.nanstd(rest)) > 1e-12 * float(np.abs(known).max()):  # else it is round-off
         rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
         refuse("heights", heights, rule)
-    return Topography(left, surface.pixel_size)
+    return Topography(rest, surface.pixel_size)
 
 
 def _height_array(heights: object) -> Array:
@@ -109,10 +100,8 @@ def _height_array(heights: object) -> Array:
         refuse("heights", heights, f"must be a two-dimensional array in metres, or {such}")
     if values.ndim != 2 or min(values.shape) < 3:
         refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
-    infinite = np.argwhere(np.isinf(values))
-    if infinite.size:
-        i, j = infinite[0]
-        refuse(f"heights[{i}, {j}]", values[i, j], "must be finite, or NaN where none is known")
+    if np.isinf(values).any():
+        refuse("heights", values, "must be finite, or NaN where none is known")
     if not np.isfinite(values).any():
         refuse("heights", values, "every point is missing; a surface needs heights")
     return values
@@ -165,7 +154,10 @@ def self_affine_surface(
     if whole("seed", seed, 0) >= 2**64:
         refuse("seed", seed, "must be below 2**64")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
-    _check_memory(n_x, n_y)
+    needed = 40 * n_x * n_y  # bytes; 36 a point were measured
+    if needed > (there := _memory()):
+        rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {there / 1e9:.3g} GB"
+        refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
     dx, dy = pixel_sizes(pixel_size)
     if not 0.0 < positive("hurst", hurst) <= 1.0:
         refuse("hurst", hurst, "must be above 0 and at most 1")
@@ -190,23 +182,16 @@ def self_affine_surface(
     relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
     # each mode of the half plane counts for itself and its conjugate, except those at the plane's edges
-    count = np.full(q_y.size, 2.0)
-    count[0] = 1.0
-    if n_y % 2 == 0:
-        count[-1] = 1.0
+    count = np.where((q_y == 0.0) | (np.arange(q_y.size) == n_y / 2), 1.0, 2.0)
     amplitude *= rms_slope / np.sqrt((amplitude**2 * q**2 * count).sum())
     generator = np.random.Generator(np.random.Philox(key=seed))
     noise = np.fft.rfft2(generator.standard_normal((n_x, n_y)))
     return np.fft.irfft2(amplitude * noise / np.abs(noise), s=(n_x, n_y)) * (n_x * n_y)
 
 
-def _check_memory(n_x: int, n_y: int) -> None:
-    """InputError where a surface, at 40 bytes a point (36 were measured), needs more than the memory of the machine."""
+def _memory() -> float:
+    """Memory of the machine in bytes; inf on systems that do not report it."""
     try:
-        there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):  # some systems do not report it
-        return
-    if 40 * n_x * n_y > there:
-        needed = min(40 * n_x * n_y, 10**300) / 1e9
-        rule = f"needs {needed:.3g} GB, 40 bytes a point, and this machine has {there / 1e9:.3g} GB"
-        refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return np.inf
