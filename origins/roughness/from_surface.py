@@ -28,16 +28,11 @@ def from_topography(
 ) -> Thresholds:
     """Thresholds of a measured surface pressed against a flat (paper, Sec. VI A and B), in metres.
 
-    Parameters
-    ----------
-    heights : array of shape (n_x, n_y), or a SurfaceTopography topography
-        Heights of the surface (of two rough ones, their sum) in metres, NaN where missing.
-    pixel_size : float or (dx, dy)
-        Metres; left out for a topography object, which is converted by its unit.
-    detrend, periodic, step
-        As in spectral_moments.
-    options
-        All other arguments of from_moments.
+    heights : array of shape (n_x, n_y), NaN where missing, or a SurfaceTopography topography: heights of the surface
+        (of two rough ones, their sum) in metres.
+    pixel_size : float or (dx, dy), metres; left out for a topography object, which is converted by its unit.
+    detrend, periodic, step : as in spectral_moments.
+    options : all other arguments of from_moments.
 
     Returns thresholds and raises InputError as from_moments does.
     """
@@ -58,14 +53,10 @@ def from_moments(
 ) -> Thresholds:
     """Thresholds in metres of a surface known by its moments, as moments_of_spectrum or moments_of_summits give them.
 
-    Parameters
-    ----------
-    model : "gw" or "persson"
-        "gw": Greenwood and Williamson's summits, counted and shaped by the spectral moments (McCool 1986), heights
+    model : "gw": Greenwood and Williamson's summits, counted and shaped by the spectral moments (McCool 1986), heights
         measured from the summits' mean plane. "persson": normal stress in the real contact, of width
         E* h'_rms/2^(1/2), on patches of `patch_area`.
-    law : "paper", "amontons" or "strength"
-        From the area A and load w of a contact to its threshold x_s = f_s/k:
+    law : from the area A and load w of a contact to its threshold x_s = f_s/k:
         "paper": f_s = mu w and f_s = c x_s², so that k = c x_s;
         "amontons": f_s = mu w, with k = G A^(1/2);
         "strength": f_s = tau A, with k = G A^(1/2).
@@ -78,27 +69,18 @@ def from_moments(
 
         for k ~ A^(1/2); for plastic summits x_s ~ delta^(1/2) under every law. For another k give
         Material(contact_stiffness=...); the law "paper" refuses it, as its k is c x_s.
-    material : Material
-        SI units; InputError names the constants that the law needs and the material lacks.
-    pressure : float
-        Nominal pressure, Pa.
-    regime : "elastic", "plastic" or "mixed"
-        gw only. "plastic": every summit carries hardness times area, pi r delta H (paper, Eq. GW2); "mixed": only those
-        compressed by more than r (3 pi H/4E*)² do, where this load equals Hertz' load. Area and load are continuous
-        there, and so is x_s; P_c jumps. Persson's stresses are elastic.
-    patch_area : float
-        persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Under both
-        laws x_s and <k> are proportional to patch_area^(1/2) ("amontons" with k ~ A^e: x_s to patch_area^(1-e), <k> to
-        patch_area^e) and the contact density to its inverse; shape, propensity and friction coefficient do not change.
-        Use `interface.mean_area` of model="gw" on the same surface, under the same pressure.
-    height_law : "gaussian" or "exponential"
-        gw only: law of the summits' heights, either of the measured standard deviation.
+    material : SI units; InputError names the constants that the law needs and the material lacks.
+    pressure : nominal pressure, Pa.
+    regime : gw only. "elastic"; "plastic": every summit carries hardness times area, pi r delta H (paper, Eq. GW2);
+        "mixed": only those compressed by more than r (3 pi H/4E*)² do, where this load equals Hertz' load. Area and
+        load are continuous there, and so is x_s; P_c jumps. Persson's stresses are elastic.
+    patch_area : persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Under
+        both laws x_s and <k> are proportional to patch_area^(1/2) ("amontons" with k ~ A^e: x_s to patch_area^(1-e),
+        <k> to patch_area^e) and the contact density to its inverse; shape, propensity and friction coefficient do not
+        change. Use `interface.mean_area` of model="gw" on the same surface, under the same pressure.
+    height_law : gw only: "gaussian" or "exponential" heights of the summits, either of the measured standard deviation.
 
-    Returns
-    -------
-    thresholds : Thresholds
-        With `.interface`, the Interface: area fraction, contact density, <k>, plasticity, friction coefficient.
-
+    The result has `.interface`, the Interface: area fraction, contact density, <k>, plasticity, friction coefficient.
     Raises InputError for other values and for meaningless combinations; the message says what to write instead.
     """
     if not isinstance(moments, SpectralMoments):

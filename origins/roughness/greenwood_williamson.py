@@ -189,20 +189,14 @@ def gw_gaussian(
     Light load, h0 >> sigma_h, is the exponential case, S(x) = exp[-(h0/sigma_h)(x/scale)^(1/b)] up to
     (sigma_h/h0)²: the paper's law gives (GW3) and (GW4), gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).
 
-    Parameters
-    ----------
-    separation : float
-        h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Below 0 the load is heavy; below about -3 every
-        summit touches, and the model hardly applies. separation_of_pressure finds it from a load.
-    scale : float
-        Threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
-    law : "paper", "amontons" or "strength"
-        As in from_topography.
-    regime : "elastic", "plastic" or "mixed"
-        "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean pressure is the hardness, are
-        plastic. x_s is continuous there; P_c jumps up, by 3/2 under the law "paper" and by 2 under "amontons".
-    plasticity_index : float
-        psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; needed for the regime "mixed", and only there.
+    separation : h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Below 0 the load is heavy; below about -3
+        every summit touches, and the model hardly applies. separation_of_pressure finds it from a load.
+    scale : threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
+    law : as in from_moments.
+    regime : "elastic", "plastic" or "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean
+        pressure is the hardness, are plastic. x_s is continuous there; P_c jumps up, by 3/2 under the law "paper" and
+        by 2 under "amontons".
+    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; needed for the regime "mixed", and only there.
 
     Raises InputError for values outside these. For summits in metres and newtons see from_moments.
     """

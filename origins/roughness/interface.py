@@ -21,47 +21,27 @@ class Interface:
 
     A force F per N_c<k>, a length, is the shear stress contact_density * mean_stiffness * F.
 
-    Attributes
-    ----------
-    model, law : str
-        "gw" or "persson"; "paper", "amontons" or "strength".
-    material : Material
-    moments : SpectralMoments
-        Of the surface, with the step and the pixel size of their differences.
-    pressure : float
-        Nominal pressure, Pa.
-    area_fraction : float
-        Real over nominal area of contact.
-    contact_density : float
-        Contacts per nominal area, 1/m².
-    mean_radius : float
-        <(A/pi)^(1/2)> over the contacts, m.
-    mean_threshold : float
-        <x_s> over fresh contacts, m.
-    mean_stiffness : float
-        <k> over fresh contacts, k = f_s/x_s, N/m.
-    mean_force_threshold : float
-        <f_s> over fresh contacts, N.
-    friction_coefficient : float
-        Kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of x_i (paper,
-        Eq. Q6). Where k is proportional to x_s it is <f_s>/(2 <load>) exactly: half the sum of all thresholds.
-        Number, load and <k> are those of the fresh interface; that sliding favours large thresholds is neglected.
-    force_law : Bend
-        f_s in N as a function of x_s in m: force_threshold.
-    plasticity_index : float or None
-        psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness. The paper's has E and the mean height
-        of exponential summits; Greenwood and Williamson's, with H in place of Y, is a third of this one.
-    plastic_fraction : float or None
-        gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime "mixed"; all of
-        them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
-    hertz_plastic_fraction : float or None
-        The same fraction if all contacts were elastic under this pressure, whatever the regime.
-    regime : str
-        gw only, else "elastic": "elastic", "plastic" or "mixed".
-    separation : float or None
-        gw only: height of the flat above the summits' mean plane, m; below zero where it lies beneath.
-    patch_area : float or None
-        persson only: area of one contact, m².
+    model, law : "gw" or "persson"; "paper", "amontons" or "strength".
+    material, moments : Material, and SpectralMoments with the step and the pixel size of their differences.
+    pressure : nominal pressure, Pa.
+    area_fraction : real over nominal area of contact.
+    contact_density : contacts per nominal area, 1/m².
+    mean_radius : <(A/pi)^(1/2)> over the contacts, m.
+    mean_threshold, mean_stiffness, mean_force_threshold : over fresh contacts, <x_s> in m, <k> in N/m with
+        k = f_s/x_s, and <f_s> in N.
+    friction_coefficient : kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of
+        x_i (paper, Eq. Q6). Where k is proportional to x_s it is <f_s>/(2 <load>) exactly: half the sum of all
+        thresholds. Number, load and <k> are those of the fresh interface; that sliding favours large thresholds is
+        neglected.
+    force_law : f_s in N as a law of x_s in m: force_threshold.
+    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness. The paper's has E and the
+        mean height of exponential summits; Greenwood and Williamson's, with H in place of Y, is a third of this one.
+    plastic_fraction : gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime
+        "mixed"; all of them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
+    hertz_plastic_fraction : the same if all contacts were elastic under this pressure, whatever the regime.
+    regime : gw only, else "elastic": "elastic", "plastic" or "mixed".
+    separation : gw only: height of the flat above the summits' mean plane, m; below zero where it lies beneath.
+    patch_area : persson only: area of one contact, m².
     """
 
     model: str
@@ -109,12 +89,9 @@ class Interface:
 
         Raises InputError for values that are no numbers, not finite or below zero.
         """
-        try:
-            lengths = np.asarray(threshold, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            refuse("threshold", threshold, "must be a length in m, or an array of them")
-        if not (np.isfinite(lengths) & (lengths >= 0.0)).all():
-            refuse("threshold", threshold, "must be finite and zero or above, in m")
+        lengths = np.asarray(threshold)
+        if lengths.dtype.kind not in "iuf" or not (np.isfinite(lengths) & (lengths >= 0.0)).all():
+            refuse("threshold", threshold, "must be a length in m, finite and zero or above")
         return self.force_law(lengths)
 
     def temperature(self, kelvin: float | None = None, energy: float | None = None) -> float:
@@ -123,8 +100,7 @@ class Interface:
         Raises InputError for both, for neither, and for values below zero.
         """
         if (kelvin is None) == (energy is None):
-            rule = "write one of them, such as kelvin = 300.0"
-            raise InputError(f"kelvin = {kelvin}, energy = {energy}: {rule}")
+            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them")
         joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else energy
         return non_negative("energy", joules) / self.mean_stiffness
 

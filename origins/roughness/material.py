@@ -8,8 +8,7 @@ from origins.errors import InputError, between, finite, positive, refuse
 from origins.roughness.power_law import PowerLaw
 
 _ONE_OF = (
-    "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness, a law of the area: "
-    "sound, mindlin, column or a power of your own"
+    "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness"
 )
 
 
@@ -17,26 +16,19 @@ _ONE_OF = (
 class Material:
     """Constants of the two bodies in contact, in SI units; those that the threshold law does not need may be left out.
 
-    Attributes
-    ----------
-    contact_modulus : float
-        E* of Hertz' theory in Pa, 1/E* = (1 - nu_1²)/E_1 + (1 - nu_2²)/E_2; E/(2(1 - nu²)) for equal bodies.
-    local_friction : float
-        mu, the shear force at which one contact breaks over its normal force.
-    shear_modulus : float
-        G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II and App. A, G = rho c²).
+    contact_modulus : E* of Hertz' theory in Pa, 1/E* = (1 - nu_1²)/E_1 + (1 - nu_2²)/E_2; E/(2(1 - nu²)) for equal
+        bodies.
+    local_friction : mu, the shear force at which one contact breaks over its normal force.
+    shear_modulus : G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II, App. A, G = rho c²).
         Mindlin's 8 a G* for equal bodies is 4/((2 - nu) pi^(1/2)) times that, 1.33 for nu = 0.3.
-    density, sound_velocity : float
-        rho in kg/m³ and the transverse sound velocity c in m/s: another way of writing G = rho c².
-    hardness : float
-        H in Pa, about 3 Y: the mean pressure of a plastic contact.
-    shear_strength : float
-        tau in Pa, f_s = tau A.
-    force_coefficient : float
-        c in Pa, f_s = c x_s² (the paper's law); G²/tau is its value where f_s = tau A and k = G A^(1/2).
-    contact_stiffness : PowerLaw
-        Or k in N/m as a power of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or your own. The
-        coefficient only sets the scale of x_s and cancels from the friction coefficient; P_c depends on the exponent.
+    density, sound_velocity : rho in kg/m³ and the transverse sound velocity c in m/s, another way to give G = rho c².
+    hardness : H in Pa, about 3 Y: the mean pressure of a plastic contact.
+    shear_strength : tau in Pa, f_s = tau A.
+    force_coefficient : c in Pa, f_s = c x_s² (the paper's law); G²/tau is its value where f_s = tau A and
+        k = G A^(1/2).
+    contact_stiffness : or k in N/m as a PowerLaw of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or
+        your own. The coefficient only sets the scale of x_s and cancels from the friction coefficient; P_c depends on
+        the exponent.
 
     Raises InputError for a value not above zero, or not within 1e-20 to 1e20, and where k is given in two ways or only
     half of one.
@@ -56,14 +48,14 @@ class Material:
         for name, value in vars(self).items():
             if name == "contact_modulus" or (value is not None and name != "contact_stiffness"):
                 between(name, value, 1e-20, 1e20, "it is in SI units")
-        own, speeds = self.contact_stiffness, (self.density, self.sound_velocity)
-        if own is not None and not isinstance(own, PowerLaw):
-            refuse("contact_stiffness", own, "must be a law, such as mindlin_stiffness(...)")
-        if own is not None and not 0.0 <= own.exponent <= 10.0:
+        law, speeds = self.contact_stiffness, (self.density, self.sound_velocity)
+        if not (law is None or isinstance(law, PowerLaw)):
+            refuse("contact_stiffness", law, "must be a law, such as mindlin_stiffness(...)")
+        if law is not None and not 0.0 <= law.exponent <= 10.0:
             rule = "must lie between 0 and 10, such as 0.5"
-            refuse("contact_stiffness.exponent", own.exponent, rule)
-        if (own is not None) + (self.shear_modulus is not None) + (speeds != (None, None)) > 1:
-            name = "contact_stiffness" if own is not None else "shear_modulus"
+            refuse("contact_stiffness.exponent", law.exponent, rule)
+        if (law is not None) + (self.shear_modulus is not None) + (speeds != (None, None)) > 1:
+            name = "shear_modulus" if law is None else "contact_stiffness"
             raise InputError(f"{name}: given twice; {_ONE_OF}")
         if speeds.count(None) == 1:
             refuse(("density", "sound_velocity")[speeds.index(None)], None, _ONE_OF)
@@ -71,10 +63,7 @@ class Material:
     def needed(self, name: str, what: str) -> float:
         """The constant `name`, in SI units; InputError where it was left out though `what`, law or regime, needs it."""
         if (value := getattr(self, name)) is None:
-            such = {"local_friction": "0.4", "hardness": "2e8 (Pa)", "shear_strength": "5e7 (Pa)"}
-            told = f"{name} = {such.get(name, '2.4e10 (Pa)')}"
-            rule = f"{what} needs it; give the material one, such as {told}"
-            raise InputError(f"material.{name} = None: {rule}")
+            refuse(f"material.{name}", None, f"{what} needs it; give the material one, in SI units")
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:
@@ -96,11 +85,7 @@ class Material:
         return float(radius * (0.75 * np.pi * (self.hardness or 0.0) / self.contact_modulus) ** 2)
 
     def plasticity_index(self, std: float, radius: float) -> float | None:
-        """psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; None without a hardness.
-
-        The paper prints (E/Y)(h_mean/r)^(1/2); Greenwood and Williamson's own, (E*/H)(sigma_h/r)^(1/2), is a third of
-        ours. In ours the critical compression is sigma_h (9 pi/(4 psi))².
-        """
+        """psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; None without a hardness. Interface compares it with others' psi."""
         if self.hardness is None:
             return None
         return float(3.0 * self.contact_modulus / self.hardness * np.sqrt(std / radius))
@@ -145,19 +130,13 @@ def column_stiffness(
 ) -> PowerLaw:
     """k = (3 pi/4) E_c r_c (r_c/h)³ of a cylinder bent sideways (paper, Eqs. eq15 and eq15a).
 
-    Its radius is r_c = (A/pi)^(1/2), its length h.
+    Its radius is r_c = (A/pi)^(1/2), its length h. This is a thin beam without shear and without the bodies'
+    compliance: too stiff where r_c is not below h.
 
-    This is a thin beam without shear and without the bodies' compliance: too stiff where r_c is not below h.
-
-    Parameters
-    ----------
-    youngs_modulus : float
-        E_c in Pa; 2 (1 + nu) rho c² in Eq. (eq15a).
-    aspect : float
-        r_c/h, the same for every contact, so that k ~ A^(1/2). At aspect = 1 this is (3 pi^(1/2)/2) (1 + nu)
+    youngs_modulus : E_c in Pa; 2 (1 + nu) rho c² in Eq. (eq15a).
+    aspect : r_c/h, the same for every contact, so that k ~ A^(1/2). At aspect = 1 this is (3 pi^(1/2)/2) (1 + nu)
         times rho c² A^(1/2): 3.5 for nu = 0.3, where the paper writes ~.
-    height : float
-        Or h in m, the same for every contact, the thickness of the interface: then k ~ A².
+    height : or h in m, the same for every contact, the thickness of the interface: then k ~ A².
 
     The law takes m² and gives N/m. Raises InputError for values not above zero, for both and for neither.
     """

@@ -17,26 +17,15 @@ _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
 class SpectralMoments:
     """Moments of the profiles along both axes, and the summits of the isotropic Gaussian surface that has them.
 
-    Attributes
-    ----------
-    m0 : float
-        Mean square height about the trend, in m².
-    m2 : float
-        Mean square profile slope, averaged over both axes; half the mean square slope of the surface.
-    m4 : float
-        Mean square profile curvature, averaged over both axes, in 1/m².
-    m2_axes, m4_axes : (float, float)
-        The same for profiles along the first and along the second axis; equal for an isotropic surface.
-    step : int or None
-        Pixels between the neighbours that were differenced; None where there was no scan.
-    pixel_size : (float, float) or None
-        Distances between those neighbours, in metres.
-    size : (float, float) or None
-        Lengths of the scan along both axes, in metres; None where there was no scan.
-    missing_fraction : float
-        Fraction of the points that are missing.
-    used_fraction : float
-        Fraction of the curvature stencils inside the scan that contain no missing point.
+    m0 : mean square height about the trend, m².
+    m2, m4 : mean square slope and curvature (1/m²) of profiles, averaged over both axes; m2 is half the mean square
+        slope of the surface.
+    m2_axes, m4_axes : the same along the first and along the second axis; equal for an isotropic surface.
+    step, pixel_size : pixels between the neighbours that were differenced, and their distances (m) along both axes;
+        None where there was no scan.
+    size : lengths of the scan along both axes, m; None where there was no scan.
+    missing_fraction : fraction of the points that are missing.
+    used_fraction : fraction of the curvature stencils inside the scan that contain no missing point.
     """
 
     m0: float
@@ -128,17 +117,11 @@ def spectral_moments(
     the pair of second differences about it. A point counts only where both members of the pair lie inside the
     scan and contain no missing point, so that both axes are averaged over the same points.
 
-    Parameters
-    ----------
-    heights, pixel_size
-        As in as_topography: metres, or a topography object with its own unit.
-    detrend : "curvature", "tilt" or "centre"
-        Least-squares trend removed first.
-    step : int
-        Neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine, but uses all
-        points. m0 does not depend on it.
-    periodic : bool
-        Whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
+    heights, pixel_size : as in as_topography, metres, or a topography object with its own unit.
+    detrend : least-squares trend removed first, "curvature", "tilt" or "centre".
+    step : neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine, but uses all points.
+        m0 does not depend on it.
+    periodic : whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
 
     Raises InputError for a flat surface, for one too small for the step, where missing points leave less than
     half of the curvature stencils, and where alpha is below 0.8968, so that no Gaussian surface has such moments.
@@ -192,15 +175,10 @@ def moments_of_spectrum(
     Between two points the spectrum is the power law through both, integrated exactly; beyond the first and the last
     it is zero. h'_rms² = 2 m2 and m4 depend mostly on the largest wavevectors: state where the spectrum was cut.
 
-    Parameters
-    ----------
-    wavevectors : array of shape (n,), n >= 2
-        q = 2 pi/wavelength in 1/m, rising, above zero.
-    power : array of shape (n,)
-        Above zero; leave empty bins out.
-    convention : "isotropic" or "profile"
-        "isotropic", in m⁴: C(q) = ∫ d²x <h(x)h(0)> e^(-iqx), the paper's, so that <h²> = ∫ q C dq/(2 pi); then
-        m2 = ∫ q³ C dq/(4 pi), which is the paper's R, and m4 = (3/8) ∫ q⁵ C dq/(2 pi). Spectra with the factor
+    wavevectors : q = 2 pi/wavelength in 1/m, shape (n,), n >= 2, rising, above zero.
+    power : C(q), shape (n,), above zero; leave empty bins out.
+    convention : "isotropic", in m⁴: C(q) = ∫ d²x <h(x)h(0)> e^(-iqx), the paper's, so that <h²> = ∫ q C dq/(2 pi);
+        then m2 = ∫ q³ C dq/(4 pi), which is the paper's R, and m4 = (3/8) ∫ q⁵ C dq/(2 pi). Spectra with the factor
         1/(2 pi)² in their definition, like Persson's, must be multiplied by (2 pi)².
         "profile", in m³: C(q) = ∫ dx <h(x)h(0)> e^(-iqx) of line scans, so that m_n = ∫_0 q^n C dq/pi.
 
@@ -208,27 +186,18 @@ def moments_of_spectrum(
     """
     q, c = finite_array("wavevectors", wavevectors), finite_array("power", power)
     if q.size < 2 or c.size != q.size:
-        refuse(
-            "power",
-            c,
-            f"must hold one value for each of the {q.size} wavevectors, of which two are needed",
-        )
+        rule = f"must hold one value for each of the {q.size} wavevectors, of which two are needed"
+        refuse("power", c, rule)
     for name, values in (("wavevectors", q), ("power", c)):
         for bad in np.flatnonzero(values <= 0.0):
             refuse(f"{name}[{bad}]", values[bad], "must be above zero; leave empty bins out")
-    for fallen in np.flatnonzero(np.diff(q) <= 0.0) + 1:
-        refuse(f"wavevectors[{fallen}]", q[fallen], "must rise from point to point")
-    if one_of("convention", convention, ("isotropic", "profile")) == "profile":
-        m0, m2, m4 = (_integral(q, c, n) / np.pi for n in (0, 2, 4))
-    else:
-        m0, m2, m4 = (_integral(q, c, n + 1) / (2.0 * np.pi) for n in (0, 2, 4))
-        # averages of cos² and of cos⁴ over all directions
-        m2, m4 = m2 / 2.0, 3.0 * m4 / 8.0
+    if not (np.diff(q) > 0.0).all():
+        refuse("wavevectors", q, "must rise from point to point")
+    # integrals of q^order C(q), C a power law between neighbours
+    isotropic = one_of("convention", convention, ("isotropic", "profile")) == "isotropic"
+    orders, rise = np.arange(0.0, 5.0, 2.0)[:, None] + isotropic, np.log(q[1:] / q[:-1])
+    growth = np.log(c[1:] / c[:-1]) + (orders + 1.0) * rise
+    sums = (c[:-1] * q[:-1] ** (orders + 1.0) * rise * exprel(growth)).sum(axis=1) / np.pi
+    # averages of cos² and of cos⁴ over all directions
+    m0, m2, m4 = (sums * [0.5, 0.25, 0.1875] if isotropic else sums).tolist()
     return SpectralMoments(m0=m0, m2_axes=(m2, m2), m4_axes=(m4, m4))
-
-
-def _integral(q: Array, c: Array, order: int) -> float:
-    """Integral of q^order C(q), C a power law between neighbours."""
-    rise = np.log(q[1:] / q[:-1])
-    step = np.log(c[1:] / c[:-1]) + (order + 1) * rise
-    return float((c[:-1] * q[:-1] ** (order + 1) * rise * exprel(step)).sum())

@@ -31,12 +31,9 @@ class Topography:
 def as_topography(heights: object, pixel_size: object = None) -> Topography:
     """`heights` as a Topography in metres.
 
-    Parameters
-    ----------
-    heights : array of shape (n_x, n_y), or an object with .heights(), .pixel_size and .unit
-        Heights in metres, NaN or masked where missing; or a SurfaceTopography topography, converted by its unit.
-    pixel_size : float or (dx, dy)
-        Distances between points along the first and the second axis, in metres; left out for an object, which has them.
+    heights : metres, array of shape (n_x, n_y), NaN or masked where missing; or a SurfaceTopography topography, an
+        object with .heights(), .pixel_size and .unit, converted by its unit.
+    pixel_size : distances between points, one number or (dx, dy), in metres; left out for an object, which has them.
 
     Raises InputError for line scans, absent or unknown units, infinite heights and pixel sizes not above zero.
     """
@@ -127,24 +124,14 @@ def self_affine_surface(
     (spectral_moments with periodic=True) is exactly the sum over modes of
     |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²].
 
-    Parameters
-    ----------
-    shape : (int, int)
-        Number of points along each axis, at least 4.
-    pixel_size : float or (dx, dy)
-        Distance between points.
-    hurst : float
-        Hurst exponent H, 0 to 1.
-    rms_slope : float
-        Root mean square slope of the surface, above zero.
-    seed : int
-        Seed of the phases, at least 0.
-    long_cutoff, short_cutoff : float
-        Wavelengths; left out, the longest and the shortest that the grid resolves in every direction.
-
-    Returns
-    -------
-    heights : array of `shape`, with mean zero
+    shape : numbers of points along both axes, at least 4.
+    pixel_size : distance between points, one number or (dx, dy).
+    hurst : the Hurst exponent H, 0 to 1.
+    rms_slope : root mean square slope of the surface, above zero.
+    seed : of the phases, at least 0.
+    long_cutoff, short_cutoff : wavelengths; left out, the longest and the shortest that the grid resolves in every
+        direction.
+    Returns heights of `shape`, with mean zero.
 
     Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode remains, and for a
     shape that needs, at 40 bytes a point, more than the memory of the machine.
