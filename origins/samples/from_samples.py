@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError, finite_array, positive, refuse
-from origins.samples.smoothing import smooth
+from origins.samples.log_polynomial import smooth
 from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
@@ -201,3 +201,12 @@ class Sampled(Mixture):
         below[atom] -= self.atoms[1]
         self.cdf_misfit = float(max((steps - up_to).max(), (below - steps + shares).max()))
         self.beyond = float(below[0]), float(self.sf(values[-1]))
+        error = float(np.sqrt(shares @ (values - shares @ values) ** 2 / effective_samples))
+        if (
+            self.cdf_misfit > self.cdf_error + 0.1
+            or abs(self.mean() - shares @ values) > 0.1 * error
+        ):
+            rule = "are groups or peaks that one smooth density does not follow; give each apart, in a mixture"
+            raise InputError(
+                f"from_samples: among the samples from {values[0]:g} to {values[-1]:g} {rule}"
+            )

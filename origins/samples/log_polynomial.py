@@ -1,17 +1,26 @@
-"""Densities whose logarithm is a polynomial plus m log x, so that P_c may begin as x^m.
+"""The smooth law through samples: a density whose logarithm is a polynomial plus m log x, smoothed by a penalty.
 
-Legendre polynomials are smooth everywhere: splines would have knots that solvers must resolve. For thresholds over
-decades the variable is log(1 + x/median), and a term in x is added to the polynomial.
+Legendre polynomials are smooth everywhere: splines would have knots that solvers must resolve. The penalty is the
+integral of the squared third derivative, so that a parabola, and with it mean and width, is not penalised, and each
+further bend must raise the likelihood enough (B. W. Silverman, Ann. Stat. 10, 795, 1982; P. Eilers and B. Marx, Stat.
+Sci. 11, 89, 1996).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
+from numpy.polynomial import laguerre, legendre
 
 from origins.thresholds.law import Array, Thresholds
+
+_EDGE = 3.0  # gain in log-likelihood that an edge, or a density diverging at 0, needs beyond a parameter's cost
+_NODES, _WEIGHTS = legendre.leggauss(8)
+# along an exponential tail all columns are linear: two nodes are exact for value, gradient and curvature
+_TAIL_NODES, _TAIL_WEIGHTS = laguerre.laggauss(2)
+_CHUNK = 1 << 14  # samples whose columns are in memory at once
 
 
 @dataclass(frozen=True)
@@ -21,7 +30,7 @@ class Form:
     from_zero : straight in x from the first sample down to x = 0; else P_c has an edge at the first sample.
     power : m log x is added.
     open_above : straight in x beyond the last sample, an exponential tail; else P_c has an edge there.
-    decades : a polynomial of log(1 + x/median) with x added; else a polynomial of x.
+    decades : a polynomial of log(1 + x/median) with x added, for thresholds over decades; else a polynomial of x.
     """
 
     from_zero: bool = True
@@ -30,31 +39,65 @@ class Form:
     decades: bool = False
 
 
-class LogPolynomial(Thresholds):
-    """The law of one form: log P_c is a sum of columns, each times its coefficient, and a constant.
+class _State(NamedTuple):
+    """Coefficients, the penalised log-likelihood per sample there, and mean and covariance of the columns under the
+    density."""
 
-    The columns are Legendre polynomials of degree 1, 2, ..., then x (Form.decades), then log x (Form.power), all
-    continued as straight lines beyond the extreme samples; they take x in units of the samples' median.
+    coefficients: Array
+    value: float
+    expected: Array
+    covariance: Array
 
-    extremes, unit : the first and the last sample, and the median (lengths).
-    coefficients : of the columns; to be fitted, and with them
-    score : log-likelihood minus the cost of the parameters.
-    beyond : weights below the first sample and above the last.
-    """
+
+class _Fitted(NamedTuple):
+    """Coefficients of one penalty, their score, Akaike's information (log-likelihood minus the number of parameters),
+    and the error of m."""
 
     coefficients: Array
     score: float
-    beyond: tuple[float, float]
+    information: float
+    power_error: float
 
-    def __init__(self, form: Form, extremes: tuple[float, float], degree: int, unit: float) -> None:
-        self.form, self.degree, self._extremes, self._unit = form, degree, extremes, unit
-        self.first, self.last = (end / unit for end in extremes)
-        low, high = self._variable(np.array([self.first, self.last]))
+
+class LogPolynomial(Thresholds):
+    """The law of one form, of largest score, for samples x (lengths, sorted, distinct) with `shares` (sum 1).
+
+    log P_c is a sum of columns, each times its coefficient, and a constant: Legendre polynomials of degree 1, 2, ...,
+    then x (Form.decades), then log x (Form.power), all continued as straight lines beyond the extreme samples; they
+    take x in units of the samples' median. size : the effective number of samples. score : log-likelihood minus the
+    cost of the parameters.
+    """
+
+    def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
+        """Prepare the columns and their sums over samples and over panels, and fit the coefficients."""
+        self.form, self._size, self._extremes = form, size, (float(x[0]), float(x[-1]))
+        self._unit = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
+        x = x / self._unit
+        first, last = self._first, self._last = float(x[0]), float(x[-1])
+        low, high = self._variable(x[[0, -1]])
         self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+        self._degree = degree = int(np.clip(round(4.0 * size**0.3), 4, 48))
         order = np.arange(1, degree + 1)
         steep = order * (order + 1) / (2.0 * self._half)
-        bent = (1.0 + self.first, 1.0 + self.last) if form.decades else (1.0, 1.0)
-        self._first_slope, self._last_slope = -steep * (-1.0) ** order / bent[0], steep / bent[1]
+        bent = (1.0 + first, 1.0 + last) if form.decades else (1.0, 1.0)
+        more = [1.0] * form.decades
+        self._below = np.array([*(-steep * (-1.0) ** order / bent[0]), *more, *[0.0] * form.power])
+        self._above = np.array([*(steep / bent[1]), *more, *[1.0 / last] * form.power])
+        parts = [slice(i, i + _CHUNK) for i in range(0, x.size, _CHUNK)]
+        self._mean = np.sum([shares[part] @ self.columns(x[part]) for part in parts], axis=0)
+        # panels between samples, halved towards either end and towards 0, where the density may be steep
+        near = np.geomspace(1e-9, 1.0, 30)
+        among = x[np.linspace(0, x.size - 1, min(x.size, 3 * degree)).astype(int)]
+        ends = [among, np.linspace(first, last, 2 * degree)]
+        ends += [first + (last - first) * near, last - (last - first) * near]
+        if form.from_zero:
+            ends += [first * (1.0 - near), last * np.geomspace(1e-30, 1.0, 60)]
+        edges = np.unique(np.concatenate(ends))
+        half = 0.5 * np.diff(edges)[:, None]
+        nodes = (edges[:-1, None] + half * (1.0 + _NODES)).ravel()
+        self._nodes, self._log_weights = self.columns(nodes), np.log((half * _WEIGHTS).ravel())
+        self._end = self.columns(x[-1:])[0]
+        self._fit(few=x.size < 3)
 
     def support(self) -> tuple[float, float]:
         first, last = self._extremes
@@ -66,43 +109,149 @@ class LogPolynomial(Thresholds):
 
     def _log_weight(self, x: Array) -> Array:
         # no product of matrices: each value has the same bits whatever the other x
-        return (self.rows(x / self._unit) * self.coefficients).sum(axis=-1)
+        return (self.columns(x / self._unit) * self.coefficients).sum(axis=-1)
 
     def _variable(self, x: Array) -> Array:
         return np.log1p(x) if self.form.decades else x
 
-    def rows(self, x: Array) -> Array:
-        """Values of the columns at x, shape (..., columns)."""
-        y = (self._variable(np.clip(x, self.first, self.last)) - self._middle) / self._half
-        below, above = np.minimum(x - self.first, 0.0), np.maximum(x - self.last, 0.0)
-        bent = np.multiply.outer(below, self._first_slope)
-        bent += np.multiply.outer(above, self._last_slope)
-        parts = [legendre.legvander(y, self.degree)[..., 1:] + bent]
+    def columns(self, x: Array) -> Array:
+        """Values of the columns at x (in medians), shape (..., columns)."""
+        inner = np.clip(x, self._first, self._last)
+        y = (self._variable(inner) - self._middle) / self._half
+        parts = [legendre.legvander(y, self._degree)[..., 1:]]
         if self.form.decades:
-            parts.append(x[..., None])
+            parts.append(inner[..., None])
         if self.form.power:
             with np.errstate(divide="ignore"):
-                parts.append((np.log(np.minimum(x, self.last)) + above / self.last)[..., None])
-        return np.concatenate(parts, axis=-1)
+                parts.append(np.log(np.minimum(x, self._last))[..., None])
+        out = np.concatenate(parts, axis=-1)
+        out += np.multiply.outer(np.minimum(x - self._first, 0.0), self._below)
+        return out + np.multiply.outer(np.maximum(x - self._last, 0.0), self._above)
 
-    def end_slope(self) -> Array:
-        """Slopes of the columns beyond the last sample."""
-        more = [1.0] * self.form.decades + [1.0 / self.last] * self.form.power
-        return np.append(self._last_slope, more)
+    def _fit(self, few: bool) -> None:
+        """Take the coefficients of largest score: of a straight line first, then of ever smaller penalties.
 
-    def grid(self) -> Array:
-        """Points of x from the first sample to the last, between which the log-density is nearly straight."""
-        y = -np.cos(np.linspace(0.0, np.pi, 2 * self.degree + 9))
-        x = self._middle + self._half * y
-        if self.form.decades:
-            even = 0.5 * (self.first + self.last + (self.last - self.first) * y)
-            x = np.append(np.expm1(x), even)
-        return np.unique(np.clip([*x, self.first, self.last], self.first, self.last))
+        Each parameter, of an effective number, costs log(size)/2 (Schwarz) up to 55 samples, then 2, twice Akaike's (a
+        larger cost would leave biases of many standard errors in large samples), corrected for few samples by Hurvich.
+        """
+        form, size, degree = self.form, self._size, self._degree
+        start = np.zeros(self._mean.size)
+        if form.decades:
+            start[degree] = -1.0
+        else:
+            start[0] = -1.0 / self._above[0] / max(1.0 - (not form.from_zero) * self._first, 0.1)
+        straight, bends, ridge = np.zeros((3, start.size, start.size))
+        np.fill_diagonal(straight[1:degree, 1:degree], 1e10)
+        nodes, weights = legendre.leggauss(degree + 1)
+        third = legendre.legval(nodes, legendre.legder(np.eye(degree + 1), 3, axis=0))[1:]
+        bends[:degree, :degree] = (third * weights) @ third.T / degree
+        # m = 10 costs 1/2 of the log-likelihood, so that its error is finite
+        ridge[-1, -1] = form.power * 0.01 / size
+        weaker = np.multiply.outer(10.0 ** np.arange(2.0, -10.5, -1.0), bends)
+        cost, tried = min(0.5 * float(np.log(size)), 2.0), list[_Fitted]()
+        for smooth in [straight + bends, *weaker][: 1 if few else None]:
+            penalty = smooth + ridge
+            state = self._highest(start, penalty)
+            start, spread = state.coefficients, _inverse(state.covariance + penalty)
+            count = float(np.trace(spread @ state.covariance))
+            likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
+            score = likelihood - cost * count * size / max(size - count - 1.0, 1.0)
+            score -= _EDGE * (form.power and start[-1] < 0.0)
+            # a tail that falls by e over 1/2 of the last sample is as heavy as x^-2
+            if form.open_above and -(self._above @ start) * self._last < 0.75:
+                score = -np.inf
+            error = float(np.sqrt(spread[-1, -1] / size)) if form.power else np.inf
+            tried.append(_Fitted(start, score, likelihood - count, error))
+            if -np.inf < score < max(one.score for one in tried) - 6.0:
+                break
+        best = max(tried, key=lambda one: one.score)
+        self.coefficients, self.onset_power = best.coefficients, 0.0
+        self.score = best.score - (2 - form.from_zero - form.open_above) * (cost + _EDGE)
+        self.onset_power_error = np.inf
+        if form.power:
+            # other penalties of similar likelihood give other powers: their spread is part of the error of m
+            self.onset_power = float(best.coefficients[-1])
+            likely = np.exp(np.array([one.information - best.information for one in tried]))
+            off = [(one.coefficients[-1] - self.onset_power, one.power_error) for one in tried]
+            squares = np.square(off).sum(axis=1)
+            self.onset_power_error = float(np.sqrt(likely @ squares / likely.sum()))
 
-    def penalty(self) -> Array:
-        """Matrix of the integral of the squared third derivative by y over (-1, 1)."""
-        nodes, weights = legendre.leggauss(self.degree + 1)
-        bends = legendre.legval(nodes, legendre.legder(np.eye(self.degree + 1), 3, axis=0))[1:]
-        out = np.zeros((self.end_slope().size,) * 2)
-        out[: self.degree, : self.degree] = (bends * weights) @ bends.T / self.degree
-        return out
+    def _state(self, coefficients: Array, penalty: Array) -> _State | None:
+        """The state; None if these give no density: a tail that does not fall, a power below -0.95, or overflow."""
+        columns, log = self._nodes, self._nodes @ coefficients + self._log_weights
+        # closer to 1/x nearly all weight would be at x that underflow
+        if self.form.power and coefficients[-1] <= -0.95:
+            return None
+        if self.form.open_above:
+            if (fall := -float(self._above @ coefficients)) <= 0.0:
+                return None
+            tail = self._end + np.outer(_TAIL_NODES / fall, self._above)
+            columns = np.concatenate([columns, tail])
+            log = np.append(log, np.log(_TAIL_WEIGHTS / fall) + self._end @ coefficients)
+        if not np.isfinite(top := float(log.max())):
+            return None
+        shares = np.exp(log - top)
+        whole = float(shares.sum())
+        expected = shares @ columns / whole
+        away = columns - expected
+        likelihood = float(self._mean @ coefficients) - top - float(np.log(whole))
+        value = likelihood - 0.5 * float(coefficients @ penalty @ coefficients)
+        return _State(coefficients, value, expected, (away * shares[:, None] / whole).T @ away)
+
+    def _highest(self, start: Array, penalty: Array) -> _State:
+        """The maximum, by Newton's method; the only one, as the penalised log-likelihood is concave."""
+        now = self._state(start, penalty)
+        assert now is not None
+        for _ in range(100):
+            gradient = self._mean - now.expected - penalty @ now.coefficients
+            step = _inverse(now.covariance + penalty) @ gradient
+            gain, length = float(gradient @ step), 1.0
+            trial = self._state(now.coefficients + step, penalty)
+            if not gain * self._size > 1e-13:
+                # with one more step the mean equals that of the samples to round-off
+                return trial or now
+            while trial is None or trial.value < now.value + 1e-4 * length * gain - 1e-14:
+                length *= 0.5
+                if length < 1e-9:
+                    return now
+                trial = self._state(now.coefficients + length * step, penalty)
+            now = trial
+        return now
+
+
+def _inverse(matrix: Array) -> Array:
+    scale = 1.0 / np.sqrt(np.diag(matrix) + 1e-300)
+    scaled = matrix * scale * scale[:, None] + 1e-12 * np.eye(scale.size)
+    return np.linalg.inv(scaled) * scale * scale[:, None]
+
+
+def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
+    """The law of largest score among a few forms of its two ends.
+
+    x : samples (lengths), distinct and sorted, at least 2; shares : weight of each, of sum 1; size : the effective
+    number. Raises InputError where the law is too rough for any use.
+    """
+
+    def fitted(form: Form) -> LogPolynomial:
+        with np.errstate(all="ignore"):  # coefficients that overflow are rejected
+            return LogPolynomial(x, shares, size, form)
+
+    if x.size == 2:  # a straight line from one to the other
+        return fitted(Form(from_zero=False, open_above=False))
+    middle = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
+    # a variable over decades for far samples, a power where some are near 0
+    decades, powers = {False, bool(x[-1] > 8.0 * middle)}, {False, bool(x[0] < middle / 3.0)}
+    tried = [fitted(Form(power=power, decades=far)) for far in decades for power in powers]
+    best = max(tried, key=lambda law: law.score)
+    # edges where the law expects more than the extreme sample beyond it
+    if best.cdf(x[0]) * size > 1.5:
+        tried.append(fitted(replace(best.form, from_zero=False, power=False)))
+        best = max(tried, key=lambda law: law.score)
+    if best.sf(x[-1]) * size > 1.5:
+        tried.append(fitted(replace(best.form, open_above=False)))
+        best = max(tried, key=lambda law: law.score)
+    if best.form.from_zero and not best.form.power:
+        # the error of m = 0 is the size of the power that would be fitted, plus its error
+        rivals = [abs(law.onset_power) + law.onset_power_error for law in tried if law.form.power]
+        best.onset_power_error = min(rivals, default=np.inf)
+    return best
