@@ -13,26 +13,18 @@ from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import ContinuousMixture, Mixture
 
-_CONFIDENCE = 1.96
-_CELLS = (
-    1 << 12
-)  # of equal weight: of more samples than these only the number in each cell is drawn
+# of equal weight: of more samples than these only the number in each cell is drawn
+_CELLS = 1 << 12
 
 
 @dataclass(frozen=True)
 class Bootstrapped:
     """Statistics of a law from samples and their sampling errors, arrays of the statistics' shape.
 
-    Attributes
-    ----------
-    value : array
-        The statistic of the law itself.
-    standard_error : array
-        Scatter over the resampled laws.
-    bias : array
-        Their mean minus `value`: the effect of smoothing.
-    resampled : array of shape (resamples, ...)
-        The statistic of each resampled law.
+    value : the statistic of the law itself.
+    standard_error : scatter over the resampled laws.
+    bias : their mean minus `value`: the effect of smoothing.
+    resampled : array of shape (resamples, ...), the statistic of each resampled law.
     """
 
     value: Array
@@ -48,7 +40,7 @@ class Bootstrapped:
     @property
     def interval(self) -> tuple[Array, Array]:
         """Ends of the 95 % confidence interval, 1.96 errors to either side of `value`."""
-        return self.value - _CONFIDENCE * self.error, self.value + _CONFIDENCE * self.error
+        return self.value - 1.96 * self.error, self.value + 1.96 * self.error
 
 
 def bootstrap(
@@ -109,23 +101,18 @@ def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
 
 
 def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
-    if isinstance(law, Sampled):
-        return _resampled(law, generator)
-    if not isinstance(law, Mixture):
+    """The law that other samples would have given, in a mixture of each part."""
+    if isinstance(law, Mixture) and not isinstance(law, Sampled):
+        weights = np.array([weight for weight, _ in law.given])
+        return Mixture([_anew(part, generator) for _, part in law.given], weights)
+    if not isinstance(law, Sampled):
         return law
-    return Mixture(
-        [_anew(part, generator) for _, part in law.given], np.array([w for w, _ in law.given])
-    )
-
-
-def _resampled(law: Sampled, generator: np.random.Generator) -> Sampled:
     size = max(round(law.effective_samples), 2)
     positions, weights = law.atoms
-    smooth = law.smooth_part
     hits = generator.multinomial(size, np.append(weights, max(1.0 - weights.sum(), 0.0)))
     x, counts = positions[hits[:-1] > 0], hits[:-1][hits[:-1] > 0].astype(float)
-    if smooth is not None:
-        drawn, each = _drawn(smooth, int(hits[-1]), generator)
+    if law.smooth_part is not None:
+        drawn, each = _drawn(law.smooth_part, int(hits[-1]), generator)
         x, counts = np.append(x, drawn), np.append(counts, each)
     order = np.argsort(x, kind="stable")
     return Sampled(x[order], counts[order] / size, size, float(size), known=positions)

@@ -11,16 +11,6 @@ from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
 
-_DOUBT = 0.05
-_NARROWEST = 1e-9  # of the largest sample: samples that all lie closer together are one value
-_SMALLEST, _LARGEST = 1e-100, 1e100
-_NOTHING = 1e-6  # of one effective sample
-_OFTEN = 10  # times that a value occurs which is exact
-_STANDS_OUT = 5  # least ratio of an exact value's count to that of its neighbours
-_SAME = 1e-12  # relative distance at which samples count as equal
-_SURELY_EXACT, _FEW = 3, 8  # numbers of different values
-_EVEN = 1e-3  # deviation from equal spacing, over the step of a grid
-
 
 def from_samples(
     x_s: npt.ArrayLike | None = None,
@@ -39,8 +29,7 @@ def from_samples(
 
     Few samples far from all others keep their effect on the mean, though not always their place. Where a law misplaces
     a tenth of the samples more than sampling explains, they are refused: give each narrow peak or group separately, in
-    a mixture. P_c diverges at 0 only where the samples accumulate there: half of the lowest tenth below half of its
-    reach.
+    a mixture.
 
     x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
@@ -68,24 +57,19 @@ def from_samples(
                 refuse(name, value, "turns forces f_s into lengths; leave it out with x_s")
         name, lengths = "x_s", _above_zero("x_s", x_s)
         given = lengths
-    bad = np.flatnonzero((lengths < _SMALLEST) | (lengths > _LARGEST))
-    if bad.size:
-        rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}; choose another unit of length"
-        if name == "f_s":
-            rule = f"makes a length of {lengths[bad[0]]:g}, which {rule}"
-        refuse(f"{name}[{bad[0]}]", given[bad[0]], rule)
-    counts = np.ones(lengths.size)
-    if weights is not None:
-        counts = _above_zero("weights", weights, lengths.size)
+    for bad in np.flatnonzero((lengths < 1e-100) | (lengths > 1e100)):
+        rule = "must lie between 1e-100 and 1e+100, as a length; choose another unit"
+        refuse(f"{name}[{bad}]", given[bad], rule)
+    counts = _above_zero("weights", np.ones(lengths.size) if weights is None else weights)
+    if counts.size != lengths.size:
+        refuse("weights", counts, f"must hold one value for each of the {lengths.size} samples")
     order = np.argsort(lengths, kind="stable")
     lengths, shares = lengths[order], counts[order] / counts.max()
     shares /= shares.sum()
     # by the Cauchy-Schwarz inequality those left out change the mean by less than a thousandth of its error
-    by_share = np.sort(shares)
-    light = np.searchsorted(np.cumsum(by_share), _NOTHING * float(shares @ shares))
-    heavy = shares >= by_share[light]
+    heavy = shares * shares.size > 1e-6 * float(shares @ shares)
     lengths, shares = lengths[heavy], shares[heavy] / shares[heavy].sum()
-    if lengths[-1] - lengths[0] <= _NARROWEST * lengths[-1]:
+    if lengths[-1] - lengths[0] <= 1e-9 * lengths[-1]:
         return identical(float(shares @ lengths))
     return Sampled(lengths, shares, counts.size, float(1.0 / (shares @ shares)))
 
@@ -97,91 +81,68 @@ def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None
         raise InputError(f"from_samples: with f_s give either {rule}, and not both")
     if stiffness is None:
         return np.sqrt(forces / positive("coefficient", coefficient))
-    if np.ndim(stiffness) == 0:
-        return forces / positive("stiffness", stiffness)
-    return forces / _above_zero("stiffness", stiffness, forces.size)
+    each = _above_zero("stiffness", stiffness)
+    if np.ndim(stiffness) and each.size != forces.size:
+        refuse("stiffness", each, f"must hold one value for each of the {forces.size} samples")
+    return forces / each
 
 
-def _above_zero(name: str, value: object, size: int | None = None) -> Array:
-    """`value` as an array above zero, of one value for each of `size` samples where that is given."""
+def _above_zero(name: str, value: object) -> Array:
+    """`value` as an array above zero."""
     array = finite_array(name, value)
-    if size is not None and array.size != size:
-        refuse(name, array, f"must hold one value for each of the {size} samples")
-    bad = np.flatnonzero(array <= 0.0)
-    if bad.size:
-        refuse(f"{name}[{bad[0]}]", array[bad[0]], "must be above zero")
+    for bad in np.flatnonzero(array <= 0.0):
+        refuse(f"{name}[{bad}]", array[bad], "must be above zero")
     return array
-
-
-def _distinct(ordered: Array, shares: Array) -> tuple[Array, Array, Array]:
-    """Sorted values that differ, their shares, and their counts, from sorted samples and their shares."""
-    first = np.append(0, np.flatnonzero(np.diff(ordered) > _SAME * ordered[1:]) + 1)
-    counts = np.diff(np.append(first, ordered.size)).astype(float)
-    return ordered[first], np.add.reduceat(shares, first), counts
 
 
 def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
     """Which of the values (sorted, each occurring `counts` times) are exact, by the rule that from_samples states."""
-    if 1 < values.size <= _FEW and counts.min() >= _OFTEN:
-        return np.full(values.size, values.size <= _SURELY_EXACT or not _on_a_grid(values))
+    if 1 < values.size <= 8 and counts.min() >= 10:
+        # lengths from rounded forces may have equally spaced squares
+        steps = [np.diff(y) for y in (values, values * values)]
+        on_a_grid = any(np.ptp(step) < 1e-3 * step.min() for step in steps)
+        return np.full(values.size, values.size <= 3 or not on_a_grid)
     around = np.pad(counts, 2)
     beside = np.sort([np.roll(around, shift)[2:-2] for shift in (-2, -1, 1, 2)], axis=0)
     # the second largest: another exact value may be next to it, and a rounded density may be steep
-    return counts >= _OFTEN + _STANDS_OUT * beside[-2]
-
-
-def _on_a_grid(values: Array) -> bool:
-    """Whether values, or their squares (lengths from rounded forces), are equally spaced."""
-    for y in (values, values * values):
-        steps = np.diff(y) / np.diff(y).min()
-        if (np.abs(steps - np.round(steps)) < _EVEN).all() and np.median(steps) < 1.5:
-            return True
-    return False
+    return counts >= 10 + 5 * beside[-2]
 
 
 class Sampled(Mixture):
     """A smooth law through samples, with their exact values as atoms.
 
-    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/smoothing.py). The likelihood
-    also determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest sample, and
-    whether it ends as an exponential or with an edge at the largest; for thresholds over decades the polynomial's
-    variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is that of the
-    samples. Time grows as n log n with the number of samples, memory is a few copies of them.
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/log_polynomial.py). The
+    likelihood also determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest
+    sample, and whether it ends as an exponential or with an edge at the largest; for thresholds over decades the
+    polynomial's variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is
+    that of the samples. Time grows as n log n with the number of samples, memory is a few copies of them.
 
-    Attributes
-    ----------
     n_samples : int
-    effective_samples : float
-        (sum of the weights)^2 / sum of their squares, used in the errors; n_samples without weights.
-    cdf_error : float
-        The cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once, with
-        95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
-    cdf_misfit : float
-        Largest distance of this smooth cdf from the empirical one.
-    beyond : (float, float)
-        Weight below the smallest sample and above the largest.
-    samples, shares : arrays of shape (n,)
-        The different values, sorted, and their weights, of sum 1.
-    smooth_part : Thresholds or None
-        The law without its atoms.
-    onset_power, onset_power_error : float
-        m and its error. Where P_c begins at a finite value, m = 0, and the error is the size of a fitted power plus its
-        own error; inf where the samples are too far from 0, or begin too sharply, to determine m.
+    effective_samples : (sum of the weights)^2 / sum of their squares, used in the errors; n_samples without weights.
+    cdf_error : the cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once,
+        with 95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
+    cdf_misfit : largest distance of this smooth cdf from the empirical one.
+    beyond : weights below the smallest sample and above the largest.
+    samples, shares : arrays of shape (n,), the different values, sorted, and their weights, of sum 1.
+    smooth_part : the law without its atoms, or None.
+    onset_power, onset_power_error : m and its error. Where P_c begins at a finite value, m = 0, and the error is the
+        size of a fitted power plus its own error; inf where the samples are too far from 0, or begin too sharply, to
+        determine m.
     """
 
     def __init__(
-        self,
-        ordered: Array,
-        shares: Array,
-        n_samples: int,
-        effective_samples: float,
-        known: Array | None = None,
+        self, x: Array, shares: Array, n_samples: int, size: float, known: Array | None = None
     ) -> None:
-        """ordered : values, sorted, at least two of them different; shares : their weights, of sum 1; known : the exact
-        values, if they are given."""
-        self.n_samples, self.effective_samples = n_samples, effective_samples
-        self.cdf_error = float(np.sqrt(np.log(2.0 / _DOUBT) / (2.0 * effective_samples)))
-        values, shares, counts = _distinct(ordered, shares)
+        """x : values, sorted, at least two of them different; shares : their weights, of sum 1; size : the effective
+        number; known : the exact values, if they are given.
+
+        Raises InputError where the law has not the samples' mean, or a cdf further off than sampling explains.
+        """
+        self.n_samples, self.effective_samples = n_samples, size
+        self.cdf_error = float(np.sqrt(np.log(2.0 / 0.05) / (2.0 * size)))
+        first = np.append(0, np.flatnonzero(np.diff(x) > 1e-12 * x[1:]) + 1)
+        values, shares = x[first], np.add.reduceat(shares, first)
+        counts = np.diff(np.append(first, x.size)).astype(float)
         atom = _exact(values, counts) if known is None else np.isin(values, known)
         if (~atom).sum() == 1:  # its width cannot be estimated
             atom[:] = True
@@ -190,7 +151,7 @@ class Sampled(Mixture):
         self.smooth_part: Thresholds | None = None
         if not atom.all():
             own = float(shares[~atom].sum())
-            part = smooth(values[~atom], shares[~atom] / own, effective_samples * own)
+            part = smooth(values[~atom], shares[~atom] / own, size * own)
             laws, weights, self.smooth_part = [*laws, part], np.append(weights, own), part
         super().__init__(laws, weights / weights.sum())
         self.samples, self.shares = values, shares
@@ -201,12 +162,10 @@ class Sampled(Mixture):
         below[atom] -= self.atoms[1]
         self.cdf_misfit = float(max((steps - up_to).max(), (below - steps + shares).max()))
         self.beyond = float(below[0]), float(self.sf(values[-1]))
-        error = float(np.sqrt(shares @ (values - shares @ values) ** 2 / effective_samples))
-        if (
-            self.cdf_misfit > self.cdf_error + 0.1
-            or abs(self.mean() - shares @ values) > 0.1 * error
-        ):
-            rule = "are groups or peaks that one smooth density does not follow; give each apart, in a mixture"
-            raise InputError(
-                f"from_samples: among the samples from {values[0]:g} to {values[-1]:g} {rule}"
-            )
+        # the integrals of the likelihood may miss a peak between far samples, or no polynomial follows a peak
+        mean = float(shares @ values)
+        off = abs(self.mean() - mean) / float(np.sqrt(shares @ (values - mean) ** 2 / size))
+        if off > 0.1 or self.cdf_misfit > self.cdf_error + 0.1:
+            rule = "peaks that one smooth density does not follow; give each apart, in a mixture"
+            among = f"among the samples from {values[0]:g} to {values[-1]:g}"
+            raise InputError(f"from_samples: {among} are groups or {rule}")
