@@ -7,6 +7,7 @@ continuous there, but the threshold as a function of delta has a kink and P_c ha
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -80,17 +81,24 @@ class Summits:
             ends = max(-float(deepest) / self.std, -1e6), 0.0
         return brentq(excess, *ends, xtol=1e-14, rtol=1e-14) if excess(ends[0]) > 0.0 else ends[0]
 
-    def check_apart(self, z: float, name: str, value: float, remedy: str) -> None:
-        """InputError where the contacts would cover the whole surface; the model needs them to be separate."""
+    def check(self, z: float, name: str, value: float, remedy: str) -> None:
+        """InputError where the contacts, which must be far apart, would cover the whole surface, and for a flat below
+        h = 0 under exponential heights, which begin there."""
+        other = f'{remedy}, or take the thresholds of model = "persson"'
+        if self.heights == "exponential" and z < 0.0:
+            most = f"{np.exp(self.log_pressure(0.0)):.3g} Pa, where every summit touches"
+            refuse(name, value, f"exponential heights begin at 0 and bear at most {most}; {other}")
         if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
-            rule = f"summits would cover {covered:.3g} of the surface, under a flat at {z:.3g} sigma_h; Greenwood and "
-            rule += "Williamson hold for contacts far "
-            rule += f'apart, so {remedy}, or take the thresholds of model = "persson"; are heights and pixel size in '
-            refuse(name, value, rule + "metres, pressure and moduli in Pa?")
+            rule = f"summits would cover {covered:.3g} of the surface, under a flat at {z:.3g} sigma_h; they must be far "
+            rule += f"apart: {other}; are heights and pixel size in metres, moduli in Pa?"
+            refuse(name, value, rule)
 
 
 def summits_of(
-    moments: SpectralMoments, material: Material, regime: str, height_law: str
+    moments: SpectralMoments,
+    material: Material,
+    regime: str = "elastic",
+    height_law: str = "gaussian",
 ) -> Summits:
     """The summits that a surface's moments imply, loaded in a regime.
 
@@ -112,58 +120,31 @@ def pressed(summits: Summits, pressure: float) -> float:
     """Position z of the flat, in sigma_h, under a nominal pressure (Pa).
 
     Exponential heights have mean and standard deviation sigma_h, begin at the plane h = 0, and give thresholds
-    that do not depend on the load (paper, Eqs. GW3 and GW4).
-
-    Raises InputError for a pressure too large for exponential heights, and where the contacts would cover the
-    whole surface.
+    that do not depend on the load (paper, Eqs. GW3 and GW4). Raises InputError for a pressure too large for the model.
     """
     z = summits.separation(pressure)
-    if summits.heights == "exponential" and z < 0.0:
-        most = np.exp(summits.log_pressure(0.0))
-        rule = f"exponential heights bear at most {most:.3g} Pa, where every summit touches; take "
-        rule += 'height_law = "gaussian", or the thresholds of model = "persson"'
-        refuse("pressure", pressure, rule)
-    summits.check_apart(z, "pressure", pressure, "lower it")
+    summits.check(z, "pressure", pressure, "lower it")
     return z
 
 
-def separation_of_pressure(
-    moments: SpectralMoments,
-    pressure: float,
-    *,
-    material: Material,
-    regime: str = "elastic",
-    height_law: str = "gaussian",
-) -> float:
+def separation_of_pressure(moments: SpectralMoments, pressure: float, **contact: Any) -> float:
     """h0 in m, the height of the flat above the summits' mean plane, under a nominal pressure in Pa.
 
-    moments, material, regime, height_law : as in from_moments.
-    Raises InputError as from_moments does.
+    contact : material, regime and height_law, as in from_moments. Raises InputError as from_moments does.
     """
-    summits = summits_of(moments, material, regime, height_law)
+    summits = summits_of(moments, **contact)
     return float(pressed(summits, positive("pressure", pressure)) * summits.std)
 
 
-def pressure_of_separation(
-    moments: SpectralMoments,
-    separation: float,
-    *,
-    material: Material,
-    regime: str = "elastic",
-    height_law: str = "gaussian",
-) -> float:
+def pressure_of_separation(moments: SpectralMoments, separation: float, **contact: Any) -> float:
     """Nominal pressure in Pa that holds the flat at `separation`, in m above the summits' mean plane.
 
-    moments, material, regime, height_law : as in from_moments.
-    Raises InputError as from_moments does, for a flat below h = 0 under exponential heights, where every summit
-    touches, and for one so high that the pressure underflows.
+    contact : material, regime and height_law, as in from_moments. Raises InputError as from_moments does, for a flat
+    below h = 0 under exponential heights, and for one so high that the pressure underflows.
     """
-    summits = summits_of(moments, material, regime, height_law)
+    summits = summits_of(moments, **contact)
     z = finite("separation", separation) / summits.std
-    if height_law == "exponential" and z < 0.0:
-        rule = "exponential heights begin at 0, where every summit touches; write one above"
-        refuse("separation", separation, rule)
-    summits.check_apart(z, "separation", separation, "raise it")
+    summits.check(z, "separation", separation, "raise it")
     pressure = float(np.exp(summits.log_pressure(z)))
     if not pressure > 0.0:
         refuse("separation", separation, f"is {z:.3g} sigma_h, where no summit reaches; lower it")
@@ -179,12 +160,8 @@ def gw_gaussian(
 ) -> Thresholds:
     """Summits of Gaussian heights under a flat: S(x) = Phi_c[(h0 + delta(x))/sigma_h]/Phi_c[h0/sigma_h].
 
-    A contact compressed by delta breaks at x_s = scale (delta/sigma_h)^b:
-
-        law         elastic   plastic
-        paper        3/4       1/2
-        amontons      1        1/2
-        strength     1/2       1/2
+    A contact compressed by delta breaks at x_s = scale (delta/sigma_h)^b, where b of elastic contacts is 3/4 under the
+    law "paper", 1 under "amontons" and 1/2 under "strength", and b of plastic ones 1/2.
 
     Light load, h0 >> sigma_h, is the exponential case, S(x) = exp[-(h0/sigma_h)(x/scale)^(1/b)] up to
     (sigma_h/h0)²: the paper's law gives (GW3) and (GW4), gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).

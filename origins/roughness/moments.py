@@ -39,10 +39,8 @@ class SpectralMoments:
 
     def __post_init__(self) -> None:
         if not self.bandwidth > _BANDWIDTH_LIMIT:
-            raise InputError(
-                f"heights: alpha = m0 m4/m2² is {self.bandwidth:.4g}, and a Gaussian surface has at least 1.5; remove "
-                "less trend or use a larger scan"
-            )
+            rule = "a Gaussian surface has at least 1.5; remove less trend or use a larger scan"
+            raise InputError(f"heights: alpha = m0 m4/m2² is {self.bandwidth:.4g}, and {rule}")
 
     @property
     def m2(self) -> float:
@@ -58,11 +56,6 @@ class SpectralMoments:
     def rms_slope(self) -> float:
         """Root mean square slope of the surface, h'_rms = (2 m2)^(1/2)."""
         return float(np.sqrt(2.0 * self.m2))
-
-    @property
-    def rms_height(self) -> float:
-        """Root mean square height, in metres."""
-        return float(np.sqrt(self.m0))
 
     @property
     def bandwidth(self) -> float:

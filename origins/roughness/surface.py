@@ -146,8 +146,7 @@ def self_affine_surface(
         rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {there / 1e9:.3g} GB"
         refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
     dx, dy = pixel_sizes(pixel_size)
-    if not 0.0 < positive("hurst", hurst) <= 1.0:
-        refuse("hurst", hurst, "must be above 0 and at most 1")
+    hurst = between("hurst", hurst, 0.0, 1.0, "it is the Hurst exponent")
     rms_slope = between("rms_slope", rms_slope, 1e-20, 1e20, "it is metres per metre")
     least, box = 2.0 * max(dx, dy), max(n_x * dx, n_y * dy)
     shortest = least if short_cutoff is None else positive("short_cutoff", short_cutoff)

@@ -49,16 +49,6 @@ class _State(NamedTuple):
     covariance: Array
 
 
-class _Fitted(NamedTuple):
-    """Coefficients of one penalty, their score, Akaike's information (log-likelihood minus the number of parameters),
-    and the error of m."""
-
-    coefficients: Array
-    score: float
-    information: float
-    power_error: float
-
-
 class LogPolynomial(Thresholds):
     """The law of one form, of largest score, for samples x (lengths, sorted, distinct) with `shares` (sum 1).
 
@@ -148,7 +138,13 @@ class LogPolynomial(Thresholds):
         # m = 10 costs 1/2 of the log-likelihood, so that its error is finite
         ridge[-1, -1] = form.power * 0.01 / size
         weaker = np.multiply.outer(10.0 ** np.arange(2.0, -10.5, -1.0), bends)
-        cost, tried = min(0.5 * float(np.log(size)), 2.0), list[_Fitted]()
+        cost = min(0.5 * float(np.log(size)), 2.0)
+        tried, scores, information, errors = (
+            list[Array](),
+            list[float](),
+            list[float](),
+            list[float](),
+        )
         for smooth in [straight + bends, *weaker][: 1 if few else None]:
             penalty = smooth + ridge
             state = self._highest(start, penalty)
@@ -160,20 +156,21 @@ class LogPolynomial(Thresholds):
             # a tail that falls by e over 1/2 of the last sample is as heavy as x^-2
             if form.open_above and -(self._above @ start) * self._last < 0.75:
                 score = -np.inf
-            error = float(np.sqrt(spread[-1, -1] / size)) if form.power else np.inf
-            tried.append(_Fitted(start, score, likelihood - count, error))
-            if -np.inf < score < max(one.score for one in tried) - 6.0:
+            tried.append(start)
+            scores.append(score)
+            information.append(likelihood - count)
+            errors.append(float(np.sqrt(spread[-1, -1] / size)))
+            if -np.inf < score < max(scores) - 6.0:
                 break
-        best = max(tried, key=lambda one: one.score)
-        self.coefficients, self.onset_power = best.coefficients, 0.0
-        self.score = best.score - (2 - form.from_zero - form.open_above) * (cost + _EDGE)
-        self.onset_power_error = np.inf
+        best = int(np.argmax(scores))
+        self.coefficients, self.onset_power, self.onset_power_error = tried[best], 0.0, np.inf
+        self.score = scores[best] - (2 - form.from_zero - form.open_above) * (cost + _EDGE)
         if form.power:
             # other penalties of similar likelihood give other powers: their spread is part of the error of m
-            self.onset_power = float(best.coefficients[-1])
-            likely = np.exp(np.array([one.information - best.information for one in tried]))
-            off = [(one.coefficients[-1] - self.onset_power, one.power_error) for one in tried]
-            squares = np.square(off).sum(axis=1)
+            powers = np.array(tried)[:, -1]
+            likely = np.exp(np.array(information) - information[best])
+            squares = np.square(errors) + (powers - powers[best]) ** 2
+            self.onset_power = float(powers[best])
             self.onset_power_error = float(np.sqrt(likely @ squares / likely.sum()))
 
     def _state(self, coefficients: Array, penalty: Array) -> _State | None:
