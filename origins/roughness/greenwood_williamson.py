@@ -73,13 +73,10 @@ class Summits:
 
         if self.heights == "exponential":
             return excess(0.0)  # the pressure is proportional to e^-z
-        # the pressure falls faster than e^(-z²/2); half of the summits are compressed by more than -h0
-        if (most := excess(0.0)) > 0.0:
-            ends = 0.0, np.sqrt(2.0 * most)
-        else:
-            deepest = straight(1.0, 1.0).against(self.load)(2.0 * pressure / self.density)
-            ends = max(-float(deepest) / self.std, -1e6), 0.0
-        return brentq(excess, *ends, xtol=1e-14, rtol=1e-14) if excess(ends[0]) > 0.0 else ends[0]
+        # half of the summits are compressed by more than -h0; the pressure falls faster than e^(-z²/2)
+        deepest = straight(1.0, 1.0).against(self.load)(2.0 * pressure / self.density) / self.std
+        low, high = max(-float(deepest), -1e6), np.sqrt(2.0 * max(excess(0.0), 0.0))
+        return brentq(excess, low, high, xtol=1e-14, rtol=1e-14) if excess(low) > 0.0 else low
 
     def check(self, z: float, name: str, value: float, remedy: str) -> None:
         """InputError where the contacts, which must be far apart, would cover the whole surface, and for a flat below
@@ -89,8 +86,8 @@ class Summits:
             most = f"{np.exp(self.log_pressure(0.0)):.3g} Pa, where every summit touches"
             refuse(name, value, f"exponential heights begin at 0 and bear at most {most}; {other}")
         if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
-            rule = f"summits would cover {covered:.3g} of the surface, under a flat at {z:.3g} sigma_h; they must be far "
-            rule += f"apart: {other}; are heights and pixel size in metres, moduli in Pa?"
+            rule = f"summits would cover {covered:.3g} of the surface, under a flat at {z:.3g} sigma_h; they must be "
+            rule += f"far apart: {other}; are heights and pixel size in metres, moduli in Pa?"
             refuse(name, value, rule)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, between, one_of, positive, refuse, whole
+from origins.errors import between, one_of, positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
 
@@ -162,13 +162,11 @@ def self_affine_surface(
     kept[n_x // 2, :] &= n_x % 2 == 1
     kept[:, n_y // 2] &= n_y % 2 == 1
     if not kept.any():
-        rule = "no mode of the grid is longer; the surface would be flat"
-        raise InputError(f"short_cutoff = {shortest:g}: {rule}")
+        refuse("short_cutoff", shortest, "no mode of the grid is longer; the surface would be flat")
     # in units of the roll-off, so that the power does not overflow in any unit of length
     relative = np.maximum(q * min(longest, box) / (2.0 * np.pi), 1.0)
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
-    # each mode of the half plane counts for itself and its conjugate, except those at the plane's edges
-    count = np.where((q_y == 0.0) | (np.arange(q_y.size) == n_y / 2), 1.0, 2.0)
+    count = np.where(q_y == 0.0, 1.0, 2.0)  # a mode of the half plane counts for its conjugate, too
     amplitude *= rms_slope / np.sqrt((amplitude**2 * q**2 * count).sum())
     generator = np.random.Generator(np.random.Philox(key=seed))
     noise = np.fft.rfft2(generator.standard_normal((n_x, n_y)))
