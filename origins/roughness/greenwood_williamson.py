@@ -20,6 +20,7 @@ from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Thresholds
 from origins.thresholds.powered import Powered
+from origins.thresholds.quadrature import gauss
 
 REGIMES = ("elastic", "plastic", "mixed")
 
@@ -47,13 +48,10 @@ class Summits:
         """The law of the compressions of the contacts, in m."""
         return compressions(self.std, z, self.heights)
 
-    def log_touching(self, z: float) -> float:
-        """Log of the share of the summits that touch the flat."""
-        return float(log_ndtr(-z)) if self.heights == "gaussian" else -z
-
     def contact_density(self, z: float) -> float:
         """Contacts per nominal area, 1/m²."""
-        return float(self.density * np.exp(self.log_touching(z)))
+        log_touching = log_ndtr(-z) if self.heights == "gaussian" else -z
+        return float(self.density * np.exp(log_touching))
 
     def area_fraction(self, z: float) -> float:
         """Real over nominal area of contact."""
@@ -61,8 +59,22 @@ class Summits:
 
     def log_pressure(self, z: float) -> float:
         """Log of the nominal pressure in Pa where the flat is at z sigma_h."""
-        mean_load = Powered(self.compressions(z), self.load).mean()
-        return float(np.log(self.density) + self.log_touching(z) + np.log(mean_load))
+        if self.heights == "exponential":
+            return (
+                float(np.log(self.density * Powered(self.compressions(0.0), self.load).mean())) - z
+            )
+        # compressions t in sigma_h, up to a relative density of e^-80; in s = t^(1/4) powers of t are smooth at 0
+        above = max(z, 0.0)
+        near, far = max(-z - 13.0, 0.0), max(-z, 0.0) + np.hypot(above, 13.0) - above
+        edges = np.linspace(near**0.25, far**0.25, 30)
+        edges = np.sort(np.append(edges, np.clip(self.load.at / self.std, near, far) ** 0.25))
+        s, weights = gauss(edges[:-1], edges[1:])
+        t = s**4
+        density = np.exp(-0.5 * ((z + t) ** 2 if z < 0.0 else t * (2.0 * z + t)))
+        load = float((4.0 * s**3 * weights * density * self.load(self.std * t)).sum())
+        return float(np.log(self.density) + np.log(load) - 0.5 * above**2) - 0.5 * np.log(
+            2.0 * np.pi
+        )
 
     def separation(self, pressure: float) -> float:
         """z = h0/sigma_h under a nominal pressure in Pa; at least -1e6, which is taken for covered."""
