@@ -56,8 +56,7 @@ from origins.roughness.moments import (
 )
 from origins.roughness.power_law import PowerLaw
 from origins.roughness.surface import self_affine_surface
-from origins.samples.bootstrap import Bootstrapped, bootstrap, bootstrap_laws
-from origins.samples.from_samples import from_samples
+from origins.samples.from_samples import Bootstrapped, bootstrap, bootstrap_laws, from_samples
 from origins.start import Start, boltzmann_reforming, gaussian_start
 from origins.thresholds.families import (
     gw_elastic,

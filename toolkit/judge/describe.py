@@ -7,7 +7,7 @@ import numpy as np
 
 from origins import Contacts
 from origins.errors import InputError
-from origins.samples.bootstrap import bootstrap_laws, sampled_parts
+from origins.samples.from_samples import bootstrap_laws, sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite

@@ -8,7 +8,7 @@ from os import PathLike
 from typing import Any
 
 from origins.errors import InputError, refuse
-from origins.samples.bootstrap import sampled_parts
+from origins.samples.from_samples import sampled_parts
 from toolkit.results.files import another, save
 from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve

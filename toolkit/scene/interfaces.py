@@ -7,8 +7,7 @@ import numpy as np
 
 from origins.contacts import Contacts, too_hot
 from origins.roughness.interface import Interface
-from origins.samples.bootstrap import sampled_parts
-from origins.samples.from_samples import Sampled
+from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
 from toolkit.scene.scene import Scene
