@@ -62,7 +62,7 @@ def from_moments(
         "strength": f_s = tau A, with k = G A^(1/2).
         Then x_s ~ delta^b, delta the compression of a summit, with b = 3/4, 1, 1/2 (1/2 always for plastic ones), and
         x_s ~ s^b, s the stress on a patch, with b = 1/2 (PcPersson3), 1, refused: patches of one area would break at
-        one threshold. For another k give Material(contact_stiffness=...); the law "paper" refuses it.
+        one threshold. For k other than ~ A^(1/2) give Material(contact_stiffness=...), which "paper" refuses.
     material : SI units; InputError names the constants that the law needs and the material lacks.
     pressure : nominal pressure, Pa.
     regime : gw only. "elastic"; "plastic": every summit carries hardness times area, pi r delta H (paper, Eq. GW2);
@@ -78,8 +78,7 @@ def from_moments(
     Raises InputError for other values and for meaningless combinations; the message says what to write instead.
     """
     if not isinstance(moments, SpectralMoments):
-        such = "origins.moments_of_summits(...)"
-        refuse("moments", moments, f"must be SpectralMoments, such as {such}")
+        refuse("moments", moments, "must be SpectralMoments, as of origins.moments_of_summits(...)")
     if not isinstance(material, Material):
         refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
     one_of("law", law, ("paper", "amontons", "strength"))

@@ -204,10 +204,8 @@ def gw_gaussian(
     if plasticity_index is None:
         rule = 'regime = "mixed" needs it, such as plasticity_index = 5.0'
         refuse("plasticity_index", plasticity_index, rule)
-    with np.errstate(over="ignore"):
-        at = float(np.float64(2.25 * np.pi / positive("plasticity_index", plasticity_index)) ** 2)
-    if not 0.0 < at < np.inf:
-        return gw_gaussian(z, scale, law, "plastic" if at == 0.0 else "elastic")
+    psi = between("plasticity_index", plasticity_index, 1e-100, 1e100, "it is a pure number")
+    at = (2.25 * np.pi / psi) ** 2
     # `scale` belongs to the part that includes delta = sigma_h
     first = scale * min(at, 1.0) ** (0.5 - exponent)
     return Powered(compressions(1.0, z), Bend(first, exponent, 0.5, at))

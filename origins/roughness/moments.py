@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy.special import exprel
 
 from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
-from origins.roughness.surface import Array, as_topography, detrended
+from origins.roughness.surface import as_topography, detrended
 
 _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
 
@@ -133,10 +133,13 @@ def spectral_moments(
     inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
     ahead = np.stack([wide[after, inner], wide[inner, after]])
     behind = np.stack([wide[before, inner], wide[inner, before]])
-    slopes, curvatures = _known(ahead - h), _known(ahead - 2.0 * h + behind)
+    both = (ahead - h, ahead - 2.0 * h + behind)
+    # a point counts only where both axes have a difference
+    slopes, curvatures = (d[:, np.isfinite(d).all(axis=0)] for d in both)
+    missing = float(np.isnan(h).mean())
     used = curvatures.shape[1] / (inside[0] * inside[1])
     if used < 0.5:
-        rule = f"missing points ({level.missing_fraction:.1%}) leave {used:.1%} of the curvature stencils"
+        rule = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils"
         refuse(
             "heights", h, f"{rule}, less than half; fill them in or cut out a part that is whole"
         )
@@ -149,15 +152,10 @@ def spectral_moments(
         m4_axes=(float(m4[0]), float(m4[1])),
         step=step,
         pixel_size=(step * dx, step * dy),
-        missing_fraction=level.missing_fraction,
+        missing_fraction=missing,
         used_fraction=used,
         size=(shape[0] * dx, shape[1] * dy),
     )
-
-
-def _known(differences: Array) -> Array:
-    """Those of the points that have one along both axes, shape (2, number), from shape (2, n_x, n_y)."""
-    return differences[:, np.isfinite(differences).all(axis=0)]
 
 
 def moments_of_spectrum(

@@ -1,5 +1,6 @@
 """Heights of a surface in metres on a grid of pixels: measured, NaN where missing, trend removed; or self-affine."""
 
+import math
 import os
 from dataclasses import dataclass
 
@@ -21,11 +22,6 @@ class Topography:
 
     heights: Array
     pixel_size: tuple[float, float]
-
-    @property
-    def missing_fraction(self) -> float:
-        """Fraction of the points that are missing."""
-        return float(np.isnan(self.heights).mean())
 
 
 def as_topography(heights: object, pixel_size: object = None) -> Topography:
@@ -141,8 +137,12 @@ def self_affine_surface(
     if whole("seed", seed, 0) >= 2**64:
         refuse("seed", seed, "must be below 2**64")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
-    needed = 40 * n_x * n_y  # bytes; 36 a point were measured
-    if needed > (there := _memory()):
+    needed, pages = (
+        40 * n_x * n_y,
+        ("SC_PHYS_PAGES", "SC_PAGE_SIZE"),
+    )  # bytes; 36 a point were measured
+    there = math.prod(map(os.sysconf, pages)) if hasattr(os, "sysconf") else np.inf
+    if needed > there:
         rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {there / 1e9:.3g} GB"
         refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
     dx, dy = pixel_sizes(pixel_size)
@@ -171,11 +171,3 @@ def self_affine_surface(
     generator = np.random.Generator(np.random.Philox(key=seed))
     noise = np.fft.rfft2(generator.standard_normal((n_x, n_y)))
     return np.fft.irfft2(amplitude * noise / np.abs(noise), s=(n_x, n_y)) * (n_x * n_y)
-
-
-def _memory() -> float:
-    """Memory of the machine in bytes; inf on systems that do not report it."""
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):
-        return np.inf
