@@ -86,7 +86,7 @@ class Engine:
             way=way.watched(own[self._order], *per),
             mean=scale / unit,
             wait=contacts.waiting_time,
-            bears=contacts.thermal is not None or contacts.grains is not None,
+            needs_exposure=contacts.thermal is not None or contacts.grains is not None,
             linked=linked,
             measured=False,
         )

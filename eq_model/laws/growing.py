@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, real, whole
-from eq_model.contact import LIVES, SEEN, Break, most, rate
+from eq_model.contact import AGED, BREAKS, Break, most, rate
 from eq_model.draws.streams import STEPS, uniform, words_at
 
 _SMALL = 0.4  # grain size over the largest below which psi is integrated: its closed form cancels
@@ -172,7 +172,7 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
     draws, step, end = contact.drawn, 1.0, way.begins[way.directions.size]
     words = words_at(contact.lane, draws, contact.stream, STEPS)
     draws += 1
-    bears = -np.log(uniform(words[0], words[1]))
+    remaining = -np.log(uniform(words[0], words[1]))
     y = quantile(goal, age, root)
     while leg < way.directions.size and clock < until:
         d, pace = way.directions[leg], way.paces[leg] / law.first
@@ -189,14 +189,14 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
             if spent > _LITTLE and bound > _RISE * _rate(abs(here), y, law):
                 step = 0.5 * lasts
                 continue
-            if spent < bears:
-                bears -= spent
+            if spent < remaining:
+                remaining -= spent
                 passed += ticks
                 age += lasts
                 y = later
                 step = 2.0 * lasts
                 continue
-            share = bears / spent
+            share = remaining / spent
             passed += share * ticks
             age += share * lasts
             y = quantile(goal, age, root)
@@ -205,7 +205,7 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
             stretch = abs(real(x) + d * passed)
             if uniform(words[0], words[1]) * bound < _rate(stretch, y, law):
                 return Break(clock + min(whole(passed + 0.5), whole(room)), leg, draws, True)
-            bears = -np.log(uniform(words[2], words[3]))
+            remaining = -np.log(uniform(words[2], words[3]))
         x += d * whole(room)
         clock += whole(room)
         leg += 1
@@ -216,7 +216,7 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
 def _pinned(contact, law):  # type: ignore[no-untyped-def]
     """Age and hazard of a contact that forms: e^exposure, or in the start that of its threshold."""
     if contact.fresh:
-        return 0.0, np.exp(contact.exposure)
+        return 0.0, np.exp(contact.log_exposure)
     return law.age, hazard(real(contact.threshold), law.age, law.root)
 
 
@@ -249,5 +249,5 @@ def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
     return quantile(goal, age + (moment - clock) * (way.paces[leg] / law.first), law.root)
 
 
-LIVES[Growing] = keep_hazard
-SEEN[Growing] = _aged
+BREAKS[Growing] = keep_hazard
+AGED[Growing] = _aged
