@@ -141,20 +141,21 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     """Add to bin j a contact that is born (sign 1) or breaks (-1).
 
     birth : the slider's position at which the contact is relaxed
-    sums : (bins + 1, 6), of the number, k y and k, in measured blocks also of k² y², k² y and k², where
-    y = -(stretch at the bin's end). Stiffnesses of 1 are not summed. Ignore the last row: breaks beyond the path.
+    sums : (bins + 1, 6), of the number, k y, in measured blocks k² y², k, and in measured blocks k² y and k², where
+    y = -(stretch at the bin's end). The last three columns are missing where all k are 1. Ignore the last row: breaks
+    beyond the path.
     """
     j = unsigned(j)
     y, k, square = birth - work.way.places[j], stiffness * stiffness, work.way.square
     exact = real(y)
     sums[j, 0] += sign
     if work.measured:
-        sums[j, 3] += sign * whole(np.floor(k * exact * exact * square + 0.5))
+        sums[j, 2] += sign * whole(np.floor(k * exact * exact * square + 0.5))
     if not work.linked:
         sums[j, 1] += sign * y
         return
     sums[j, 1] += sign * whole(np.floor(stiffness * exact + 0.5))
-    sums[j, 2] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
+    sums[j, 3] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
     if work.measured:
         sums[j, 4] += sign * whole(np.floor(k * exact + 0.5))
         sums[j, 5] += sign * whole(np.floor(k * STIFFNESS_UNIT + 0.5))

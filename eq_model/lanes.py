@@ -63,7 +63,7 @@ def _advance(n, x, birth, at, since, drawn, work, found, change, sums, counts): 
         y = birth[i] - way.places[min(whole(found[i]), last)]
         change[i] = np.floor(0.5 + real(x[i]) * real(2 * y + x[i]) * way.square)
     for i in range(unsigned(n) if measured else unsigned(0)):
-        sums[unsigned(found[i]), 3] += whole(change[i])
+        sums[unsigned(found[i]), 2] += whole(change[i])
     for i in range(n if counts.shape[0] else 0):
         if since[i] <= end:
             for k in range(way.before[bin_of(since[i], way)], way.before[found[i]]):
@@ -116,7 +116,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
             square += whole(np.floor(0.5 + real(y) * real(y) * way.square))
         sums[0, 0] += n
         sums[0, 1] += total
-        sums[0, 3] += square
+        sums[0, 2] += square
         breaks += _advance(n, x, birth, at, zeros, own[0], work, found, change, sums, counts)
         for i in range(n):
             firsts[many] = at[i]

@@ -21,7 +21,6 @@ Whole = npt.NDArray[np.int64]
 # rounding may have moved them as far after some 1e6 breaks.
 TIE = 1 << 10
 
-COLUMNS = 6  # of sums in each bin, see contact.count_event
 STIFFNESS_UNIT = 2.0**36  # k and k² are summed as whole multiples of 1/STIFFNESS_UNIT
 SUM_BITS = 61  # of a block's sum in one bin, which leaves the sign and a spare bit
 _PATH_BITS = 57  # of the clock, so that positions beyond the end plus a threshold stay in 64 bits
