@@ -98,9 +98,8 @@ class Engine:
 
     @property
     def _shape(self) -> tuple[int, ...]:
-        """Shape of the sums: limbs; kinds (all blocks, measured ones, with ageing coarser steps); bins; columns."""
+        """Shape of the sums: limbs; kinds (all, measured, with ageing coarser steps); bins; contact.count_event's columns."""
         kinds = 2 if self.contacts.ageing is None else 3
-        # see contact.count_event
         return 2, kinds, self._work.way.points.size, 6 if self._work.linked else 3
 
     def follow(self, blocks: Blocks, block: int) -> State:

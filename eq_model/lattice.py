@@ -88,6 +88,7 @@ def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
             f"path[-1] = {drive.path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble "
             "follows contacts along a path of at most 8e9 of them"
         )
+    spacing *= spacing >= scale * 2.0**-bits  # points closer than a unit share bins
     width = spacing or max(length / (4 * points.size), scale * _FINEST)
     shift = max(int(np.floor(np.log2(width / scale))) + bits, 0)
     unit = width * 2.0**-shift if spacing else scale * 2.0**-bits
