@@ -98,7 +98,7 @@ class Engine:
 
     @property
     def _shape(self) -> tuple[int, ...]:
-        """Shape of the sums: limbs; kinds (all, measured, with ageing coarser steps); bins; contact.count_event's columns."""
+        """Shape of the sums: limbs; kinds (all, measured, with ageing coarser steps); bins; columns of count_event."""
         kinds = 2 if self.contacts.ageing is None else 3
         return 2, kinds, self._work.way.points.size, 6 if self._work.linked else 3
 
