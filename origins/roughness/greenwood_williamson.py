@@ -182,7 +182,8 @@ def gw_gaussian(
     regime : "elastic", "plastic" or "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean
         pressure is the hardness, are plastic. x_s is continuous there; P_c jumps up, by 3/2 under the law "paper" and
         by 2 under "amontons".
-    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; needed for the regime "mixed", and only there.
+    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3, from 1e-100 to 1e100; needed for the regime "mixed", and
+        only there.
 
     Raises InputError for values outside these. For summits in metres and newtons see from_moments.
     """

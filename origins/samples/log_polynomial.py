@@ -20,7 +20,6 @@ _EDGE = 3.0  # gain in log-likelihood that an edge, or a density diverging at 0,
 _NODES, _WEIGHTS = legendre.leggauss(8)
 # along an exponential tail all columns are linear: two nodes are exact for value, gradient and curvature
 _TAIL_NODES, _TAIL_WEIGHTS = laguerre.laggauss(2)
-_CHUNK = 1 << 14  # samples whose columns are in memory at once
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,8 @@ class LogPolynomial(Thresholds):
         more = [1.0] * form.decades
         self._below = np.array([*(-steep * (-1.0) ** order / bent[0]), *more, *[0.0] * form.power])
         self._above = np.array([*(steep / bent[1]), *more, *[1.0 / last] * form.power])
-        parts = [slice(i, i + _CHUNK) for i in range(0, x.size, _CHUNK)]
+        # not the columns of all samples in memory at once
+        parts = [slice(i, i + 16384) for i in range(0, x.size, 16384)]
         self._mean = np.sum([shares[part] @ self.columns(x[part]) for part in parts], axis=0)
         # panels between samples, halved towards either end and towards 0, where the density may be steep
         near = np.geomspace(1e-9, 1.0, 30)
@@ -88,6 +88,7 @@ class LogPolynomial(Thresholds):
         self._nodes, self._log_weights = self.columns(nodes), np.log((half * _WEIGHTS).ravel())
         self._end = self.columns(x[-1:])[0]
         self._fit(few=x.size < 3)
+        del self._nodes, self._log_weights  # a megabyte, which ranks would send one another
 
     def support(self) -> tuple[float, float]:
         first, last = self._extremes
