@@ -30,7 +30,7 @@ class SoftLaw(NamedTuple):
 
 
 @cache
-def _tables(inverse_of: Callable[[Array], Array]) -> list[Array]:
+def _tables(inverse_of: Callable[[npt.ArrayLike], Array]) -> list[Array]:
     """The four tables of SoftLaw; slopes are per step."""
     y = _STEP * np.arange(int(_LAST / _STEP) + 1)
     inverse = inverse_of(_LOW + _STEP * np.arange(int((_HIGH - _LOW) / _STEP) + 1))
@@ -38,7 +38,7 @@ def _tables(inverse_of: Callable[[Array], Array]) -> list[Array]:
 
 
 def soft_compiled(
-    spring: float, omega: float, inverse_of: Callable[[Array], Array]
+    spring: float, omega: float, inverse_of: Callable[[npt.ArrayLike], Array]
 ) -> CompiledRates:
     """The compiled functions of SoftRates, with a table of inverse_of, the inverse of y² + ln D(y)."""
     log_share = float(0.5 * np.log(spring) - np.log(omega))
