@@ -5,6 +5,7 @@ from scipy.special import erf, exprel, gammaln, poch, xlogy
 
 from origins.errors import finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.quadrature import gauss
 
 _STEEPEST, _SLOWEST = 100.0, 0.1  # limits of powers and decays, for quantiles in floats
 
@@ -48,6 +49,10 @@ class Rectangular(Thresholds):
 
     def _isf(self, q: Array) -> Array:
         return self._upper - self._width * q
+
+    def _moment(self, n: float) -> float:
+        x, weights = gauss(np.array(self._lower), np.array(self._upper))  # exact up to n = 15
+        return float(weights @ x**n / self._width)
 
     def _variance(self) -> float:
         return self._width**2 / 12.0

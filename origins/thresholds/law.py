@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from origins.errors import InputError, refuse
 from origins.thresholds.numerical import NumericalLaw
-from origins.thresholds.quadrature import finite_density, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
@@ -173,12 +172,7 @@ class Thresholds:
         return self._central_moment(n, 0.0)
 
     def _central_moment(self, n: float, centre: float) -> float:
-        if type(self)._pdf is Thresholds._pdf or type(self)._sf is Thresholds._sf:
-            return self._numerical.moment(n, centre)
-        # a density stated beside its survival may be too rough for the numerical law
-        edges = panel_edges(self, tail=1e-60)
-        x, weights = gauss(edges[:-1], edges[1:])
-        return float((weights * finite_density(self, x) * (x - centre) ** n).sum())
+        return self._numerical.moment(n, centre)
 
     def _variance(self) -> float:
         mean, square = self.moment(1), self.moment(2)

@@ -80,7 +80,7 @@ class NumericalLaw:
         if not lost.sum() < 1e-10 * whole:  # beside a pole panels cannot be halved enough
             at = self._edges[lost.argmax()]
             told = "the density diverges, or is too rough"
-            raise InputError(f"thresholds: {told}, at x = {at:g}; state _cdf and _sf, too")
+            raise InputError(f"thresholds: {told}, at x = {at:g}; state _cdf, _sf and _moment, too")
         self.log_whole = self._top + float(np.log(whole))
         self._masses, values = masses / whole, values / whole
         self._means = _TO_MEAN @ values.T
