@@ -176,8 +176,8 @@ class Contacts:
             temperature = self.thermal.temperature
             if rule := too_cold(temperature, self.thresholds):
                 refuse("thermal.temperature", temperature, rule)
-            if told := too_hot(temperature, self.thresholds):
-                warnings.warn(told, TooHot, stacklevel=3)
+            if warning := too_hot(temperature, self.thresholds):
+                warnings.warn(warning, TooHot, stacklevel=3)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             such = "Ageing(gaussian(1.0, 0.02), rate=5e-4)"
             refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")
@@ -191,9 +191,9 @@ class Contacts:
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
             there.add("mean rate")
-        for pair, told in _APART.items():
+        for pair, reason in _APART.items():
             if there.issuperset(pair.split(", ")):
-                raise InputError(told)
+                raise InputError(reason)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
 
@@ -211,9 +211,9 @@ def check_contacts(
             rule = "takes none that grow with age yet; use origins.grains(...)"
             raise InputError(f"contacts.thresholds: {solver} {rule}")
         if name not in takes:
-            told = " = 'linked'" if name == "stiffness" else ""
+            value = " = 'linked'" if name == "stiffness" else ""
             rule = f"does not take it yet; leave {name} out of the contacts"
-            raise InputError(f"contacts.{name}{told}: {solver} {rule}")
+            raise InputError(f"contacts.{name}{value}: {solver} {rule}")
     if isinstance(contacts.thermal, GivenRates) and not own_rates:
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
         rule = f'does not take the rate law "{contacts.thermal.law}" yet; use {known}'
@@ -241,7 +241,8 @@ def too_cold(temperature: float, thresholds: Thresholds) -> str:
     mean, least = thresholds.mean(), 1e-20
     if not temperature < least * mean**2:
         return ""
-    told = f"is {temperature / mean**2:.1g} of <x_s>²;"
+    ratio = f"is {temperature / mean**2:.1g} of <x_s>²;"
     if thresholds.interface is not None:
-        told = f"k_BT/<k> = {temperature:.1g} m² {told} are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
-    return f"{told} below {least:g} of it contacts break at their thresholds: leave thermal out"
+        lengths = f"are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
+        ratio = f"k_BT/<k> = {temperature:.1g} m² {ratio} {lengths}"
+    return f"{ratio} below {least:g} of it contacts break at their thresholds: leave thermal out"

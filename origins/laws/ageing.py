@@ -61,8 +61,8 @@ class Ageing:
         beyond = float(fresh.cdf(low)) + float(fresh.sf(high))
         if beyond > 1e-15:
             where = f"{low:g} to {high:g}, where its potential is infinite"
-            told = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
-            raise InputError(f"ageing: {told}, {where}; use a final law that covers them")
+            fault = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
+            raise InputError(f"ageing: {fault}, {where}; use a final law that covers them")
 
     def _check_potential(self) -> None:
         """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""

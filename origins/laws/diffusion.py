@@ -71,8 +71,8 @@ class Diffusion:
         cdf, sf = law.cdf(self.edges), law.sf(self.edges)
         if not cdf[0] + sf[-1] <= 1e-12:
             ends = f"{self.edges[0]:g} and {self.edges[-1]:g}; widen them"
-            told = f"has a weight of {cdf[0] + sf[-1]:.3g} beyond the outermost edges"
-            raise InputError(f"{name}: {told}, {ends}")
+            fault = f"has a weight of {cdf[0] + sf[-1]:.3g} beyond the outermost edges"
+            raise InputError(f"{name}: {fault}, {ends}")
         # from the smaller of cdf and survival, which has more digits
         out = np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
         if walls:

@@ -198,8 +198,8 @@ class Thresholds:
         bad = np.abs(survival - 0.5) > 0.5 + 1e-9  # by more than rounding
         if bad.any():
             at, value = np.asarray(x)[bad].flat[0], survival[bad].flat[0]
-            told = f"its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
-            raise InputError(f"{type(self).__name__}: {told}")
+            fault = f"its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
+            raise InputError(f"{type(self).__name__}: {fault}")
         return survival
 
     def logsf(self, x: npt.ArrayLike) -> Array:

@@ -98,9 +98,9 @@ def continuous_mixture(
             if found.quadrature_error <= accuracy:
                 return found
         before = sums
-    told = f"{_NODES[-1]} laws reach {found.quadrature_error:.2g} only; ask for less, or smooth the law"
+    fault = f"{_NODES[-1]} laws reach {found.quadrature_error:.2g} only; ask for less, or smooth the law"
     rule = "values and jumps that move with phi average yourself, as uniform(1.0, 1.0) for identical(1.0 + phi)"
-    refuse("accuracy", accuracy, f"{told}; {rule}")
+    refuse("accuracy", accuracy, f"{fault}; {rule}")
 
 
 class Mixture(Thresholds):

@@ -79,8 +79,10 @@ class NumericalLaw:
         lost = np.where(missed > _NOISE, missed * masses, 0.0)
         if not lost.sum() < 1e-10 * whole:  # beside a pole panels cannot be halved enough
             at = self._edges[lost.argmax()]
-            told = "the density diverges, or is too rough"
-            raise InputError(f"thresholds: {told}, at x = {at:g}; state _cdf, _sf and _moment, too")
+            fault = "the density diverges, or is too rough"
+            raise InputError(
+                f"thresholds: {fault}, at x = {at:g}; state _cdf, _sf and _moment, too"
+            )
         self.log_whole = self._top + float(np.log(whole))
         self._masses, values = masses / whole, values / whole
         self._means = _TO_MEAN @ values.T
@@ -119,8 +121,8 @@ class NumericalLaw:
             most = weight.max()
             seen = np.union1d(seen, self._around(highest))
         if np.isneginf(self._top):
-            told = "the density is zero, or no number, wherever it was looked at"
-            raise InputError(f"thresholds: {told}")
+            fault = "the density is zero, or no number, wherever it was looked at"
+            raise InputError(f"thresholds: {fault}")
         inside = points[(points > self._lower) & (points < self._upper)]
         edges = np.union1d(self._around(self._lower, self._upper, highest), [*inside, highest])
         log, log_away = self._log_at(edges), np.log(edges - self._lower)

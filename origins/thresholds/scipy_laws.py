@@ -32,9 +32,9 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
         raise InputError(f"{name}: {rule}")
     below = float(frozen.cdf(0.0)) if lower <= 0.0 else 0.0
     if upper <= 0.0 or below > 1e-6:  # the same limit as for starts
-        told = f"the distribution has weight {below:.3g} at or below x = 0"
+        fault = f"the distribution has weight {below:.3g} at or below x = 0"
         rule = "a threshold is a positive length: cut it there, or use origins.gaussian, which does"
-        raise InputError(f"{name}: {told}; {rule}")
+        raise InputError(f"{name}: {fault}; {rule}")
     if not np.isfinite(mean):
         rule = "with an infinite mean contacts never reach a steady state"
         raise InputError(f"{name}: the mean is {mean}; {rule}")
