@@ -33,8 +33,8 @@ class Room(NamedTuple):
 
 ROOMS = {
     "master": Room(7500, 10774, 200, 264),
-    "eq_model": Room(2200, 3758, 60, 131),
-    "origins": Room(4500, 7830, 120, 176),
+    "eq_model": Room(2200, 3754, 60, 130),
+    "origins": Room(4500, 7690, 120, 149),
     "toolkit": Room(4000, 3994, 100, 65),
 }
 Graph = dict[str, set[str]]
