@@ -9,7 +9,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, refuse
+from origins.errors import InputError, refuse, whole
 from origins.thresholds.numerical import NumericalLaw
 
 Array = npt.NDArray[np.float64]
@@ -103,9 +103,9 @@ class Thresholds:
         found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
         normalised = type(self)._log_weight is Thresholds._log_weight
         if normalised and not abs(found.log_whole) < 1e-6:  # more than rounding explains
-            whole = f"{np.exp(found.log_whole):.6g}, not to 1"
+            adds_up = f"its density adds up to {np.exp(found.log_whole):.6g}, not to 1"
             rule = "state it as _log_weight, which need not be normalised"
-            raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
+            raise InputError(f"{type(self).__name__}: {adds_up}; {rule}")
         return found
 
     def _log_weight(self, x: Array) -> Array:
@@ -216,9 +216,8 @@ class Thresholds:
 
     def moment(self, n: int) -> float:
         """<x_s^n>, n = 0, 1, 2, ..., a length to the power n; inf where it does not exist."""
-        if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 0:
-            refuse("n", n, "must be a whole number of at least 0")
-        return 1.0 if n == 0 else float(self._moment(int(n)))
+        n = whole("n", n, 0)
+        return 1.0 if n == 0 else float(self._moment(n))
 
     def mean(self) -> float:
         """<x_s>, a length."""

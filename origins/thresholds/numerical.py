@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev, laguerre, legendre
-from scipy.special import roots_jacobi
 
 from origins.errors import InputError
 
@@ -88,10 +87,6 @@ class NumericalLaw:
         self._means = _TO_MEAN @ values.T
         self._nodes = self._edges[:-1, None] + self._widths[:, None] * _PLACES
         self._node_weights = self._widths[:, None] * values * _WEIGHTS
-        if np.isfinite(self._power):
-            nodes, weights = roots_jacobi(_NODES, 0.0, self._power)
-            self._nodes[0] = self._edges[0] + 0.5 * self._widths[0] * (1.0 + nodes)
-            self._node_weights[0] = self._masses[0] * weights / weights.sum()
         self._below = np.append(0.0, np.cumsum(self._masses))
         self._above = np.append(np.cumsum(self._masses[::-1])[::-1], 0.0)
 
@@ -133,6 +128,9 @@ class NumericalLaw:
                 off = np.abs(np.diff(log) - self._power * np.diff(log_away))
             # the log-density deviates from its power, from one edge to the next
             first = int((~(off < 1e-12 + 4.0 * _EPSILON * np.abs(log[1:]))).argmax())
+            # moments take the first panel as if its weight were spread evenly: it must be short
+            short = self._lower + 1e-18 * (highest - self._lower)
+            first = min(first, int(np.searchsorted(edges, short)))
         if not from_lower or log[first] == -np.inf:
             self._power = np.inf
         ends = [self._lower] if from_lower else [], [self._upper]
