@@ -110,6 +110,10 @@ class UpperGaussian(CutGaussian):
             lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
         return moment
 
+    def _variance(self) -> float:
+        rise = self.parent_std * float(np.exp(self._log_at_zero))
+        return float(self.parent_std**2 * (1.0 + self._least * rise - rise * rise))
+
 
 class ChordGaussian(Thresholds):
     """P_c ~ h(x) = G(x) - G(0) - (x/upper) [G(upper) - G(0)] where that is positive (paper, after Eq. Q14e).

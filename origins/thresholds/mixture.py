@@ -116,16 +116,12 @@ class Mixture(Thresholds):
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
         """Join the components; those of a mixture within become its own."""
         self.given = tuple(zip(weights.tolist(), components, strict=True))
-        parts = [
-            (share * weight, part)
-            for share, law in self.given
-            for weight, part in (
-                zip(law.weights.tolist(), law.components, strict=True)
-                if isinstance(law, Mixture)
-                else [(1.0, law)]
-            )
-            if share > 0.0
-        ]
+        parts: list[tuple[float, Thresholds]] = []
+        for share, law in self.given:
+            if isinstance(law, Mixture):
+                parts += zip((share * law.weights).tolist(), law.components, strict=True)
+            elif share > 0.0:
+                parts.append((share, law))
         self.weights = np.array([weight for weight, _ in parts])
         self.components = tuple(part for _, part in parts)
         lower, upper = zip(*(part.support() for part in self.components), strict=True)
