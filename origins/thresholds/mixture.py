@@ -117,10 +117,10 @@ class Mixture(Thresholds):
         """Join the components; those of a mixture within become its own."""
         self.given = tuple(zip(weights.tolist(), components, strict=True))
         parts: list[tuple[float, Thresholds]] = []
-        for share, law in self.given:
+        for share, law in (pair for pair in self.given if pair[0] > 0.0):
             if isinstance(law, Mixture):
                 parts += zip((share * law.weights).tolist(), law.components, strict=True)
-            elif share > 0.0:
+            else:
                 parts.append((share, law))
         self.weights = np.array([weight for weight, _ in parts])
         self.components = tuple(part for _, part in parts)

@@ -27,16 +27,14 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
         refuse(name, law, f"must come from origins, such as {such}")
     mean = single_mean(name, frozen)
     lower, upper = (float(end) for end in frozen.support())
-    if not lower < upper:
-        rule = "the frozen distribution has no valid support; check its parameters"
-        raise InputError(f"{name}: {rule}")
     below = float(frozen.cdf(0.0)) if lower <= 0.0 else 0.0
     if upper <= 0.0 or below > 1e-6:  # the same limit as for starts
         fault = f"the distribution has weight {below:.3g} at or below x = 0"
         rule = "a threshold is a positive length: cut it there, or use origins.gaussian, which does"
         raise InputError(f"{name}: {fault}; {rule}")
     if not np.isfinite(mean):
-        rule = "with an infinite mean contacts never reach a steady state"
+        endless = "with an infinite mean contacts never reach a steady state"
+        rule = "check its parameters" if np.isnan(mean) else endless
         raise InputError(f"{name}: the mean is {mean}; {rule}")
     kind = ScipyDensity if below > _ROUNDING or frozen is not law else FrozenThresholds
     return kind(frozen, (max(lower, 0.0), upper), below)
