@@ -19,7 +19,7 @@ from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 
 @dataclass(frozen=True)
 class SoftRates(ActivatedRates):
-    """Rate of soft contacts, whose barrier is b (x_s² - x²) (paper, Eqs. temper5 and temper8).
+    """Rate of soft contacts, whose barrier is b (x_s² - x²) (paper, Eq. temper8).
 
     Attributes and errors are those of ActivatedRates. The formulas continue beyond the threshold.
     """
