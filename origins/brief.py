@@ -13,8 +13,8 @@ def brief(record: Any) -> str:
     """The repr of a dataclass, with the shape and range of arrays in place of their values, and with long texts cut:
     set it as `__repr__` in the class."""
     shown = (field.name for field in fields(record) if field.repr)
-    told = (f"{name}={_short(getattr(record, name))}" for name in shown)
-    return f"{type(record).__name__}({', '.join(told)})"
+    values = (f"{name}={_short(getattr(record, name))}" for name in shown)
+    return f"{type(record).__name__}({', '.join(values)})"
 
 
 def _short(value: object) -> str:

@@ -26,25 +26,19 @@ from origins.thresholds.scipy_laws import as_thresholds
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 # Laws that do not go together, and why; "mean rate" is the thermal closure "paper".
 _LINKED = "stiffness = 'linked': not defined with"
+_EXACT = 'use closure = "exact"'
 _APART = {
-    "stiffness, mean rate": f'{_LINKED} thermal closure = "paper", which breaks all contacts at one '
-    'mean rate; use closure = "exact"',
+    "stiffness, mean rate": f'{_LINKED} thermal closure = "paper", one mean rate for all contacts; {_EXACT}',
     "stiffness, ageing": f"{_LINKED} ageing: nothing says whether k_i follows a threshold that changes; "
     'use "independent"',
-    "stiffness, grains": f"{_LINKED} thresholds that grow: <x_s> at birth is 0, and nothing says "
-    "whether k_i follows",
-    "grains, mean rate": 'thermal: closure = "paper" averages the rate over one P_c for all contacts, '
-    'and thresholds that grow have another at each age; use closure = "exact"',
-    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own, from 0 "
-    "where no fresh law diffuses; leave one of them out",
-    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are "
-    "0: none exceeds |r|; leave it out",
+    "stiffness, grains": f'{_LINKED} thresholds that grow: <x_s> at birth is 0; use "independent"',
+    "grains, mean rate": 'thermal: closure = "paper" averages the rate over one P_c for all contacts, and '
+    f"thresholds that grow have another at each age; {_EXACT}",
+    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own; leave one "
+    "of them out",
+    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are 0: "
+    "none exceeds |r|; leave it out",
 }
-
-_UNIT = "powers of these lengths are beyond floating point; choose another unit of length"
-_LONGEST = 1e150  # largest <x_s>, a length, whose square is finite; the smallest is its inverse
-_HOTTEST = 100.0  # k_BT/<k> over <x_s²>, above which we warn: barriers are below k_BT/200
-_COLDEST = 1e-20  # least k_BT/<k> over <x_s>²: below it rates are 0 up to the threshold
 
 
 class Contacts:
@@ -88,10 +82,8 @@ class Contacts:
         Load, contact density, <k> and friction in SI units, where the thresholds come from a rough surface.
     cut_weight : float
         Starting weight that lay beyond every threshold and was cut off; 0 by default.
-    reforming : Births or None
-        None where contacts form again at x = 0.
-    thermal, ageing, delay
-        The laws as given; None where the law is absent. `thermal.rates` is the RateLaw.
+    thermal, ageing, delay, reforming
+        The laws; None where the law is absent. `thermal.rates` is the RateLaw, `reforming` a Births.
     laws : tuple of str
         Names of the laws that are present, from origins.contacts.LAWS.
 
@@ -123,15 +115,16 @@ class Contacts:
         if not np.isfinite(self.mean_threshold):
             rule = "with an infinite mean contacts never reach a steady state"
             raise InputError(f"thresholds: the mean threshold is {self.mean_threshold}; {rule}")
-        if not 1.0 / _LONGEST < self.mean_threshold < _LONGEST:
-            raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {_UNIT}")
+        if not 1e-150 < self.mean_threshold < 1e150:
+            rule = (
+                "powers of these lengths are beyond floating point; choose another unit of length"
+            )
+            raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {rule}")
         # a family whose survival is invalid is refused here, by name, and not in the middle of a solution
         self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
-        again = as_start(reforming, "reforming")
-        self.reforming: Births | None = None
-        if again.span != (0.0, 0.0):
-            self.reforming = Births("reforming", again, self.thresholds)
+        again = Births("reforming", as_start(reforming, "reforming"), self.thresholds)
+        self.reforming = None if again.law.span == (0.0, 0.0) else again
         self.thermal = as_thermal(thermal)
         self.ageing, self.delay, self.stiffness = ageing, delay, stiffness
         self._check_laws()
@@ -142,8 +135,7 @@ class Contacts:
     @property
     def laws(self) -> tuple[str, ...]:
         """Names of the laws that these contacts have, in the order of origins.contacts.LAWS."""
-        own = ((name, getattr(self, name)) for name in LAWS)
-        return tuple(name for name, law in own if law is not None and law != "independent")
+        return tuple(name for name in LAWS if getattr(self, name) not in (None, "independent"))
 
     def replace(self, **changes: Any) -> Contacts:
         """These contacts with some of the constructor's arguments replaced, by name.
@@ -184,8 +176,8 @@ class Contacts:
             temperature = self.thermal.temperature
             if rule := too_cold(temperature, self.thresholds):
                 refuse("thermal.temperature", temperature, rule)
-            if told := too_hot(temperature, self.thresholds):
-                warnings.warn(told, TooHot, stacklevel=3)
+            if warning := too_hot(temperature, self.thresholds):
+                warnings.warn(warning, TooHot, stacklevel=3)
         if self.ageing is not None and not isinstance(self.ageing, Ageing):
             such = "Ageing(gaussian(1.0, 0.02), rate=5e-4)"
             refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")
@@ -199,9 +191,9 @@ class Contacts:
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
             there.add("mean rate")
-        for pair, told in _APART.items():
+        for pair, reason in _APART.items():
             if there.issuperset(pair.split(", ")):
-                raise InputError(told)
+                raise InputError(reason)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
 
@@ -219,9 +211,9 @@ def check_contacts(
             rule = "takes none that grow with age yet; use origins.grains(...)"
             raise InputError(f"contacts.thresholds: {solver} {rule}")
         if name not in takes:
-            told = " = 'linked'" if name == "stiffness" else ""
+            value = " = 'linked'" if name == "stiffness" else ""
             rule = f"does not take it yet; leave {name} out of the contacts"
-            raise InputError(f"contacts.{name}{told}: {solver} {rule}")
+            raise InputError(f"contacts.{name}{value}: {solver} {rule}")
     if isinstance(contacts.thermal, GivenRates) and not own_rates:
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
         rule = f'does not take the rate law "{contacts.thermal.law}" yet; use {known}'
@@ -235,7 +227,7 @@ class TooHot(UserWarning):
 def too_hot(temperature: float, thresholds: Thresholds) -> str:
     """A warning for a temperature k_BT/<k> (a length squared) at which no contact holds; "" for a lower one."""
     share = temperature / thresholds.moment(2)
-    if not share > _HOTTEST:
+    if not share > 100.0:  # barriers are then below k_BT/200
         return ""
     kelvin = ": of kelvins write temperature = { kelvin = 300.0 }" if thresholds.interface else ""
     return (
@@ -246,10 +238,11 @@ def too_hot(temperature: float, thresholds: Thresholds) -> str:
 
 def too_cold(temperature: float, thresholds: Thresholds) -> str:
     """Why a temperature k_BT/<k> (a length squared) is too low for these thresholds; "" where it is high enough."""
-    mean = thresholds.mean()
-    if not temperature < _COLDEST * mean**2:
+    mean, least = thresholds.mean(), 1e-20
+    if not temperature < least * mean**2:
         return ""
-    told = f"is {temperature / mean**2:.1g} of <x_s>²;"
+    ratio = f"is {temperature / mean**2:.1g} of <x_s>²;"
     if thresholds.interface is not None:
-        told = f"k_BT/<k> = {temperature:.1g} m² {told} are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
-    return f"{told} below {_COLDEST:g} of it contacts break at their thresholds: leave thermal out"
+        lengths = f"are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
+        ratio = f"k_BT/<k> = {temperature:.1g} m² {ratio} {lengths}"
+    return f"{ratio} below {least:g} of it contacts break at their thresholds: leave thermal out"

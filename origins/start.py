@@ -13,11 +13,6 @@ from origins.errors import TEMPERATURE, InputError, finite, non_negative, positi
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_frozen, single_mean
 
-_BEYOND = 1e-16  # weight that lies beyond either end of a span
-_REACH = 8.3  # standard deviations beyond which a Gaussian has that weight
-_CUT_LIMIT = 1e-6  # largest weight beyond every threshold that is cut off, the same as for thresholds below 0
-_LEAST_SURVIVAL = 1e-300
-
 
 class Start:
     """Distribution Q_ini(x) of the starting stretches (lengths, of either sign).
@@ -27,14 +22,17 @@ class Start:
     span (value, value) and none of the five.
     """
 
-    span: tuple[float, float]
-    breakpoints: Array
     pdf: Callable[[Any], Array]
     cdf: Callable[[Any], Array]
     sf: Callable[[Any], Array]
     ppf: Callable[[Any], Array]
     isf: Callable[[Any], Array]
-    _mean: float
+
+    def __init__(
+        self, mean: float, span: tuple[float, float], breakpoints: npt.ArrayLike = ()
+    ) -> None:
+        self._mean, self.span = mean, span
+        self.breakpoints: Array = np.asarray(breakpoints, dtype=float)
 
     def mean(self) -> float:
         """Mean starting stretch."""
@@ -50,50 +48,22 @@ class SingleStart(Start):
     """All contacts start at one stretch."""
 
     def __init__(self, value: float) -> None:
-        self._mean, self.span, self.breakpoints = value, (value, value), np.array([value])
+        super().__init__(value, (value, value), [value])
 
 
 class GaussianStart(Start):
     """Normal law, not cut: stretches may be negative."""
 
     def __init__(self, mean: float, std: float) -> None:
-        self._mean, self._std = mean, std
-        self.span, self.breakpoints = (mean - _REACH * std, mean + _REACH * std), np.empty(0)
+        reach = 8.3 * std  # beyond which lie 1e-16 of the weight
+        super().__init__(mean, (mean - reach, mean + reach))
 
-    def _z(self, x: npt.ArrayLike) -> Array:
-        return (np.asarray(x, dtype=float) - self._mean) / self._std
+        def z(x: npt.ArrayLike) -> Array:
+            return (np.asarray(x, dtype=float) - mean) / std
 
-    def pdf(self, x: npt.ArrayLike) -> Array:
-        return np.exp(-0.5 * self._z(x) ** 2) / (self._std * np.sqrt(2.0 * np.pi))
-
-    def cdf(self, x: npt.ArrayLike) -> Array:
-        return ndtr(self._z(x))
-
-    def sf(self, x: npt.ArrayLike) -> Array:
-        return ndtr(-self._z(x))
-
-    def ppf(self, q: npt.ArrayLike) -> Array:
-        return self._mean + self._std * ndtri(q)
-
-    def isf(self, q: npt.ArrayLike) -> Array:
-        return self._mean - self._std * ndtri(q)
-
-
-class FrozenStart(Start):
-    """A frozen continuous scipy.stats distribution on the real line."""
-
-    def __init__(self, frozen: Any, name: str) -> None:
-        self._mean = single_mean(name, frozen)
-        if not np.isfinite(self._mean):
-            rule = "stretches need a finite mean"
-            raise InputError(f"{name}: the mean of the distribution is {self._mean}; {rule}")
-        for method in ("pdf", "cdf", "sf", "ppf", "isf"):
-            setattr(self, method, getattr(frozen, method))
-        ends = np.array([float(end) for end in frozen.support()])
-        self.breakpoints = ends[np.isfinite(ends)]
-        reach = float(frozen.ppf(_BEYOND)), float(frozen.isf(_BEYOND))
-        lower, upper = np.where(np.isfinite(ends), ends, reach)
-        self.span = float(lower), float(upper)
+        self.pdf = lambda x: np.exp(-0.5 * z(x) ** 2) / (std * np.sqrt(2.0 * np.pi))
+        self.cdf, self.sf = lambda x: ndtr(z(x)), lambda x: ndtr(-z(x))
+        self.ppf, self.isf = lambda q: mean + std * ndtri(q), lambda q: mean - std * ndtri(q)
 
 
 def gaussian_start(mean: float, std: float) -> Start:
@@ -125,9 +95,24 @@ def as_start(start: object, name: str = "start") -> Start:
     if isinstance(start, int | float | np.number) and not isinstance(start, bool):
         return SingleStart(finite(name, start))
     if (frozen := as_frozen(start)) is not None:
-        return FrozenStart(frozen, name)
+        return _of_scipy(frozen, name)
     such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
     refuse(name, start, f"must be None, a stretch, {such}")
+
+
+def _of_scipy(frozen: Any, name: str) -> Start:
+    """A frozen continuous distribution on the real line as a Start."""
+    mean = single_mean(name, frozen)
+    if not np.isfinite(mean):
+        rule = "stretches need a finite mean"
+        raise InputError(f"{name}: the mean of the distribution is {mean}; {rule}")
+    ends = np.array([float(end) for end in frozen.support()])
+    reach = np.array([float(frozen.ppf(1e-16)), float(frozen.isf(1e-16))])
+    lower, upper = np.where(np.isfinite(ends), ends, reach).tolist()
+    found = Start(mean, (lower, upper), ends[np.isfinite(ends)])
+    for method in ("pdf", "cdf", "sf", "ppf", "isf"):
+        setattr(found, method, getattr(frozen, method))
+    return found
 
 
 class Births:
@@ -150,21 +135,19 @@ class Births:
         if float(thresholds.sf(max(abs(end) for end in law.span))) > 0.0:
             return
         reach = thresholds.support()[1]
-        reach = reach if np.isfinite(reach) else float(thresholds.isf(_LEAST_SURVIVAL))
+        reach = reach if np.isfinite(reach) else float(thresholds.isf(1e-300))
         self.cut_weight = 1.0 if law.is_single else float(law.cdf(-reach) + law.sf(reach))
-        if self.cut_weight > _CUT_LIMIT:
+        if self.cut_weight > 1e-6:  # the same limit as for thresholds below 0
             beyond = f"beyond every threshold, at |x| >= {reach:.6g}; use stretches below it"
             raise InputError(f"{name}: a weight of {self.cut_weight:.3g} lies {beyond}")
 
     def draw(self, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
         """Independent stretches and thresholds (lengths), shapes (size,); those beyond every threshold drawn again."""
-        upper = self._thresholds.support()[1]
-        if self.law.is_single:
-            x = np.full(size, self.law.mean())
-        else:
+        x = np.full(size, self.law.mean())
+        if not self.law.is_single:
             x = self.law.ppf(generator.random(size))
-            while (beyond := np.flatnonzero(np.abs(x) >= upper)).size:
-                x[beyond] = self.law.ppf(generator.random(beyond.size))
+            while (beyond := np.abs(x) >= self._thresholds.support()[1]).any():
+                x[beyond] = self.law.ppf(generator.random(int(beyond.sum())))
         held = np.abs(x)
-        left = self._thresholds.sf(held) * (1.0 - generator.random(size))
-        return x, np.maximum(self._thresholds.isf(left), held)
+        survival = self._thresholds.sf(held) * (1.0 - generator.random(size))
+        return x, np.maximum(self._thresholds.isf(survival), held)

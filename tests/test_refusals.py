@@ -212,11 +212,11 @@ origins.gaussian(1.0, 0.1, form="paper", upper=0.9)  mean = 1.0:
 origins.rectangular(1.0, 1.0)  upper = 1.0:
 origins.gw_plastic(True)  B = True:
 origins.lubricated(1.0, power=-1.0)  power = -1.0: must be above -1, or P_c has no norm
-origins.persson(1.1e6, 1.0)  centre = 1100000.0: is more than 1e+06 widths
+origins.persson(101.0, 1.0)  centre = 101.0: is more than 100 widths
 origins.mixture([origins.identical(1.0)] * 2, [0.5, 0.4])  weights = [0.5, 0.4]:
 origins.mixture([origins.identical(1.0), 3.0], [0.5, 0.5])  thresholds = 3.0:
 origins.continuous_mixture(origins.gw_plastic, 1.0, 0.0)  upper = 0.0: must be above lower = 1
-origins.continuous_mixture(lambda phi: origins.identical(phi), 1.0, 2.0)  jump of the density moves with phi
+origins.continuous_mixture(lambda phi: origins.identical(phi), 1.0, 2.0)  values and jumps that move with phi
 origins.continuous_mixture(lambda phi: stats.beta(2.0, 2.0, loc=phi), 0.0, 1.0)  accuracy = 1e-10: 512 laws
 Contacts(stats.halfcauchy())  thresholds: the mean is inf
 Contacts(stats.norm(0.0, 1.0))  weight 0.5 at or below x = 0

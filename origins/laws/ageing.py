@@ -1,11 +1,12 @@
 """Ageing: the threshold of a contact that holds diffuses towards the law of old contacts (paper, Sec. V)."""
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite, non_negative, one_of, positive, refuse
+from origins.errors import InputError, non_negative, one_of, refuse
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
@@ -60,8 +61,8 @@ class Ageing:
         beyond = float(fresh.cdf(low)) + float(fresh.sf(high))
         if beyond > 1e-15:
             where = f"{low:g} to {high:g}, where its potential is infinite"
-            told = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
-            raise InputError(f"ageing: {told}, {where}; use a final law that covers them")
+            fault = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
+            raise InputError(f"ageing: {fault}, {where}; use a final law that covers them")
 
     def _check_potential(self) -> None:
         """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""
@@ -69,11 +70,11 @@ class Ageing:
         if atoms.size:
             rule = "thresholds cannot diffuse to it; use a law with a density, such as gaussian"
             raise InputError(f"final: holds the single value {atoms[0]:g}: {rule}")
-        middle = 0.5 * (corners[:-1] + corners[1:])
-        for i in np.flatnonzero(self.final.logpdf(middle) == -np.inf):
-            told = f"has no weight between {corners[i]:g} and {corners[i + 1]:g}"
+        gaps = np.isneginf(self.final.logpdf(0.5 * (corners[:-1] + corners[1:])))
+        if gaps.any():
+            low, high = corners[gaps.argmax()], corners[gaps.argmax() + 1]
             rule = "thresholds cannot diffuse across; use a law without gaps"
-            raise InputError(f"final: {told}: {rule}")
+            raise InputError(f"final: has no weight between {low:g} and {high:g}: {rule}")
         if self.closure != "exact":
             return
         corners = corners[1:-1] if np.isfinite(self.final.support()[1]) else corners[1:]
@@ -87,40 +88,27 @@ class Ageing:
             raise InputError(f"final: the density jumps at {corner:g}: {rule}; {use}")
 
 
+@dataclass(frozen=True)
 class OrnsteinUhlenbeck:
     """dx = λ (mean - x) dt + std (2λ)^(1/2) dW: x(t) is normal with mean_after and std_after, given x(0) = x0.
 
-    Parameters
-    ----------
-    mean, std : float
-        Of the stationary normal law, lengths.
-    rate : float
-        λ, per time.
-
-    Raises InputError unless mean is finite, std finite and above zero, rate finite and not negative. Methods take
-    arrays that broadcast: values x and x0 (lengths) and times >= 0.
+    mean and std (lengths) are of the stationary normal law, `rate` is λ (per time). Methods take arrays that
+    broadcast: values x0 (lengths) and times >= 0.
     """
 
-    def __init__(self, mean: float, std: float, rate: float) -> None:
-        self.mean, self.std = finite("mean", mean), positive("std", std)
-        self.rate = non_negative("rate", rate)
+    mean: float
+    std: float
+    rate: float
 
     def mean_after(self, x0: npt.ArrayLike, time: npt.ArrayLike) -> Array:
         """mean + (x0 - mean) e^(-λt), a length."""
         x0 = np.asarray(x0, dtype=float)
-        return x0 - (self.mean - x0) * np.expm1(-self.rate * _checked(time))
+        return x0 - (self.mean - x0) * np.expm1(-self.rate * np.asarray(time))
 
     def std_after(self, time: npt.ArrayLike) -> Array:
         """std (1 - e^(-2λt))^(1/2), a length."""
-        return self.std * np.sqrt(-np.expm1(-2.0 * self.rate * _checked(time)))
+        return self.std * np.sqrt(-np.expm1(-2.0 * self.rate * np.asarray(time)))
 
     def draw(self, x0: npt.ArrayLike, time: npt.ArrayLike, normal: npt.ArrayLike) -> Array:
         """Value after `time`, from standard normal draws; exact over any time."""
         return self.mean_after(x0, time) + self.std_after(time) * np.asarray(normal, dtype=float)
-
-
-def _checked(time: npt.ArrayLike) -> Array:
-    times = np.asarray(time, dtype=float)
-    if not (times >= 0.0).all():
-        refuse("time", times[~(times >= 0.0)].flat[0], "must be zero or above")
-    return times

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 
-@dataclass(frozen=True)
-class CompiledRates:
+class CompiledRates(NamedTuple):
     """Plain functions of numbers that numba can compile; functions that they call must be compiled already.
 
     Their arguments must have the names given here.
@@ -40,15 +38,17 @@ def inlined(function: Callable[..., Any]) -> Any:
     return jit(nogil=True, error_model="numpy", _nrt=False, forceinline=True)(function)
 
 
-def of_formulas(kind: type, law: Any, most: Callable[..., float]) -> CompiledRates:
-    """The methods of a class of rates, which use attributes that `law` has too, for one contact each."""
-    return CompiledRates(law, **_compiled(kind), most=most)
-
-
 @cache
-def _compiled(kind: Any) -> dict[str, Callable[..., float]]:
-    methods = kind.log_rate, kind.log_passed, kind.reached
-    log_rate, log_passed, reached_from = (inlined(method.__wrapped__) for method in methods)
+def of_formulas(kind: Any) -> tuple[Any, Any, Any]:
+    """rate, passed and reached from the methods of a class of rates, for a `law` with the attributes that they use."""
+    return _of_logarithms(
+        kind.log_rate.__wrapped__, kind.log_passed.__wrapped__, kind.reached.__wrapped__
+    )
+
+
+def _of_logarithms(*methods: Callable[..., float]) -> tuple[Any, Any, Any]:
+    """rate, passed and reached of CompiledRates from three methods as a RateLaw has them."""
+    log_rate, log_passed, reached_from = map(inlined, methods)
 
     def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
         return math.exp(log_rate(law, x, threshold, stiffness))
@@ -59,7 +59,7 @@ def _compiled(kind: Any) -> dict[str, Callable[..., float]]:
     def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
         return reached_from(law, log_amount, 0.0, threshold, stiffness)
 
-    return {"rate": rate, "passed": passed, "reached": reached}
+    return rate, passed, reached
 
 
 def called(rates: Any) -> CompiledRates:
@@ -68,31 +68,20 @@ def called(rates: Any) -> CompiledRates:
     The bound of its rate is its scale. Each method is called once before, as kernels cannot pass on an error.
     """
     from ctypes import CFUNCTYPE, c_double
-    from typing import NamedTuple
-
-    def number(count: int, function: Callable[..., Any]) -> Any:
-        return CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(function(*given)))
-
-    rates.rate(0.0, 1.0, 1.0)
-    rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
 
     # a separate class for each law, so that no two laws share compiled code
     class Called(NamedTuple):
         scale: float
 
-    rate_of = number(3, rates.rate)
-    log_passed_of, reached_of = number(4, rates.log_passed), number(4, rates.reached)
+    def number(method: Callable[..., Any], count: int) -> Callable[..., float]:
+        found = CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(method(*given)))
+        return lambda law, *given: found(*given)
 
-    def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return rate_of(x, threshold, stiffness)
-
-    def passed(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return math.exp(log_passed_of(0.0, x, threshold, stiffness)) if x > 0.0 else 0.0
-
-    def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return reached_of(log_amount, 0.0, threshold, stiffness)
+    rates.log_rate(0.0, 1.0, 1.0)
+    rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
+    methods = number(rates.log_rate, 3), number(rates.log_passed, 4), number(rates.reached, 4)
 
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return law.scale
 
-    return CompiledRates(Called(float(rates.scale)), rate, passed, reached, most)
+    return CompiledRates(Called(float(rates.scale)), *_of_logarithms(*methods), most)

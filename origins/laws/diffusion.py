@@ -42,8 +42,7 @@ class Diffusion:
         if self.edges.size < 3 or not (np.diff(self.edges) > 0.0).all():
             rule = "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)"
             refuse("edges", self.edges, rule)
-        self._check_walls("final", final)
-        known = self._weights(final)
+        known = self.weights(final, "final", walls=False)
         with np.errstate(divide="ignore", invalid="ignore"):
             log_weights = np.log(known)
         # smaller weights are summed from the log-density, which does not underflow
@@ -64,23 +63,19 @@ class Diffusion:
         self.up = 1.0 / (exprel(uphill) * widths[:-1] * distances)
         self.down = 1.0 / (exprel(-uphill) * widths[1:] * distances)
 
-    def weights(self, law: Thresholds) -> Array:
-        """Weight of `law` in each cell, shape (n,), adding up to 1; at most 1e-12 beyond the walls, else InputError."""
-        self._check_walls("law", law)
-        out = self._weights(law)
-        out[0] += float(law.cdf(self.edges[0]))
-        out[-1] += float(law.sf(self.edges[-1]))
-        return out
+    def weights(self, law: Thresholds, name: str = "law", walls: bool = True) -> Array:
+        """Weight of `law` in each cell, shape (n,), with what lies beyond the `walls` it adds up to 1.
 
-    def _weights(self, law: Thresholds) -> Array:
-        """Weight between neighbouring edges, from the smaller of cdf and survival, which has more digits."""
+        InputError, with `name`, where more than 1e-12 of it does.
+        """
         cdf, sf = law.cdf(self.edges), law.sf(self.edges)
-        return np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
-
-    def _check_walls(self, name: str, law: Thresholds) -> None:
-        low, high = float(self.edges[0]), float(self.edges[-1])
-        beyond = float(law.cdf(low)) + float(law.sf(high))
-        if not beyond <= 1e-12:
-            raise InputError(
-                f"{name}: has a weight of {beyond:.3g} beyond the outermost edges, {low:g} and {high:g}; widen them"
-            )
+        if not cdf[0] + sf[-1] <= 1e-12:
+            ends = f"{self.edges[0]:g} and {self.edges[-1]:g}; widen them"
+            fault = f"has a weight of {cdf[0] + sf[-1]:.3g} beyond the outermost edges"
+            raise InputError(f"{name}: {fault}, {ends}")
+        # from the smaller of cdf and survival, which has more digits
+        out = np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
+        if walls:
+            out[0] += cdf[0]
+            out[-1] += sf[-1]
+        return out

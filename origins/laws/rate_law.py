@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -24,61 +24,43 @@ quiet = np.errstate(divide="ignore", over="ignore")
 class RateLaw(Protocol):
     """The rate h(x; x_s) at which a contact breaks below its threshold (paper, Eq. temper1).
 
-    Every method takes numbers or arrays that broadcast, and returns their common shape; a law that
-    does not depend on stiffness may ignore its shape. Arguments are not checked, and no method
-    warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that
-    is stretched backward is that of |x|. `threshold` is x_s > 0 (a length). `stiffness` is
-    k_i/<k> > 0, the contact's stiffness over the mean one (no unit). At a constant speed v a
-    contact survives the way from near to far with the probability exp(-passed/v).
+    Every method takes numbers or arrays that broadcast, and returns their common shape. Arguments are not checked,
+    and no method warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that is
+    stretched backward is that of |x|. `threshold` is x_s > 0 (a length), `stiffness` k_i/<k> > 0 (no unit). At a
+    constant speed v a contact survives the way from near to far with the probability exp(-passed/v).
 
-    A law of your own defines `name`, `scale`, `log_rate`, `log_passed` and `reached`; as a subclass
-    of RateLaw it inherits the rest. Give it to origins.Contacts as `thermal`. For the ensemble it may
-    define `compiled()`, which returns an origins.laws.compiled.CompiledRates: without it each break
-    takes some microseconds.
+    A law of your own defines `name`, as messages call it, `scale`, the attempt frequency ω per time, which no rate
+    exceeds, `log_rate`, `log_passed` and `reached`; as a subclass of RateLaw it inherits the rest. Give it to
+    origins.Contacts as `thermal`. For the ensemble it may define `compiled()`, which returns an
+    origins.laws.compiled.CompiledRates: without it each break takes some microseconds.
+
+    vanishes_at_threshold : whether h falls to 0 at the threshold as a root of x_s - x does, as of stiff contacts. Such
+        a rate is not smooth at x = x_s, and at fixed x it does not always fall as x_s grows.
+    separable : whether ln h, at one stiffness, is a function of x plus one of the threshold. The integrals of two
+        contacts with the same history then have the same ratio for every history.
     """
 
-    @property
-    def name(self) -> str:
-        """The name of the law in messages, such as "soft"."""
-        ...
+    vanishes_at_threshold: ClassVar[bool] = False
+    separable: ClassVar[bool] = False
 
     @property
-    def scale(self) -> float:
-        """The attempt frequency ω, per time: the largest rate that a contact can have."""
-        ...
+    def name(self) -> str: ...
 
     @property
-    def vanishes_at_threshold(self) -> bool:
-        """Whether h falls to 0 at the threshold as a root of x_s - x does (stiff contacts).
-
-        Such a rate is not smooth at x = x_s, and at fixed x it does not always fall as x_s grows.
-        """
-        return False
-
-    @property
-    def separable(self) -> bool:
-        """Whether ln h, at one stiffness, is a function of x plus one of the threshold.
-
-        The integrals of two contacts with the same history then have the same ratio for every history.
-        """
-        return False
+    def scale(self) -> float: ...
 
     @abstractmethod
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
-        """ln h, h per time: finite where h underflows, -inf where h = 0.
-
-        To 1e-13 of max(1, |ln h|).
-        """
+        """ln h, h per time, to 1e-13 of max(1, |ln h|): finite where h underflows, -inf where h = 0."""
         ...
 
     @abstractmethod
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """ln of the integral of h over the stretches from near to far (a length per time).
+        """ln of the integral of h over the stretches from near to far (a length per time), near <= far.
 
-        0 <= near <= far <= threshold; -inf where near = far. To 1e-13 of max(1, |ln|), also where
-        near ~ far, so do not subtract two large integrals.
+        -inf where near = far. To 1e-13 of max(1, |ln|), also where near ~ far: do not subtract two large integrals.
         """
         ...
 
@@ -86,10 +68,9 @@ class RateLaw(Protocol):
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """Stretch >= near at which the logarithm of the integral of h from near is log_amount.
+        """Stretch at which ln of the integral of h from near is log_amount; the threshold where it stays below.
 
-        The threshold where the integral stays below that. Accurate to 1e-12 of the threshold, or in
-        the integral up to the stretch.
+        Accurate to 1e-12 of the threshold, or in the integral up to the stretch.
         """
         ...
 
@@ -100,16 +81,9 @@ class RateLaw(Protocol):
 
 @dataclass(frozen=True)
 class ActivatedRates(RateLaw):
-    """A rate with an attempt frequency and a barrier that a temperature overcomes.
+    """A rate with an attempt frequency ω (per time) and a barrier that a temperature T = k_BT/<k> overcomes.
 
-    Attributes
-    ----------
-    temperature : float
-        T = k_BT/<k>, a length squared.
-    attempt_frequency : float
-        ω, per time.
-
-    Raises InputError unless both are finite and above zero.
+    T is a length squared. Raises InputError unless both are finite and above zero.
     """
 
     temperature: float

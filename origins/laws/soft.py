@@ -1,4 +1,7 @@
-"""Soft contacts: h = ω exp[-k_i (x_s² - x²) / 2k_BT] (paper, Eqs. temper5 and temper8)."""
+"""Soft contacts: h = ω exp[-k_i (x_s² - x²) / 2k_BT] (paper, Eqs. temper5 and temper8).
+
+With b = k_i/2k_BT and Dawson's integral D the integral of h from 0 to x is h(x) D(b^(1/2) x) / b^(1/2).
+"""
 
 from __future__ import annotations
 
@@ -6,24 +9,22 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
+import numpy.typing as npt
 from scipy.special import dawsn
 
 from origins.laws.compiled import CompiledRates
-from origins.laws.dawson import inverse_log_growth, log_growth
 from origins.laws.rate_law import ActivatedRates, Array, Numbers, quiet
 from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 
 
 @dataclass(frozen=True)
 class SoftRates(ActivatedRates):
-    """Rate of soft contacts: barrier b (x_s² - x²), b = k_i/2k_BT per length² (paper, Eq. temper8).
+    """Rate of soft contacts, whose barrier is b (x_s² - x²) (paper, Eq. temper8).
 
-    With Dawson's integral D the integral of h from 0 to x is h(x) D(b^(1/2) x) / b^(1/2). Attributes and errors
-    are those of ActivatedRates. The formulas continue beyond the threshold.
+    Attributes and errors are those of ActivatedRates. The formulas continue beyond the threshold.
     """
 
     name: ClassVar[Literal["soft"]] = "soft"
-    vanishes_at_threshold: ClassVar[bool] = False
     separable: ClassVar[bool] = True
 
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
@@ -36,10 +37,19 @@ class SoftRates(ActivatedRates):
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
         """ln of the integral of h from near to far; -inf where they are equal."""
-        spring = self.spring * np.asarray(stiffness)
-        length = _length(np.asarray(near), np.asarray(far), spring)
+        spring, across = self.spring * np.asarray(stiffness), np.asarray(far - near)
+        root, rise = np.sqrt(spring), spring * across * (far + near)
+        # the integral over h(far), a length
+        length = (dawsn(root * far) - np.exp(-rise) * dawsn(root * near)) / root
+        flat = (rise < 1.0) & np.greater(near, 0.0)
+        if np.any(flat):
+            # the difference of two integrals would lose digits; a sum over Gauss nodes back from `far` does not
+            back = np.multiply.outer(GAUSS_NODES, across)
+            total = np.tensordot(GAUSS_WEIGHTS, np.exp(-spring * back * (2.0 * far - back)), 1)
+            length = np.where(flat, across * total, length)
         return np.log(length) + self.log_rate(far, threshold, stiffness)
 
+    @quiet
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
@@ -48,7 +58,8 @@ class SoftRates(ActivatedRates):
         level = log_amount - np.log(self.scale) + 0.5 * np.log(spring)
         level = level + spring * threshold * threshold
         if np.any(near):
-            level = np.logaddexp(level, log_growth(np.sqrt(spring) * near))
+            y = np.sqrt(spring) * near
+            level = np.logaddexp(level, y * y + np.log(dawsn(y)))
         x = inverse_log_growth(level) / np.sqrt(spring)
         return np.minimum(np.maximum(x, near), threshold)
 
@@ -56,18 +67,22 @@ class SoftRates(ActivatedRates):
         """The same for compiled loops."""
         from origins.laws.soft_compiled import soft_compiled
 
-        return soft_compiled(self.spring, self.scale)
+        return soft_compiled(self.spring, self.scale, inverse_log_growth)
 
 
-def _length(near: Array, far: Array, spring: Array) -> Array:
-    """Integral of h from near to far over h(far), a length."""
-    root, rise = np.sqrt(spring), spring * (far - near) * (far + near)
-    steep = (dawsn(root * far) - np.exp(-rise) * dawsn(root * near)) / root
-    flat = (rise < 1.0) & (near > 0.0)
-    if not np.any(flat):
-        return np.asarray(steep)
-    # the difference of two integrals would lose digits; a sum over Gauss nodes back from `far` does not
-    across = far - near
-    back = np.multiply.outer(GAUSS_NODES, across)
-    total = np.tensordot(GAUSS_WEIGHTS, np.exp(-spring * back * (2.0 * far - back)), 1)
-    return np.where(flat, across * total, steep)
+@quiet
+def inverse_log_growth(level: npt.ArrayLike) -> Array:
+    """The y >= 0 at which the integral of exp(t²) from 0 to y is e^level, to a relative 1e-14; shape as level.
+
+    The logarithm of the integral, y² + ln D(y), is convex in ln y, so that Newton's steps from above never overshoot.
+    """
+    level = np.asarray(level, dtype=float)
+    # below exp(-667), where the square of y underflows, the integral is y to the last bit
+    goal = np.clip(level, -667.0, 1e300)
+    # the integral is above y, and above exp(y²)/(2y + 1)
+    rough = np.sqrt(np.maximum(goal, 0.0) + 1.0)
+    y = np.minimum(np.exp(goal), np.sqrt(np.maximum(goal, 0.0) + np.log(2.0 * rough + 3.0)))
+    for _ in range(5):  # from within 1.3 of y; each step squares the error
+        slope = dawsn(y)
+        y = y * np.exp(-(y * y + np.log(slope) - goal) * slope / y)
+    return np.where(level == goal, y, np.exp(level))[()]

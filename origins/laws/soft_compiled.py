@@ -1,5 +1,6 @@
 """The rate of soft contacts for compiled loops; soft.py is the same for arrays."""
 
+from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
@@ -8,12 +9,11 @@ import numpy.typing as npt
 from scipy.special import dawsn
 
 from origins.laws.compiled import CompiledRates, inlined
-from origins.laws.dawson import inverse_log_growth
 
 Array = npt.NDArray[np.float64]
 
-_STEP = 1.0 / 128.0  # of the tables: cubics are then exact to 1e-12
-_SERIES, _LAST = 0.02, 12.0  # below and above which Dawson's integral is a series
+_STEP = 1.0 / 128.0  # of the tables: cubics are then exact to 1e-9 of D and to 1e-11 of a stretch
+_LAST = 12.0  # above which Dawson's integral is a series
 _LOW, _HIGH = -4.0, 36.0  # levels y² + ln D(y) between which the inverse is tabulated
 
 
@@ -21,7 +21,6 @@ class SoftLaw(NamedTuple):
     """b = k/2k_BT at mean stiffness, per length squared; ω; tables of D(y) and of the inverse of y² + ln D(y)."""
 
     spring: float
-    root: float  # b^(1/2)
     log_share: float  # ln (b^(1/2)/ω)
     omega: float
     dawson: Array
@@ -31,16 +30,19 @@ class SoftLaw(NamedTuple):
 
 
 @cache
-def _tables() -> tuple[Array, Array, Array, Array]:
+def _tables(inverse_of: Callable[[npt.ArrayLike], Array]) -> list[Array]:
+    """The four tables of SoftLaw; slopes are per step."""
     y = _STEP * np.arange(int(_LAST / _STEP) + 1)
-    inverse = inverse_log_growth(_LOW + _STEP * np.arange(int((_HIGH - _LOW) / _STEP) + 1))
-    return dawsn(y), _STEP * (1.0 - 2.0 * y * dawsn(y)), inverse, _STEP * dawsn(inverse)
+    inverse = inverse_of(_LOW + _STEP * np.arange(int((_HIGH - _LOW) / _STEP) + 1))
+    return [dawsn(y), _STEP * (1.0 - 2.0 * y * dawsn(y)), inverse, _STEP * dawsn(inverse)]
 
 
-def soft_compiled(spring: float, omega: float) -> CompiledRates:
-    """The compiled functions of SoftRates."""
-    root = float(np.sqrt(spring))
-    law = SoftLaw(spring, root, float(np.log(root / omega)), omega, *_tables())
+def soft_compiled(
+    spring: float, omega: float, inverse_of: Callable[[npt.ArrayLike], Array]
+) -> CompiledRates:
+    """The compiled functions of SoftRates, with a table of inverse_of, the inverse of y² + ln D(y)."""
+    log_share = float(0.5 * np.log(spring) - np.log(omega))
+    law = SoftLaw(spring, log_share, omega, *_tables(inverse_of))
     return CompiledRates(law, _rate, _passed, _reached, _most)
 
 
@@ -56,7 +58,7 @@ def _hermite(place, values, slopes):  # type: ignore[no-untyped-def]
 @inlined
 def _dawson(y, law):  # type: ignore[no-untyped-def]
     """Dawson's integral for y >= 0."""
-    if y < _SERIES:
+    if y < 0.02:
         return y * (1.0 - y * y * (2.0 / 3.0 - y * y * (4.0 / 15.0)))
     if y < _LAST:
         return _hermite(y / _STEP, law.dawson, law.dawson_slopes)
@@ -67,7 +69,7 @@ def _dawson(y, law):  # type: ignore[no-untyped-def]
 
 @inlined
 def _inverse_log_growth(level, law):  # type: ignore[no-untyped-def]
-    """The y at which y² + ln D(y) = level."""
+    """The y at which y² + ln D(y) = level, to a relative 1e-8 above the table."""
     if level < _LOW:
         y = np.exp(level)
         return y * (1.0 - y * y * (1.0 / 3.0 - y * y * (7.0 / 30.0)))
@@ -85,17 +87,15 @@ def _rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
     return law.omega * np.exp(-law.spring * stiffness * (threshold - x) * (threshold + x))
 
 
-_inlined_rate = inlined(_rate)
-
-
 def _passed(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-    root = law.root * np.sqrt(stiffness)
-    return _inlined_rate(law, x, threshold, stiffness) * _dawson(root * x, law) / root
+    spring = law.spring * stiffness
+    root, hazard = np.sqrt(spring), law.omega * np.exp(-spring * (threshold - x) * (threshold + x))
+    return hazard * _dawson(root * x, law) / root
 
 
 def _reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
-    spring, level = law.spring * stiffness, log_amount + law.log_share + 0.5 * np.log(stiffness)
-    level += spring * threshold * threshold
+    spring = law.spring * stiffness
+    level = log_amount + law.log_share + 0.5 * np.log(stiffness) + spring * threshold * threshold
     return min(_inverse_log_growth(level, law) / np.sqrt(spring), threshold)
 
 

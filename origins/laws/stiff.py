@@ -31,7 +31,6 @@ class StiffRates(ActivatedRates):
 
     name: ClassVar[Literal["stiff"]] = "stiff"
     vanishes_at_threshold: ClassVar[bool] = True
-    separable: ClassVar[bool] = False
 
     @quiet
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
@@ -77,7 +76,7 @@ class StiffRates(ActivatedRates):
 
     def compiled(self) -> CompiledRates:
         """The same for compiled loops."""
-        return of_formulas(StiffRates, StiffLaw(self.spring, self.scale), _most)
+        return CompiledRates(StiffLaw(self.spring, self.scale), *of_formulas(StiffRates), _most)
 
 
 def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]

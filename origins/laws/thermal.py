@@ -14,18 +14,18 @@ from origins.laws.rate_law import Array, RateLaw
 
 
 class BreakingRate:
-    """A RateLaw wrapped for users: for stretches of either sign, with checked arguments.
+    """A RateLaw for stretches of either sign, with checked arguments.
 
     Attributes
     ----------
     rates : RateLaw
-        The law for stretches 0 <= x <= x_s.
+        The law for stretches 0 <= x <= x_s, which solvers use.
     closure : "exact" or "paper"
         Whether each contact breaks at its own rate, or all at the mean one.
 
-    Unless stated otherwise the methods take numbers or arrays that broadcast: stretches x and
-    thresholds x_s > 0 with |x| <= x_s (lengths), and the relative stiffness κ = k_i/<k> > 0; else
-    they raise InputError. Results have the common shape; relative errors stay below 1e-12.
+    The methods take numbers or arrays that broadcast: stretches x and `start`, thresholds x_s > 0 with |x| <= x_s
+    (lengths), and the relative stiffness κ = k_i/<k> > 0; else they raise InputError. Results have the common
+    shape; relative errors stay below 1e-12.
     """
 
     rates: RateLaw
@@ -37,19 +37,16 @@ class BreakingRate:
         """h(x; x_s), per time."""
         return np.exp(self.log_rate(x, threshold, stiffness))
 
-    def plain_rate(self, x: Array, threshold: Array, stiffness: Array | float = 1.0) -> Array:
-        """h for sums over many contacts, not checked.
-
-        Where |x| exceeds the threshold, a rate that does not vanish there is continued by its formula.
-        """
+    def plain_rate(self, x: Array, threshold: Array) -> Array:
+        """h at mean stiffness for sums over many contacts, not checked; continued by its formula beyond thresholds,
+        unless it vanishes there."""
         stretch = np.abs(x)
         if self.rates.vanishes_at_threshold:
             stretch = np.minimum(stretch, threshold)
-        # above e^50 ω no contact holds, and this is still a number
-        largest = 50.0 + np.log(self.rates.scale)
         with np.errstate(divide="ignore", invalid="ignore"):
-            log_rate = self.rates.log_rate(stretch, threshold, stiffness)
-            return np.asarray(np.exp(np.minimum(log_rate, largest)))
+            log_rate = self.rates.log_rate(stretch, threshold, 1.0)
+        # above e^50 ω no contact holds, and this is still a number
+        return np.asarray(np.exp(np.minimum(log_rate, 50.0 + np.log(self.rates.scale))))
 
     def log_rate(
         self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
@@ -65,10 +62,9 @@ class BreakingRate:
         start: npt.ArrayLike = 0.0,
         stiffness: npt.ArrayLike = 1.0,
     ) -> Array:
-        """Integral A >= 0 of h over the stretches between `start` and x: a length per time.
+        """Integral A >= 0 of h over the stretches between `start` and x, in either direction: a length per time.
 
-        In either direction. At a speed v a contact that holds at `start` still holds at x with the
-        probability exp(-A/v).
+        At a speed v a contact that holds at `start` still holds at x with the probability exp(-A/v).
         """
         return np.exp(self.log_cumulative(x, threshold, start, stiffness))
 
@@ -80,9 +76,9 @@ class BreakingRate:
         stiffness: npt.ArrayLike = 1.0,
     ) -> Array:
         """ln A, finite where A underflows; -inf where x = start, where A = 0."""
-        one, other, limit, spring = _checked(threshold, stiffness, x=x, start=start)
-        near, far = np.sort(np.abs([one, other]), axis=0)
-        across = (one < 0.0) != (other < 0.0)
+        end, begin, limit, spring = _checked(threshold, stiffness, x=x, start=start)
+        near, far = np.sort(np.abs([end, begin]), axis=0)
+        across = (end < 0.0) != (begin < 0.0)
         passed = self.rates.log_passed(np.where(across, 0.0, near), far, limit, spring)
         rest = self.rates.log_passed(0.0, np.where(across, near, 0.0), limit, spring)
         return np.logaddexp(passed, rest)[()]
@@ -103,13 +99,11 @@ class BreakingRate:
         goal, begin, limit, spring = _checked(threshold, stiffness, amount=amount, start=start)
         with np.errstate(divide="ignore", invalid="ignore"):
             log_goal = np.log(goal)
-            # from behind the integral from there to 0 is taken off; where less is left to go, x is behind 0 as well
+            # from behind the integral from there to 0 is taken off; where less remains to go, x is behind 0 as well
             behind = self.rates.log_passed(0.0, np.maximum(-begin, 0.0), limit, spring)
-            apart = np.where(
-                log_goal == behind, -np.inf, np.log(-np.expm1(-np.abs(log_goal - behind)))
-            )
-            left = np.maximum(log_goal, behind) + apart
-        x = self.rates.reached(left, np.maximum(begin, 0.0), limit, spring)
+            apart = np.log(-np.expm1(-np.abs(log_goal - behind)))
+            remaining = np.maximum(log_goal, behind) + np.where(log_goal == behind, -np.inf, apart)
+        x = self.rates.reached(remaining, np.maximum(begin, 0.0), limit, spring)
         return np.maximum(np.where(log_goal < behind, -x, x), begin)[()]
 
 
@@ -120,29 +114,24 @@ class Thermal(BreakingRate):
         soft   h = ω exp[-κ (x_s² - x²) / 2T]                             (Eqs. temper5, temper8)
         stiff  h = ω s^(1/2) exp[-κ x_s² s^(3/2) / 2T], s = 1 - |x|/x_s   (Eqs. temper9, temper10)
 
-    T is the temperature and κ = k_i/<k> the contact's relative stiffness, given by
-    origins.Contacts.relative_stiffness: 1 where stiffness and threshold are independent,
-    x_s/<x_s> where they are linked. The barrier of a relaxed contact is κ x_s²/2T in units of
-    k_BT, so with linked stiffness it grows as x_s³, and T = k_BT/<k> is one number for all contacts
-    while k_BT/k_i = T/κ is each contact's own.
+    κ = k_i/<k>, the contact's relative stiffness, is 1 where stiffness and threshold are independent, x_s/<x_s>
+    where they are linked (origins.Contacts.relative_stiffness). The barrier of a relaxed contact is κ x_s²/2T in
+    units of k_BT: with linked stiffness it grows as x_s³.
 
     Attributes
     ----------
     law : "soft" or "stiff"
     temperature : float
-        T = k_BT/<k>, a length squared; where thresholds come from a rough surface,
+        T = k_BT/<k>, a length squared, one number for all contacts; where thresholds come from a rough surface,
         Interface.temperature(kelvin) gives it.
     attempt_frequency : float
         ω, per time.
     closure : "exact" or "paper"
-        "exact": every contact breaks at its own rate. "paper": all break at H(x), the integral of
-        h P_c over thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken
-        before.
-    rates : RateLaw
-        The same rate for stretches 0 <= x <= x_s, for solvers.
+        "exact": every contact breaks at its own rate. "paper": all break at H(x), the integral of h P_c over
+        thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken before.
 
-    Raises InputError unless temperature and attempt frequency are finite and above zero. The
-    methods are those of BreakingRate.
+    Raises InputError unless temperature and attempt frequency are finite and above zero. The methods, and `rates`,
+    are those of BreakingRate.
     """
 
     law: Literal["soft", "stiff"]
@@ -157,40 +146,20 @@ class Thermal(BreakingRate):
         object.__setattr__(self, "rates", rates)
 
 
-@dataclass(frozen=True)
 class GivenRates(BreakingRate):
     """Contacts break below their threshold by a RateLaw of the user, each at its own rate.
 
-    Attributes
-    ----------
-    rates : RateLaw
-    law : str
-        Its name.
-    attempt_frequency : float
-        Its scale, per time.
-    closure : "exact"
-
-    Raises InputError unless the law has a name and a scale that is finite and above zero.
+    `law` is its name, `attempt_frequency` its scale (per time). Raises InputError unless it has a name and a scale
+    that is finite and above zero.
     """
 
-    rates: RateLaw
-    closure: Literal["exact", "paper"] = "exact"
+    closure = "exact"
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.rates.name, str) or not self.rates.name:
-            rule = 'must be what the law is called, such as "linear"'
-            refuse("thermal.name", self.rates.name, rule)
-        positive("thermal.scale", self.rates.scale, "the attempt frequency, per time")
-
-    @property
-    def law(self) -> str:
-        """The law's name."""
-        return self.rates.name
-
-    @property
-    def attempt_frequency(self) -> float:
-        """ω, per time."""
-        return self.rates.scale
+    def __init__(self, rates: RateLaw) -> None:
+        if not isinstance(rates.name, str) or not rates.name:
+            refuse("thermal.name", rates.name, 'must be what the law is called, such as "linear"')
+        positive("thermal.scale", rates.scale, "the attempt frequency, per time")
+        self.rates, self.law, self.attempt_frequency = rates, rates.name, rates.scale
 
     @property
     def temperature(self) -> float:
@@ -202,10 +171,7 @@ class GivenRates(BreakingRate):
 
 
 def as_thermal(law: object) -> Thermal | GivenRates | None:
-    """The argument `thermal` of origins.Contacts, checked: None, a Thermal, or any RateLaw.
-
-    With a RateLaw each contact breaks at its own rate. Raises InputError for other arguments.
-    """
+    """The argument `thermal` of origins.Contacts: None, a Thermal, or any RateLaw; else raises InputError."""
     if law is None or isinstance(law, Thermal | GivenRates):
         return law
     if isinstance(law, SoftRates | StiffRates) and type(law) in RATE_LAWS.values():
@@ -221,19 +187,14 @@ def _checked(
 ) -> list[Array]:
     """`more` in their order, thresholds and stiffnesses, all of the common shape; InputError for bad values."""
     named = {**more, "threshold": threshold, "stiffness": stiffness}
-    try:
-        arrays = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in named.values()))
-    except (TypeError, ValueError) as error:
-        told = f"{', '.join(named)}: must be numbers or arrays whose shapes fit: {error}"
-        raise InputError(told) from error
-    found = dict(zip(named, arrays, strict=True))
-    for name in ("threshold", "stiffness", *more):
-        values = found[name]
+    arrays = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in named.values()))
+    limit = arrays[-2]
+    for name, values in zip(named, arrays, strict=True):
         good, rule = (values > 0.0) & np.isfinite(values), "must be finite and above zero"
         if name == "amount":
             good, rule = values >= 0.0, "must be zero or above"
         elif name in more:
-            good = np.abs(values) <= found["threshold"]
+            good = np.abs(values) <= limit
             rule = f"a contact holds only where |{name}| is at most its threshold"
         if not good.all():
             refuse(name, values[~good][0], rule)

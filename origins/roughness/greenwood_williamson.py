@@ -30,7 +30,7 @@ def compressions(std: float, z: float, heights: str = "gaussian") -> Thresholds:
 
     Gaussian heights give a normal law cut at 0, exponential ones, which begin at 0, the exponential law for any z.
     """
-    return gaussian(-z * std, std) if heights == "gaussian" else Weibull(1.0, 1.0 / std, 0.0)
+    return gaussian(-z * std, std) if heights == "gaussian" else Weibull(1.0, 1.0 / std)
 
 
 @dataclass(frozen=True)

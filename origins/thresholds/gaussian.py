@@ -10,9 +10,6 @@ from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
 
 _LARGEST, _UNIT = 1e150, "choose another unit of length"  # so that squares are finite
-_NARROWEST = 1e-15  # std over mean below which rounding leaves one value
-_ROOT_TWO = np.sqrt(2.0)
-_ROOT_TWO_PI = np.sqrt(2.0 * np.pi)
 
 
 def gaussian(
@@ -29,13 +26,13 @@ def gaussian(
     mean, std = finite("mean", mean), between("std", std, 1.0 / _LARGEST, _LARGEST, _UNIT)
     if abs(mean) > _LARGEST:
         refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
-    if std < _NARROWEST * abs(mean):
+    if std < 1e-15 * abs(mean):
         rule = f"is below 1e-15 of the mean, {mean:g}, one value to round-off; take identical"
         refuse("std", std, rule)
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')
-        return CutGaussian(mean, std)
+        return UpperGaussian(mean, std) if mean >= 0.0 else CutGaussian(mean, std)
     one_of("form", form, ("cut", "paper"))
     if upper is None:
         such = f"such as upper = {3.0 * abs(mean):g}"
@@ -53,60 +50,51 @@ class CutGaussian(Thresholds):
 
     def __init__(self, parent_mean: float, parent_std: float) -> None:
         self.parent_mean, self.parent_std = parent_mean, parent_std
-        self._z0 = -parent_mean / parent_std
-        self._kept, self._log_kept = float(ndtr(-self._z0)), float(log_ndtr(-self._z0))
-        # P_c(0), by a form that stays finite however small the part of the parent above 0 is
-        self._scaled = float(erfcx(self._z0 / _ROOT_TWO))
-        self._at_zero = 2.0 / self._scaled / (_ROOT_TWO_PI * parent_std)
+        self._least = -parent_mean / parent_std
+        # log P_c(0), by a form that stays finite however small the part of the parent above 0 is
+        self._log_at_zero = float(
+            0.5 * np.log(2.0 / np.pi) - np.log(parent_std * erfcx(self._least / np.sqrt(2.0)))
+        )
 
-    def support(self) -> tuple[float, float]:
-        return 0.0, np.inf
+    def _logpdf(self, x: Array) -> Array:
+        with np.errstate(over="ignore"):
+            u = x / self.parent_std
+            return self._log_at_zero - u * (0.5 * u + self._least)
+
+
+class UpperGaussian(CutGaussian):
+    """The same for a parent mean of at least 0, in closed form."""
+
+    def __init__(self, parent_mean: float, parent_std: float) -> None:
+        super().__init__(parent_mean, parent_std)
+        self._kept, self._log_kept = float(ndtr(-self._least)), float(log_ndtr(-self._least))
+        self._log_peak = -float(np.log(np.sqrt(2.0 * np.pi) * parent_std)) - self._log_kept
 
     def _z(self, x: Array) -> Array:
         return (x - self.parent_mean) / self.parent_std
 
-    def _fall(self, x: Array) -> Array:
-        """log of P_c(x)/P_c(0)."""
-        with np.errstate(over="ignore"):
-            u = x / self.parent_std
-            return -u * (0.5 * u + self._z0)
-
     def _logpdf(self, x: Array) -> Array:
-        if self._z0 > 0.0:
-            return np.log(self._at_zero) + self._fall(x)
         with np.errstate(over="ignore"):
-            return -0.5 * self._z(x) ** 2 - np.log(_ROOT_TWO_PI * self.parent_std) - self._log_kept
-
-    def _far(self, x: Array) -> Array:
-        """log of the survival, but for the digits lost near x = 0."""
-        if self._z0 > 0.0:
-            return self._fall(x) + np.log(erfcx(self._z(x) / _ROOT_TWO) / self._scaled)
-        return log_ndtr(-self._z(x)) - self._log_kept
+            return -0.5 * self._z(x) ** 2 + self._log_peak
 
     def _logsf(self, x: Array) -> Array:
-        return self._near_one(x, self._far(x))
+        return self._near_one(x, log_ndtr(-self._z(x)) - self._log_kept)
 
     def _sf(self, x: Array) -> Array:
-        beyond = np.exp(self._far(x)) if self._z0 > 0.0 else ndtr(-self._z(x)) / self._kept
-        return np.minimum(beyond, 1.0)
+        return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
 
     def _cdf(self, x: Array) -> Array:
-        if self._z0 > 0.0:
-            out = -np.expm1(self._far(x))
-        else:
-            out = (ndtr(self._z(x)) - ndtr(self._z0)) / self._kept
-        # just above 0 both cancel: integrate the density instead
-        near = x * max(1.0, abs(self._z0)) < 0.3 * self.parent_std
+        out = (ndtr(self._z(x)) - ndtr(self._least)) / self._kept
+        # just above 0 these cancel: integrate the density instead
+        near = x * max(1.0, -self._least) < 0.3 * self.parent_std
         if near.any():
             nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
             out[near] = (weights * self._pdf(nodes)).sum(-1)
         return np.minimum(out, 1.0)
 
     def _reaching(self, below: Array, above: Array) -> Array:
-        if self._z0 > 0.0:
-            return super()._reaching(below, above)
-        # in closed form, except near x = 0, where that loses digits
-        lower = ndtri(ndtr(self._z0) + below * self._kept)
+        """In closed form, except near x = 0, where that loses digits."""
+        lower = ndtri(ndtr(self._least) + below * self._kept)
         z = np.where(below < above, lower, -ndtri_exp(np.log(above) + self._log_kept))
         x = self.parent_mean + self.parent_std * z
         near = ~(x > 0.5 * self.parent_mean)
@@ -114,13 +102,17 @@ class CutGaussian(Thresholds):
         return x
 
     def _moment(self, n: float) -> float:
-        if self.parent_mean < 0.0 or n != round(n):
+        if n != round(n):
             return super()._moment(n)
         variance = self.parent_std**2
-        lower, moment = 1.0, self.parent_mean + variance * self._at_zero
+        lower, moment = 1.0, self.parent_mean + variance * float(np.exp(self._log_at_zero))
         for order in range(2, round(n) + 1):
             lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
         return moment
+
+    def _variance(self) -> float:
+        rise = self.parent_std * float(np.exp(self._log_at_zero))
+        return float(self.parent_std**2 * (1.0 + self._least * rise - rise * rise))
 
 
 class ChordGaussian(Thresholds):
@@ -132,7 +124,7 @@ class ChordGaussian(Thresholds):
     onset_power = 1.0
 
     def __init__(self, parent_mean: float, parent_std: float, upper: float) -> None:
-        self.parent_mean, self.parent_std, self.upper = parent_mean, parent_std, upper
+        self._mean, self._std, self._upper = parent_mean, parent_std, upper
         first = _zero_beyond(upper - parent_mean, parent_std, upper)
         self._ends = upper - first, _zero_beyond(parent_mean, parent_std, upper)
 
@@ -144,16 +136,15 @@ class ChordGaussian(Thresholds):
         low, high = self._ends
         anchor = np.where(x - low < high - x, low, high)
         with np.errstate(over="ignore", divide="ignore"):
-            drop = self._log_ratio(self.upper, np.zeros(()))
-            at = 0.0 if drop < 0.0 else self.upper  # where G is larger
+            drop = self._log_ratio(self._upper, np.zeros(()))
+            at = 0.0 if drop < 0.0 else self._upper  # where G is larger
             chord = np.exp(self._log_ratio(at, x)) * -np.expm1(-np.abs(drop)) * np.sign(drop)
-            share = -np.expm1(self._log_ratio(anchor, x)) - chord * (x - anchor) / self.upper
-            around = -0.5 * ((x - self.parent_mean) / self.parent_std) ** 2
-            return around + np.log(np.maximum(share, 0.0))
+            share = -np.expm1(self._log_ratio(anchor, x)) - chord * (x - anchor) / self._upper
+            return -0.5 * ((x - self._mean) / self._std) ** 2 + np.log(np.maximum(share, 0.0))
 
     def _log_ratio(self, at: Array | float, x: Array) -> Array:
         """log of G(at) / G(x)."""
-        return (at - x) / self.parent_std * ((self.parent_mean - 0.5 * (at + x)) / self.parent_std)
+        return (at - x) / self._std * ((self._mean - 0.5 * (at + x)) / self._std)
 
 
 def _zero_beyond(mean: float, std: float, upper: float) -> float:

@@ -9,30 +9,24 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, refuse
+from origins.errors import InputError, refuse, whole
 from origins.thresholds.numerical import NumericalLaw
-from origins.thresholds.quadrature import finite_density, gauss, panel_edges
 
 Array = npt.NDArray[np.float64]
 RandomState = None | int | np.random.Generator
-
-_LOOSE = 1e-6  # error of a density's norm that no rounding explains
-_ROUNDING = 1e-9  # by which sums of a family's survival may leave [0, 1]
 
 
 @runtime_checkable
 class ThresholdLaw(Protocol):
     """All that solvers use of the law P_c(x) of the thresholds x_s >= 0 (lengths) at which contacts break.
 
-    A law may have a density, exact single values (`atoms`), or both. The methods take numbers or
-    arrays of any shape and return that shape; outside the support they give the limits 0, 1 and
-    -inf. origins.Thresholds, which all origins of thresholds return, explains each of them and
-    conforms to this protocol.
+    A law may have a density, exact single values (`atoms`), or both. The methods take numbers or arrays of any shape
+    and return that shape; outside the support they give the limits 0, 1 and -inf. origins.Thresholds, which all
+    origins of thresholds return, explains each of them and conforms to this protocol.
 
-    Required accuracy, a relative 1e-10 of the exact value: pdf where it does not underflow, sf (also
-    where it is small, so never as 1 - cdf), logsf (finite where sf underflows, accurate also where sf
-    is near 1), mean, and sf at isf(q), or isf itself to 1e-12; logpdf to 1e-10 of max(1, |logpdf|).
-    isf raises InputError for q outside [0, 1].
+    Required accuracy, a relative 1e-10 of the exact value: pdf where it does not underflow, sf (also where it is
+    small, so never as 1 - cdf), logsf (finite where sf underflows, accurate also where sf is near 1), mean, and sf at
+    isf(q), or isf itself to 1e-12; logpdf to 1e-10 of max(1, |logpdf|). isf raises InputError for q outside [0, 1].
     """
 
     def pdf(self, x: npt.ArrayLike) -> Array: ...
@@ -55,10 +49,11 @@ class Thresholds:
 
     A family defines, for arrays x inside its support:
 
-    - required: `support()`, and one of `_log_weight(x)`, the log of the density up to a constant, or of
-      `_logpdf(x)` and `_pdf(x)`, which are normalised. Densities are also evaluated at finite ends of the support.
-      They must be accurate to a relative 1e-10, logarithms to 1e-10 max(1, |log|), also where the density underflows.
-    - required where they differ from the defaults here: `breakpoints` inside the support, `onset_power`, `atoms`.
+    - required: one of `_log_weight(x)`, the log of the density up to a constant, or of `_logpdf(x)` and `_pdf(x)`, both
+      normalised. Densities are also evaluated at finite ends of the support. They must be accurate to a relative
+      1e-10, logarithms to 1e-10 max(1, |log|), also where the density underflows.
+    - required where they differ from the defaults here: `support()`, `breakpoints` inside the support, `onset_power`,
+      `atoms`.
     - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
       `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other; also asked at
       the support's lower end), `_logsf` (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or
@@ -90,14 +85,14 @@ class Thresholds:
     # -- methods that a family defines, for x inside the support ----------------------------------------
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
-        raise NotImplementedError
+        return 0.0, np.inf
 
-    @property
+    @cached_property
     def breakpoints(self) -> Array:
         """Sorted finite points where P_c or one of its derivatives is not smooth, the support's ends included."""
         return np.array([end for end in self.support() if np.isfinite(end)])
 
-    @property
+    @cached_property
     def atoms(self) -> tuple[Array, Array]:
         """(positions, weights) of the exact single values in the law; empty where it is continuous."""
         return np.empty(0), np.empty(0)
@@ -107,10 +102,10 @@ class Thresholds:
         """The law computed from the density; InputError where a density that must be normalised is not."""
         found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
         normalised = type(self)._log_weight is Thresholds._log_weight
-        if normalised and not abs(found.log_whole) < _LOOSE:
-            whole = f"{np.exp(found.log_whole):.6g}, not to 1"
+        if normalised and not abs(found.log_whole) < 1e-6:  # more than rounding explains
+            adds_up = f"its density adds up to {np.exp(found.log_whole):.6g}, not to 1"
             rule = "state it as _log_weight, which need not be normalised"
-            raise InputError(f"{type(self).__name__}: its density adds up to {whole}; {rule}")
+            raise InputError(f"{type(self).__name__}: {adds_up}; {rule}")
         return found
 
     def _log_weight(self, x: Array) -> Array:
@@ -124,8 +119,7 @@ class Thresholds:
             return np.log(np.where(density > 1e-300, density, 0.0))
 
     def _pdf(self, x: Array) -> Array:
-        # where the density diverges it may overflow
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore"):  # where the density diverges
             return np.exp(self._logpdf(x))
 
     def _cdf(self, x: Array) -> Array:
@@ -143,8 +137,7 @@ class Thresholds:
     def _near_one(self, x: Array, log_survival: Array) -> Array:
         """log_survival, computed from the cdf where it is near 0, which has more digits there."""
         near = log_survival > -0.5
-        if near.any():
-            log_survival[near] = np.log1p(-self._cdf(x[near]))
+        log_survival[near] = np.log1p(-self._cdf(x[near]))
         return log_survival
 
     def _ppf(self, q: Array) -> Array:
@@ -162,35 +155,29 @@ class Thresholds:
         lower, upper = self.support()
         low = np.full(below.size, lower).view(np.int64) - 1
         high = np.full(below.size, upper).view(np.int64)
-        lowly, own = below < above, np.arange(below.size)
-        ways = np.arange(17 if below.size < 32 else 3)[:, None]
+        from_below, column = below < above, np.arange(below.size)
+        steps = np.arange(17 if below.size < 32 else 3)[:, None]
         while (high - low > 1).any():
-            places = low + np.maximum((high - low) // ways[-1], 1) * ways
+            places = low + np.maximum((high - low) // steps[-1], 1) * steps
             places = np.append(np.minimum(places[:-1], high), high[None], axis=0)
             x = places[1:-1].view(np.float64)
-            far = np.empty(x.shape, dtype=bool)
-            far[:, lowly] = self.cdf(x[:, lowly]) >= below[lowly]
-            far[:, ~lowly] = self.sf(x[:, ~lowly]) <= above[~lowly]
-            first = (~far).sum(axis=0)
-            low, high = places[first, own], places[first + 1, own]
+            beyond = np.empty(x.shape, dtype=bool)
+            beyond[:, from_below] = self.cdf(x[:, from_below]) >= below[from_below]
+            beyond[:, ~from_below] = self.sf(x[:, ~from_below]) <= above[~from_below]
+            first = (~beyond).sum(axis=0)
+            low, high = places[first, column], places[first + 1, column]
         return high.view(np.float64)
 
     def _moment(self, n: float) -> float:
         return self._central_moment(n, 0.0)
 
     def _central_moment(self, n: float, centre: float) -> float:
-        if type(self)._pdf is Thresholds._pdf or type(self)._sf is Thresholds._sf:
-            return self._numerical.moment(n, centre)
-        # a density stated beside its survival may be too rough for the numerical law
-        edges = panel_edges(self, tail=1e-60)
-        x, weights = gauss(edges[:-1], edges[1:])
-        return float((weights * finite_density(self, x) * (x - centre) ** n).sum())
+        return self._numerical.moment(n, centre)
 
     def _variance(self) -> float:
         mean, square = self.moment(1), self.moment(2)
-        if not square - mean * mean < 1e-3 * square:
-            return square - mean * mean
-        return self._central_moment(2, mean)
+        wide = not square - mean * mean < 1e-3 * square
+        return square - mean * mean if wide else self._central_moment(2, mean)
 
     # -- public methods -------------------------------------------------------------------------------
     def pdf(self, x: npt.ArrayLike) -> Array:
@@ -208,11 +195,11 @@ class Thresholds:
     def sf(self, x: npt.ArrayLike) -> Array:
         """Survival: probability that a threshold exceeds x."""
         survival = self._inside(self._sf, x, 1.0, 0.0)
-        bad = (survival < -_ROUNDING) | (survival > 1.0 + _ROUNDING)
+        bad = np.abs(survival - 0.5) > 0.5 + 1e-9  # by more than rounding
         if bad.any():
             at, value = np.asarray(x)[bad].flat[0], survival[bad].flat[0]
-            told = f"its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
-            raise InputError(f"{type(self).__name__}: {told}")
+            fault = f"its survival at x = {at:.6g} is {value:.6g}, outside 0 to 1; mend its _sf"
+            raise InputError(f"{type(self).__name__}: {fault}")
         return survival
 
     def logsf(self, x: npt.ArrayLike) -> Array:
@@ -221,17 +208,16 @@ class Thresholds:
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         """Threshold below which a fraction q lies. InputError for q outside [0, 1]."""
-        return self._quantile(self._ppf, q, ends=self.support())
+        return self._quantile(self._ppf, q, *self.support())
 
     def isf(self, q: npt.ArrayLike) -> Array:
         """Threshold above which a fraction q lies, accurate for tiny q. InputError for q outside [0, 1]."""
-        return self._quantile(self._isf, q, ends=self.support()[::-1])
+        return self._quantile(self._isf, q, *self.support()[::-1])
 
     def moment(self, n: int) -> float:
         """<x_s^n>, n = 0, 1, 2, ..., a length to the power n; inf where it does not exist."""
-        if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 0:
-            refuse("n", n, "must be a whole number of at least 0")
-        return 1.0 if n == 0 else float(self._moment(int(n)))
+        n = whole("n", n, 0)
+        return 1.0 if n == 0 else float(self._moment(n))
 
     def mean(self) -> float:
         """<x_s>, a length."""
@@ -270,13 +256,13 @@ class Thresholds:
         return out[()]
 
     def _quantile(
-        self, inner: Callable[[Array], Array], q: npt.ArrayLike, ends: tuple[float, float]
+        self, inner: Callable[[Array], Array], q: npt.ArrayLike, first: float, last: float
     ) -> Array:
+        """inner(q), and the support's ends at q = 0 and 1."""
         q = np.asarray(q, dtype=float)
-        if not ((q >= 0.0) & (q <= 1.0)).all():
-            bad = q[~((q >= 0.0) & (q <= 1.0))].flat[0]
-            refuse("q", bad, "must be a probability between 0 and 1")
-        out = np.where(q == 0.0, ends[0], ends[1])
+        if not (good := (q >= 0.0) & (q <= 1.0)).all():
+            refuse("q", q[~good].flat[0], "must be a probability between 0 and 1")
+        out = np.where(q == 0.0, first, last)
         within = (q > 0.0) & (q < 1.0)
         if within.any():
             out[within] = inner(q[within])

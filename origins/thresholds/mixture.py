@@ -7,15 +7,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite, finite_array, positive, refuse
+from origins.errors import between, finite, finite_array, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
 _NODES = (8, 16, 32, 64, 128, 256, 512)  # orders of Gauss's rule over a parameter
-_SAME, _JUMP = (
-    1e-9,
-    1e-4,
-)  # relative distance of places that count as equal; least jump, in units of 1/<x_s>
 _TAILS = 10.0 ** -np.array([8.0, 5.0, 3.0, 2.0, 1.0, 0.6, 0.3])
 
 
@@ -61,8 +57,8 @@ def continuous_mixture(
     density : function of phi
         R(phi) >= 0, normalised here; left out: all phi equal. Smooth in phi.
     accuracy : float
-        Of the survival, absolute, and of <x_s>, relative. Gauss's rule takes 8 phi, 16, ... up to 512, until doubling
-        them changes the sums by less.
+        Of the survival, absolute, and of <x_s>, relative; at most 1e-8. Gauss's rule takes 8 phi, 16, ... up to 512,
+        until doubling them changes the sums by less.
 
     Returns
     -------
@@ -70,12 +66,12 @@ def continuous_mixture(
         A mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability below it
         is that of the laws at the nodes.
 
-    Raises InputError for values outside these, where 512 laws do not reach the accuracy, and where P_c(x; phi) has
+    Raises InputError for values outside these, and where 512 laws do not reach the accuracy, as where P_c(x; phi) has
     exact values or jumps that move with phi: the average has none, while a finite mixture has one for each law, and
     therefore another K*.
     """
     lower, upper = finite("lower", lower), finite("upper", upper)
-    accuracy = positive("accuracy", accuracy)
+    accuracy = between("accuracy", accuracy, 1e-15, 1e-8, "sums over few laws have another K*")
     if not upper > lower:
         refuse("upper", upper, f"must be above lower = {lower:g}")
     if not callable(law):
@@ -83,55 +79,28 @@ def continuous_mixture(
         refuse("law", law, f"must be a function of phi, {such}")
     if density is not None and not callable(density):
         refuse("density", density, "must be a function of phi")
+    density_of = density or (lambda phi: 1.0)
     x, before = np.empty(0), np.empty(0)
     for count in _NODES:
         nodes, weights = np.polynomial.legendre.leggauss(count)
-        phis = lower + (upper - lower) * 0.5 * (1.0 + nodes)
-        if density is not None:
-            weights = weights * [_height(density, float(phi)) for phi in phis]
+        phis = (lower + (upper - lower) * 0.5 * (1.0 + nodes)).tolist()
+        weights = weights * [non_negative("density", density_of(phi)) for phi in phis]
         if not weights.sum() > 0.0:
             refuse("density", density, "is zero at all phi asked")
-        laws = [as_thresholds(law(float(phi))) for phi in phis]
+        laws = [as_thresholds(law(phi)) for phi in phis]
         if not x.size:
-            _check_moving(laws)
-            x = np.unique([x for one in laws for x in (*one.ppf(_TAILS), *one.isf(_TAILS))])
-        shares = weights / weights.sum()
-        mean = shares @ [one.mean() for one in laws]
-        sums = np.append(shares @ [one.sf(x) for one in laws], mean)
+            x = np.unique([x for part in laws for x in (*part.ppf(_TAILS), *part.isf(_TAILS))])
+        found = ContinuousMixture(laws, weights / weights.sum())
+        sums = np.append(found.sf(x), found.mean())
         if before.size:
-            error = float(np.abs((sums - before) / np.append(np.ones(x.size), mean)).max())
-            if error <= accuracy:
-                used = np.flatnonzero(shares)
-                found = ContinuousMixture([laws[i] for i in used], shares[used])
-                found.quadrature_error = error
+            unit = np.append(np.ones(x.size), sums[-1])
+            found.quadrature_error = float((np.abs(sums - before) / unit).max())
+            if found.quadrature_error <= accuracy:
                 return found
         before = sums
-    told = f"{_NODES[-1]} laws reach {error:.2g} only; ask for less, or smooth the law"
-    refuse("accuracy", accuracy, told)
-
-
-def _check_moving(laws: Sequence[Thresholds]) -> None:
-    """InputError where exact values, jumps or poles of the density are not at the same places in all laws."""
-    found = []
-    for law in laws:
-        points = law.breakpoints[law.breakpoints > 0.0]
-        below, above = (law.pdf(points * (1.0 + side)) * law.mean() for side in (-_SAME, _SAME))
-        with np.errstate(invalid="ignore"):
-            found.append(points[~(np.abs(above - below) <= _JUMP) | np.isin(points, law.atoms[0])])
-    for points in found:
-        if points.size != found[0].size or (np.abs(points / found[0] - 1.0) > _SAME).any():
-            told = "an exact value or a jump of the density moves with phi"
-            rule = "the average has none, a mixture of many laws has them all and a K* of its own; average it yourself"
-            raise InputError(
-                f"law: {told}: {rule}, as scipy.stats.uniform(1.0, 1.0) for identical(1.0 + phi)"
-            )
-
-
-def _height(density: Callable[[float], float], phi: float) -> float:
-    height = finite("density", density(phi))
-    if height < 0.0:
-        refuse("density", height, f"must not be below zero, as at phi = {phi:g}")
-    return height
+    fault = f"{_NODES[-1]} laws reach {found.quadrature_error:.2g} only; ask for less, or smooth the law"
+    rule = "values and jumps that move with phi average yourself, as uniform(1.0, 1.0) for identical(1.0 + phi)"
+    refuse("accuracy", accuracy, f"{fault}; {rule}")
 
 
 class Mixture(Thresholds):
@@ -141,42 +110,34 @@ class Mixture(Thresholds):
     components, weights : the same with mixtures among them taken apart, so that none lies within another.
     """
 
-    weights: Array
     components: tuple[Thresholds, ...]
+    weights: Array
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
         """Join the components; those of a mixture within become its own."""
         self.given = tuple(zip(weights.tolist(), components, strict=True))
-        flat: list[tuple[float, Thresholds]] = []
-        for share, law in self.given:
+        parts: list[tuple[float, Thresholds]] = []
+        for share, law in (pair for pair in self.given if pair[0] > 0.0):
             if isinstance(law, Mixture):
-                flat += zip((share * law.weights).tolist(), law.components, strict=True)
+                parts += zip((share * law.weights).tolist(), law.components, strict=True)
             else:
-                flat.append((share, law))
-        self.weights = np.array([weight for weight, _ in flat])
-        self.components = tuple(part for _, part in flat)
-        ends = [part.support() for part in self.components]
-        self._support = min(end[0] for end in ends), max(end[1] for end in ends)
-        self.onset_power = min(
-            c.onset_power for c in self.components if c.support()[0] == self._support[0]
+                parts.append((share, law))
+        self.weights = np.array([weight for weight, _ in parts])
+        self.components = tuple(part for _, part in parts)
+        lower, upper = zip(*(part.support() for part in self.components), strict=True)
+        self._support = min(lower), max(upper)
+        first = (part for part in self.components if part.support()[0] == min(lower))
+        self.onset_power = min(part.onset_power for part in first)
+        self.breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
+        self.cut_weight = float(self.weights @ [part.cut_weight for part in self.components])
+        positions, place = np.unique(
+            np.concatenate([part.atoms[0] for part in self.components]), return_inverse=True
         )
-        self._breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
-        self.cut_weight = float(self._sum([np.array(part.cut_weight) for part in self.components]))
-        positions = np.concatenate([c.atoms[0] for c in self.components])
-        shares = np.concatenate([weight * part.atoms[1] for weight, part in flat])
-        atoms, place = np.unique(positions, return_inverse=True)
-        self._atoms = atoms, np.bincount(place, shares, atoms.size).astype(float)
+        shares = np.concatenate([weight * part.atoms[1] for weight, part in parts])
+        self.atoms = positions, np.bincount(place, shares, positions.size).astype(float)
 
     def support(self) -> tuple[float, float]:
         return self._support
-
-    @property
-    def breakpoints(self) -> Array:
-        return self._breakpoints
-
-    @property
-    def atoms(self) -> tuple[Array, Array]:
-        return self._atoms
 
     def _sum(self, values: list[Array]) -> Array:
         return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))
@@ -207,12 +168,11 @@ class Mixture(Thresholds):
 
     def _variance(self) -> float:
         mean = self.mean()
-        return float(
-            self.weights @ [c._variance() + (c.mean() - mean) ** 2 for c in self.components]
-        )
+        parts = [c._variance() + (c.mean() - mean) ** 2 for c in self.components]
+        return float(self.weights @ parts)
 
 
 class ContinuousMixture(Mixture):
     """The mixture at the nodes; quadrature_error as in continuous_mixture."""
 
-    quadrature_error: float
+    quadrature_error = np.inf

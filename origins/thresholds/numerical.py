@@ -12,32 +12,20 @@ Array = npt.NDArray[np.float64]
 
 _NODES = 12  # of Gauss and Legendre on each panel
 _ACCURACY = 1e-13  # of the polynomial, relative to the largest density on its panel
-_SPREAD = (
-    1.6  # largest change of the log-density over a panel, for that accuracy of small densities, too
-)
-_NOISE = (
-    1e-8  # an error below it that halving does not reduce may come from rounding of the density
-)
-_LOST = 1e-10  # largest weight on panels that no polynomial follows: beside a pole they cannot be halved enough
-_MOST = 20_000  # panels; smooth densities take some 300
+_NOISE = 1e-8  # an error below it that halving does not reduce may be rounding of the density
 _NOTHING = 745.0  # minus the log of the smallest relative weight: exp(-745) is the smallest float
 _STEPS = 2.0 ** np.arange(-432.0, 433.0)  # distances at which panels end, in any unit of length
-_ONSET = 1e-12  # largest deviation of the log-density from that of its power, over a factor of 2
-# A moment is infinite if a share above _HEAVY of it comes from a survival below _RARE.
-_RARE, _HEAVY = 1e-100, 1e-9
-_DEEP = 1e-280  # survivals below this are integrated along the tail
 _EPSILON = float(np.finfo(float).eps)
 
 _S, _W = legendre.leggauss(_NODES)
 _PLACES, _WEIGHTS = 0.5 * (_S + 1.0), 0.5 * _W  # on (0, 1)
 _HALVED = np.concatenate([0.5 * _PLACES, 0.5 + 0.5 * _PLACES])
-# Matrices from the density at the nodes to its Legendre series, to its values at the nodes of the
-# two halves, and to the Chebyshev series of its mean between the left end and a place.
-_TO_SERIES = (np.arange(_NODES) + 0.5)[:, None] * _W * legendre.legvander(_S, _NODES - 1).T
-_TO_HALVES = legendre.legvander(2.0 * _HALVED - 1.0, _NODES - 1) @ _TO_SERIES
-_C = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
-_MEANS = legendre.legval(_C, legendre.legint(_TO_SERIES, lbnd=-1.0)).T / (1.0 + _C)[:, None]
-_TO_MEAN = np.linalg.solve(chebyshev.chebvander(_C, _NODES - 1), _MEANS)
+# Matrices from the density at the nodes to its Chebyshev series, to its values at the nodes of the
+# two halves, and to the series of its mean between the left end and a place.
+_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_S, _NODES - 1))
+_TO_HALVES = chebyshev.chebvander(2.0 * _HALVED - 1.0, _NODES - 1) @ _TO_SERIES
+_INTEGRALS = chebyshev.chebval(_S, chebyshev.chebint(_TO_SERIES, lbnd=-1.0)).T
+_TO_MEAN = _TO_SERIES @ (_INTEGRALS / (1.0 + _S)[:, None])
 _TAIL_PLACES, _TAIL_WEIGHTS = laguerre.laggauss(24)
 
 
@@ -77,27 +65,30 @@ class NumericalLaw:
     ) -> None:
         """Halve panels of the density until its integral is resolved, and sum it up from both ends."""
         self._log_density, self._lower, self._upper = log_density, lower, upper
-        edges, top, level = self._first_edges(np.asarray(points, dtype=float), power)
-        self._edges, values, missed = self._halved(edges, top)
+        self._power, self._top, log_onset = power, -np.inf, -np.inf
+        values, missed = self._halve(self._first_edges(np.asarray(points, dtype=float)))
         self._widths = np.diff(self._edges)
-        # next to the lower end the density is its power; its mean stands at the nodes
-        self._power = power if level > -np.inf else np.inf
-        if level > -np.inf:
-            values[0], missed[0] = np.exp(level - top) / (power + 1.0), 0.0
+        if np.isfinite(
+            self._power
+        ):  # on the first panel the density is its power; the nodes get its mean
+            log_onset = float(self._log_at(self._edges[1:2])[0])
+            values[0], missed[0] = np.exp(log_onset - self._top) / (power + 1.0), 0.0
         masses = self._widths * (values @ _WEIGHTS)
         whole = float(masses.sum())
         lost = np.where(missed > _NOISE, missed * masses, 0.0)
-        if not lost.sum() < _LOST * whole:
+        if not lost.sum() < 1e-10 * whole:  # beside a pole panels cannot be halved enough
             at = self._edges[lost.argmax()]
-            told = "the density diverges, or is too rough"
-            raise InputError(f"thresholds: {told}, at x = {at:g}; state _cdf and _sf, too")
-        self.log_whole = top + float(np.log(whole))
+            fault = "the density diverges, or is too rough"
+            raise InputError(
+                f"thresholds: {fault}, at x = {at:g}; state _cdf, _sf and _moment, too"
+            )
+        self.log_whole = self._top + float(np.log(whole))
         self._masses, values = masses / whole, values / whole
         self._means = _TO_MEAN @ values.T
         self._nodes = self._edges[:-1, None] + self._widths[:, None] * _PLACES
         self._node_weights = self._widths[:, None] * values * _WEIGHTS
-        self._below = np.concatenate([[0.0], np.cumsum(self._masses)])
-        self._above = np.concatenate([np.cumsum(self._masses[::-1])[::-1], [0.0]])
+        self._below = np.append(0.0, np.cumsum(self._masses))
+        self._above = np.append(np.cumsum(self._masses[::-1])[::-1], 0.0)
 
     def _log_at(self, x: Array) -> Array:
         """The log-density, -inf where the density is zero or not finite."""
@@ -105,56 +96,63 @@ class NumericalLaw:
             value = self._log_density(x)
         return np.where(np.isfinite(value), value, -np.inf)
 
-    def _around(self, places: Array) -> Array:
+    def _around(self, *places: float) -> Array:
         """The points at all distances on either side of the finite places, inside the support."""
-        places = places[np.isfinite(places)][:, None]
-        found = np.unique(np.concatenate([places - _STEPS, places + _STEPS]))
+        found = np.unique([p + side * _STEPS for p in places if np.isfinite(p) for side in (-1, 1)])
         return found[(found > self._lower) & (found < self._upper)]
 
-    def _first_edges(self, points: Array, power: float) -> tuple[Array, float, float]:
-        """Edges that halve towards the points, the ends and where most weight is, and the log-density there; and that
-        at the first panel's right end, if it is its power up to there, else -inf."""
-        seen, most = self._around(np.append(points, [self._lower, self._upper])), -np.inf
+    def _first_edges(self, points: Array) -> Array:
+        """Edges that halve towards the ends and where most weight is; the first is the onset's power, if it is one.
+
+        Keeps the log of the largest density seen, and drops a power that the density does not follow.
+        """
+        seen, most = self._around(*points, self._lower, self._upper), -np.inf
         while True:  # a peak may be far narrower than the steps
             density = self._log_at(seen)
             weight = density + np.log(seen - self._lower)
-            highest, top = seen[weight.argmax()], float(density[weight.argmax()])
+            highest, self._top = float(seen[weight.argmax()]), float(density[weight.argmax()])
             if not weight.max() > most + 0.1:
                 break
             most = weight.max()
-            seen = np.union1d(seen, self._around(np.array([highest])))
-        if np.isneginf(top):
-            told = "the density is zero, or no number, wherever it was looked at"
-            raise InputError(f"thresholds: {told}")
+            seen = np.union1d(seen, self._around(highest))
+        if np.isneginf(self._top):
+            fault = "the density is zero, or no number, wherever it was looked at"
+            raise InputError(f"thresholds: {fault}")
         inside = points[(points > self._lower) & (points < self._upper)]
-        around = np.array([self._lower, self._upper, highest])
-        edges = np.union1d(self._around(around), np.append(inside, highest))
-        log = self._log_at(edges)
-        away = np.log(edges - self._lower)
-        live = np.flatnonzero(log + away >= weight.max() - _NOTHING)
-        level, first = -np.inf, max(live[0] - 1, 0)
-        if live[0] == 0 and np.isfinite(power):
+        edges = np.union1d(self._around(self._lower, self._upper, highest), [*inside, highest])
+        log, log_away = self._log_at(edges), np.log(edges - self._lower)
+        live = np.flatnonzero(log + log_away >= weight.max() - _NOTHING)
+        first, from_lower = max(live[0] - 1, 0), bool(live[0] == 0)
+        if from_lower and np.isfinite(self._power):
             with np.errstate(invalid="ignore"):
-                off = np.abs(np.diff(log) - power * np.diff(away))
-            first = int((~(off < _ONSET + 4.0 * _EPSILON * np.abs(log[1:]))).argmax())
-            level = float(log[first])
-        ends = np.array([self._lower] if live[0] == 0 else []), np.array([self._upper])
+                off = np.abs(np.diff(log) - self._power * np.diff(log_away))
+            # the log-density deviates from its power, from one edge to the next
+            first = int((~(off < 1e-12 + 4.0 * _EPSILON * np.abs(log[1:]))).argmax())
+            # moments take the first panel as if its weight were spread evenly: it must be short
+            short = self._lower + 1e-18 * (highest - self._lower)
+            first = min(first, int(np.searchsorted(edges, short)))
+        if not from_lower or log[first] == -np.inf:
+            self._power = np.inf
+        ends = [self._lower] if from_lower else [], [self._upper]
         edges = np.concatenate([ends[0], edges[first : live[-1] + 2], ends[1]])
-        return edges[np.isfinite(edges)], top, level
+        return edges[np.isfinite(edges)]
 
-    def _halved(self, edges: Array, top: float) -> tuple[Array, Array, Array]:
-        """Edges of n panels, shape (n + 1,), the density over exp(top) at the nodes, shape (n, 12), and the errors of
-        the polynomials relative to the largest density on each, shape (n,)."""
+    def _halve(self, edges: Array) -> tuple[Array, Array]:
+        """Keep edges of n panels on which polynomials follow the density.
+
+        Returns the density over its largest value at their nodes, shape (n, 12), and the errors of the polynomials
+        relative to the largest density on each, shape (n,).
+        """
         left, right = edges[:-1], edges[1:]
-        log = self._log_at(left[:, None] + (right - left)[:, None] * _PLACES) - top
+        log = self._log_at(left[:, None] + (right - left)[:, None] * _PLACES) - self._top
         before: Array = np.full(left.shape, np.inf)
         done, count = [], left.size
         while left.size:
-            if count > _MOST:
-                rule = f"{_MOST} panels do not follow it; smooth it"
+            if count > 20_000:  # smooth densities take some 300
+                rule = f"{count} panels do not follow it; smooth it"
                 raise InputError(f"thresholds: the density is too rough: {rule}")
             width, place = right - left, np.maximum(np.abs(left), np.abs(right))
-            finer = self._log_at(left[:, None] + width[:, None] * _HALVED) - top
+            finer = self._log_at(left[:, None] + width[:, None] * _HALVED) - self._top
             highest = finer.max(axis=1)
             with np.errstate(all="ignore"):  # where the density is zero
                 spread, beside = highest - finer.min(axis=1), highest[:, None]
@@ -162,7 +160,8 @@ class NumericalLaw:
                 missed = np.abs(fitted - np.exp(finer - beside)).max(axis=1)
                 rounding = 16.0 * _EPSILON * (np.abs(highest) + spread * place / width)
             rough = (missed > _ACCURACY + rounding) & ((missed < 0.7 * before) | (missed > _NOISE))
-            rough |= spread > _SPREAD
+            # the log-density changes little over a panel, so that small densities are as accurate
+            rough |= spread > 1.6
             rough &= (highest > -_NOTHING - 20.0) & (width > 64.0 * _EPSILON * place)
             rough &= (left > self._lower) & (right < self._upper)
             done.append(np.column_stack([left, missed, np.exp(log)])[~rough])
@@ -173,7 +172,8 @@ class NumericalLaw:
             count += middle.size
         panels = np.concatenate(done)
         panels = panels[panels[:, 0].argsort()]
-        return np.append(panels[:, 0], edges[-1]), panels[:, 2:], np.nan_to_num(panels[:, 1])
+        self._edges = np.append(panels[:, 0], edges[-1])
+        return panels[:, 2:], np.nan_to_num(panels[:, 1])
 
     def _sides(self, x: Array) -> tuple[Array, Array]:
         """The weights below and above x, each to its own accuracy."""
@@ -212,7 +212,7 @@ class NumericalLaw:
         below, above = self._sides(x)
         with np.errstate(divide="ignore"):
             out = np.where(below < 0.5, np.log1p(-np.minimum(below, 0.5)), np.log(above))
-        deep = above < _DEEP
+        deep = above < 1e-280
         if deep.any():
             out[deep] = self._log_tail(x[deep])
         return out
@@ -232,5 +232,6 @@ class NumericalLaw:
         with np.errstate(over="ignore", invalid="ignore"):
             each = self._node_weights * (self._nodes - centre) ** n
         parts = np.where(self._node_weights > 0.0, each, 0.0).sum(axis=1)
-        total, far = float(parts.sum()), float(parts[self._above[:-1] < _RARE].sum())
-        return np.inf if self._upper == np.inf and far > _HEAVY * total else total
+        # infinite if more than 1e-9 of it comes from a survival below 1e-100
+        total, far = float(parts.sum()), float(parts[self._above[:-1] < 1e-100].sum())
+        return np.inf if self._upper == np.inf and far > 1e-9 * total else total

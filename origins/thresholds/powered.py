@@ -17,37 +17,32 @@ class Powered(Thresholds):
         if not isinstance(power, Bend) or power.above == power.exponent:
             power = straight(power.coefficient, power.exponent)
         self.base, self.power, self._back = base, power, straight(1.0, 1.0).against(power)
+        marks, self.atoms = power(base.breakpoints), (power(base.atoms[0]), base.atoms[1])
+        bent = [] if power.at == np.inf else [self._back.at]
+        self.breakpoints = np.unique(np.append(marks, bent))
+        self._at_zero = -np.inf  # log P_c(0)
         self.onset_power = base.onset_power
         if base.support()[0] == 0.0:
             self.onset_power = (base.onset_power + 1.0) / power.exponent - 1.0
+        if self.onset_power < 0.0:
+            self._at_zero = np.inf
+        elif self.onset_power == 0.0:
+            # a density that begins at a finite value: cdf = density * x
+            self._at_zero = float(np.log(1e-30 / self.ppf(1e-30)))
 
     def support(self) -> tuple[float, float]:
         lower, upper = self.power(np.array(self.base.support()))
         return float(lower), float(upper)
 
-    @property
-    def breakpoints(self) -> Array:
-        marks = self.power(self.base.breakpoints)
-        return marks if self._back.at == np.inf else np.unique(np.append(marks, self._back.at))
-
-    @property
-    def atoms(self) -> tuple[Array, Array]:
-        positions, weights = self.base.atoms
-        return self.power(positions), weights
-
-    def _logpdf(self, x: Array) -> Array:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            out = self.base.logpdf(self._y(x)) + np.log(self._back.slope(x))
-            out[x == 0.0] = -np.inf if self.onset_power > 0.0 else np.inf
-            if self.onset_power == 0.0 and (x == 0.0).any():
-                # a density that begins at a finite value: cdf = density * x
-                out[x == 0.0] = np.log(1e-30 / float(self.ppf(1e-30)))
-        return out
-
     def _y(self, x: Array) -> Array:
         """The base's variable at the threshold x."""
         with np.errstate(over="ignore"):
             return np.asarray(self._back(x))
+
+    def _logpdf(self, x: Array) -> Array:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inside = self.base.logpdf(self._y(x)) + np.log(self._back.slope(x))
+        return np.where(x == 0.0, self._at_zero, inside)
 
     def _cdf(self, x: Array) -> Array:
         return self.base.cdf(self._y(x))

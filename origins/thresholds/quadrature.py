@@ -18,9 +18,6 @@ GAUSS_WEIGHTS = 0.5 * GAUSS_WEIGHTS
 
 _SEEDS = np.array([1e-15, 1e-9, 1e-5, 1e-3, 0.03, 0.25, 0.5])
 _TAIL = 1e-18  # survival at which panels end
-_ACCURACY = 1e-15
-_DEPTH = 64
-_MOST = 8192  # panels still open: only a cdf that contradicts its density leaves so many
 _EPSILON = float(np.finfo(float).eps)
 
 
@@ -47,8 +44,10 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
     left, right = edges[:-1], edges[1:]
     scale = float(low[-1]) or 1.0
     done, found = np.zeros(2), [edges]
-    for _ in range(_DEPTH):
-        middle = _middle(left, right)
+    for _ in range(64):
+        # between ends that are decades apart the geometric mean, so that a spike at small x is reached
+        wide = (left > 0.0) & (right > 256.0 * left)
+        middle = np.where(wide, np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
         # all three in one call, since for many laws calls take longer than evaluations
         ends = np.stack([left, left, middle]), np.stack([right, middle, right])
         whole, first, second = _mass(thresholds, *ends, scale)
@@ -57,22 +56,15 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
         level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
         rounding = _EPSILON * np.abs(whole) * right / (right - left)
         missed = np.abs(_cdf_mass(thresholds, left, right) - whole[0]) > 1e-12 + 64.0 * rounding[0]
-        open_ = (np.abs(first + second - whole) > _ACCURACY * level + rounding).any(axis=0) | missed
+        open_ = (np.abs(first + second - whole) > 1e-15 * level + rounding).any(axis=0) | missed
         open_ &= (middle > left) & (middle < right)
-        if not 0 < open_.sum() <= _MOST:
+        if not 0 < open_.sum() <= 8192:  # only a cdf that contradicts its density leaves more
             break
         done += whole[:, ~open_].sum(axis=1)
         left, middle, right = left[open_], middle[open_], right[open_]
         found.append(middle)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
     return np.unique(np.concatenate(found))
-
-
-def _middle(left: Array, right: Array) -> Array:
-    """Arithmetic mean, geometric over several decades, so that a spike at small x is reached."""
-    return np.where(
-        (left > 0.0) & (right > 256.0 * left), np.sqrt(left) * np.sqrt(right), 0.5 * (left + right)
-    )
 
 
 def _mass(thresholds: Any, left: Array, right: Array, scale: float) -> Array:

@@ -8,8 +8,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array, Thresholds
 
-_BELOW_ZERO = 1e-15  # weight at or below x = 0 that may be due to rounding
-_CUT_LIMIT = 1e-6  # largest weight there that is cut off, the same as for starts
+_ROUNDING = 1e-15  # weight at or below x = 0, or far out, that may be due to rounding
 _FROZEN = ("pdf", "logpdf", "cdf", "sf", "logsf", "ppf", "isf", "moment", "support")
 _NEWER = ("pdf", "logpdf", "cdf", "ccdf", "icdf", "iccdf", "mean", "support", "sample")
 
@@ -29,24 +28,16 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     mean = single_mean(name, frozen)
     lower, upper = (float(end) for end in frozen.support())
     below = float(frozen.cdf(0.0)) if lower <= 0.0 else 0.0
-    if not lower < upper:
-        rule = "the frozen distribution has no valid support; check its parameters"
-        raise InputError(f"{name}: {rule}")
-    if upper <= 0.0 or below > _CUT_LIMIT:
+    if upper <= 0.0 or below > 1e-6:  # the same limit as for starts
+        fault = f"the distribution has weight {below:.3g} at or below x = 0"
         rule = "a threshold is a positive length: cut it there, or use origins.gaussian, which does"
-        raise InputError(
-            f"{name}: the distribution has weight {below:.3g} at or below x = 0; {rule}"
-        )
+        raise InputError(f"{name}: {fault}; {rule}")
     if not np.isfinite(mean):
-        rule = "with an infinite mean contacts never reach a steady state"
+        endless = "with an infinite mean contacts never reach a steady state"
+        rule = "check its parameters" if np.isnan(mean) else endless
         raise InputError(f"{name}: the mean is {mean}; {rule}")
-    middle = mean * np.array([0.5, 1.0, 2.0])
-    if np.isnan(frozen.cdf(middle) + frozen.sf(middle)).any():
-        raise InputError(f"{name}: cdf or sf is not a number near the mean, {mean:g}")
-    ends = max(lower, 0.0), upper
-    if below > _BELOW_ZERO or frozen is not law:
-        return ScipyDensity(frozen, ends, below)
-    return FrozenThresholds(frozen, ends, below)
+    kind = ScipyDensity if below > _ROUNDING or frozen is not law else FrozenThresholds
+    return kind(frozen, (max(lower, 0.0), upper), below)
 
 
 def as_frozen(law: Any) -> Any:
@@ -80,10 +71,11 @@ class ScipyDensity(Thresholds):
 
     def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
         self.distribution, self._support = distribution, ends
-        self.cut_weight = below if below > _BELOW_ZERO else 0.0
+        self.cut_weight = below if below > _ROUNDING else 0.0
         # a law that reaches below 0 starts at 0 with a finite density, however small
-        fitted = (0.0, 0.0) if below > 0.0 else self._fit_onset()
-        self.onset_power, self.onset_power_error = fitted
+        self.onset_power = 0.0
+        if below == 0.0:
+            self._fit_onset()
 
     def support(self) -> tuple[float, float]:
         return self._support
@@ -96,19 +88,19 @@ class ScipyDensity(Thresholds):
     def _log_weight(self, x: Array) -> Array:
         return self._ask("logpdf", x)
 
-    def _fit_onset(self) -> tuple[float, float]:
-        """Limit of (x - a) P_c / cdf - 1 at the support's lower end a, and its error; inf where there is no limit."""
-        lower = self._support[0]
+    def _fit_onset(self) -> None:
+        """Set onset_power to the limit of (x - a) P_c / cdf - 1 at the support's lower end a, and its error."""
+        lower, self.onset_power = self._support[0], np.inf  # where there is no limit
         halvings = np.array([30.0, 36.0, 42.0] if lower == 0.0 else [16.0, 19.0, 22.0])
         x = lower + (float(self.ppf(0.5)) - lower) * 2.0**-halvings
         with np.errstate(all="ignore"):
             first, power, last = (x - lower) * self.pdf(x) / self.cdf(x) - 1.0
-        if not np.isfinite(last) or not abs(last - power) <= 1e-3 * (1.0 + abs(power)):
-            return np.inf, 0.0
-        # the deviation from the limit falls as a power of the distance: one Aitken step
-        bend = last - 2.0 * power + first
-        limit = last if bend == 0.0 else last - (last - power) ** 2 / bend
-        return float(np.round(limit, 6)) + 0.0, float(abs(limit - last)) + 1e-6
+        if np.isfinite(last) and abs(last - power) <= 1e-3 * (1.0 + abs(power)):
+            # the deviation from the limit falls as a power of the distance: one Aitken step
+            bend = last - 2.0 * power + first
+            limit = last if bend == 0.0 else last - (last - power) ** 2 / bend
+            self.onset_power = float(np.round(limit, 6)) + 0.0
+            self.onset_power_error = float(abs(limit - last)) + 1e-6
 
 
 class FrozenThresholds(ScipyDensity):
@@ -119,42 +111,39 @@ class FrozenThresholds(ScipyDensity):
     """
 
     def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
-        self.distribution, self.last = distribution, np.inf
-        self.median = float(distribution.ppf(0.5))
-        away = self.median * np.append(1.0, 2.0 ** 2.0 ** np.arange(10))
+        """Find the last place where the survival falls."""
+        self.distribution, self._last = distribution, np.inf
+        self._median = float(distribution.ppf(0.5))
+        away = self._median * np.append(1.0, 2.0**2.0 ** np.arange(10))
         held = self._ask("sf", np.minimum(away, ends[1]))
         wrong = np.isnan(held) | (held > np.minimum.accumulate(held) + 1e-12)
         if wrong.any():
             known = max(int(wrong.argmax()) - 1, 0)
-            self.last = float(away[known])
-            if not held[known] <= _BELOW_ZERO:
-                rule = f"the distribution's sf is no survival beyond x = {self.last:g}, where it is {held[known]:.2g}"
+            self._last = float(away[known])
+            if not held[known] <= _ROUNDING:
+                rule = f"the distribution's sf is no survival beyond x = {self._last:g}, where it is {held[known]:.2g}"
                 raise InputError(f"thresholds: {rule}")
         super().__init__(distribution, ends, below)
 
-    def _told(self, method: str, x: Array, below: float, above: float) -> Array:
+    def _given(self, method: str, x: Array, below: Any, above: Any) -> Array:
         """What the distribution gives; where it gives no number and beyond the last place, the limit on that side."""
         found = self._ask(method, x)
-        lost = np.isnan(found) | (x > self.last)
-        return np.where(lost, np.where(x < self.median, below, above), found)
-
-    def _pdf(self, x: Array) -> Array:
-        return self._told("pdf", x, 0.0, 0.0)
+        lost = np.isnan(found) | (x > self._last)
+        return np.where(lost, np.where(x < self._median, below, above), found)
 
     def _logpdf(self, x: Array) -> Array:
-        return self._told("logpdf", x, -np.inf, -np.inf)
+        return self._given("logpdf", x, -np.inf, -np.inf)
 
     def _cdf(self, x: Array) -> Array:
-        return np.clip(self._told("cdf", x, 0.0, 1.0), 0.0, 1.0)
+        return np.clip(self._given("cdf", x, 0.0, 1.0), 0.0, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        return np.clip(self._told("sf", x, 1.0, 0.0), 0.0, 1.0)
+        return np.clip(self._given("sf", x, 1.0, 0.0), 0.0, 1.0)
 
     def _logsf(self, x: Array) -> Array:
-        found = self._ask("logsf", x)
         with np.errstate(divide="ignore"):
-            lost = np.isnan(found) | (x > self.last)
-            return self._near_one(x, np.where(lost, np.log(self._sf(x)), found))
+            else_known = np.log(self._sf(x))
+        return self._near_one(x, self._given("logsf", x, else_known, else_known))
 
     def _moment(self, n: float) -> float:
         mean = float(self.distribution.mean())
