@@ -92,14 +92,14 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         )
     found, unit = extremes(contacts, travel, velocity, tolerance), unit_of(contacts, travel)
     length, length_error = decoherence_length(contacts, life, velocity)
-    ratio = max(found.static / kinetic, 1.0)
-    if not found.spring > 0.0:
-        ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
-    sure_spring, spring_message = judged("K*", found.spring_error / (1.0 + found.spring), tolerance)
+    spring, spring_error, _ = found.fall
+    # where F(X) falls nowhere F_k is its largest value
+    ratio = max(found.static / kinetic, 1.0) if spring > 0.0 else 1.0
+    sure_spring, spring_message = judged("K*", spring_error / (1.0 + spring), tolerance)
     sure_static, static_message = judged("F_s", found.static_error / unit, tolerance)
     return Propensity(
-        critical_spring=found.spring,
-        critical_spring_error=found.spring_error,
+        critical_spring=spring,
+        critical_spring_error=spring_error,
         static_to_kinetic=ratio,
         static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
         decoherence_length=length,
