@@ -30,9 +30,9 @@ NEAR = 0.9
 BELOW, HIGH, HIGHEST = 0.8, 8.0, 2000.0
 # Most frequencies of a grid times nodes of an integral.
 MOST_WORK = 1e8
-# Sides of the grid's cells, in units of the inverse mean way (weighted by e^(decay x)), how often they
-# are halved where not all roots are found, and most cells of a row, which are wider where they are few.
-SIDE, FINER, COLUMNS = 0.8, 2, 16
+# Sides of the grid's cells, in units of the inverse mean way (weighted by e^(decay x)), and most cells
+# of a row, which are wider where they are few.
+SIDE, COLUMNS = 0.8, 16
 # Most steps of Newton's method; distance over |s| below which two roots count as equal.
 STEPS, EQUAL = 40, 1e-7
 # Ratio of the longest to the mean life beyond which the few longest ones cannot be resolved.
@@ -152,46 +152,40 @@ def _roots_to(transform: Transform, decay: float) -> Roots:
     end = transform(np.array([complex(-decay)]))
     # the mean way from birth to break, weighted by e^(decay x)
     centre = float(((end.held - decay * end.slope) / (1.0 + decay * end.held)).real[0])
-    for halvings in range(FINER + 1):
-        step = SIDE / (centre + transform.wait) / 2**halvings
-        # roots nearer to the left side may count as outside, as the sides of cells are taken straight
-        left = decay + min(0.4 * step, 0.05 * decay)
-        s, values = _grid(transform, left, step, COLUMNS * 2**halvings)
-        across = np.angle(values[:, 1:] / values[:, :-1])
-        along = np.angle(values[1:] / values[:-1])
-        turned = across[:-1] + along[:, 1:] - across[1:] - along[:, :-1]
-        begins = (0.5 * (s[:-1, :-1] + s[1:, 1:]))[turned > np.pi]
-        size = float(abs(s[1, 1] - s[0, 0]))
-        ends, open_ = begins.copy(), np.arange(begins.size)
-        for _ in range(STEPS):  # of Newton's method, none longer than a cell
-            value, slope = transform.conserved(ends[open_])
-            with np.errstate(invalid="ignore"):
-                move = np.nan_to_num(value / slope, nan=size, posinf=size, neginf=size)
-            move *= np.minimum(size / np.maximum(np.abs(move), 1e-300), 1.0)
-            ends[open_] -= move
-            near = np.abs(ends[open_] - begins[open_]) < 3.0 * size
-            open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(ends[open_]))]
-        # each cell must have a root of its own
-        value, slope = transform.conserved(ends)
-        near = np.abs(ends - begins) < 2.0 * size
-        near &= np.abs(value) < EQUAL * np.abs(ends * slope)
-        same = np.abs(np.subtract.outer(ends, ends)) <= EQUAL * np.abs(ends)
-        near &= ~np.tril(same & near, -1).any(axis=1)
-        if near.all():
-            break
+    step = SIDE / (centre + transform.wait)
+    # roots nearer to the left side may count as outside, as the sides of cells are taken straight
+    left = decay + min(0.4 * step, 0.05 * decay)
+    s, values = _grid(transform, left, step)
+    across = np.angle(values[:, 1:] / values[:, :-1])
+    along = np.angle(values[1:] / values[:-1])
+    turned = across[:-1] + along[:, 1:] - across[1:] - along[:, :-1]
+    begins = (0.5 * (s[:-1, :-1] + s[1:, 1:]))[turned > np.pi]
+    size = float(abs(s[1, 1] - s[0, 0]))
+    ends, open_ = begins.copy(), np.arange(begins.size)
+    for _ in range(STEPS):  # of Newton's method, none longer than a cell
+        value, slope = transform.conserved(ends[open_])
+        with np.errstate(invalid="ignore"):
+            move = np.nan_to_num(value / slope, nan=size, posinf=size, neginf=size)
+        move *= np.minimum(size / np.maximum(np.abs(move), 1e-300), 1.0)
+        ends[open_] -= move
+        near = np.abs(ends[open_] - begins[open_]) < 3.0 * size
+        open_ = open_[near & (np.abs(move) > 1e-13 * np.abs(ends[open_]))]
+    # each cell must have a root of its own
+    value, slope = transform.conserved(ends)
+    near = np.abs(ends - begins) < 2.0 * size
+    near &= np.abs(value) < EQUAL * np.abs(ends * slope)
+    same = np.abs(np.subtract.outer(ends, ends)) <= EQUAL * np.abs(ends)
+    near &= ~np.tril(same & near, -1).any(axis=1)
     missed = begins[~near].real.max(initial=-np.inf) + size
     searched = max(-max(0.4 * step - left, float(missed)), 1e-3 * decay)
     found = ends[near & (ends.real > -searched)]
     return Roots(found[np.argsort(-found.real, kind="stable")], searched)
 
 
-def _grid(transform: Transform, decay: float, step: float, most: int) -> tuple[Complex, Complex]:
-    """Numbers s up to the frequency above which |p^| stays below 1 at the first Re s, and D there.
-
-    most : largest number of cells between Re s = -decay and 0
-    """
+def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Complex]:
+    """Numbers s up to the frequency above which |p^| stays below 1 at the first Re s, and D there."""
     travel, wait = transform.travel, transform.wait
-    real = np.linspace(-decay, step, int(min(np.ceil(decay / step), most)) + 2)
+    real = np.linspace(-decay, step, int(min(np.ceil(decay / step), COLUMNS)) + 2)
     highest = float(np.sqrt(MOST_WORK * step / transform.nodes_per_frequency))
     highest = min(HIGHEST / (travel.length + wait), highest)
     end = min(max(HIGH / travel.grain, 30.0 * step), highest)
