@@ -7,7 +7,6 @@ D_X = D/v holds for the slider's own X, as in (Q15). Where the drive's X_T = X +
 time passes before the drop and less in it, and v_c is larger; `master.solve` with a spring finds it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import pairwise
@@ -63,37 +62,25 @@ def critical_velocity(
     slowest, fastest : float
         Two speeds, a length per time, that v_c lies between.
 
-    Returns
-    -------
-    CriticalVelocity
-        Its error is estimated from that of K*, or from the change with finer steps.
-
-    Raises
-    ------
-    InputError
-        Where the drop is steeper than the spring at both speeds, or at neither; for contacts that
-        do not age, and for other laws of the contact beside ageing.
+    The error is estimated from that of K*, or from the change with finer steps. Raises InputError
+    where the drop is steeper than the spring at both speeds, or at neither; for contacts that do not
+    age, and for other laws of the contact beside ageing.
     """
+    from scipy.optimize import brentq
+
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     if contacts.ageing is None:
-        told = "contacts.ageing: is None; "
-        if not contacts.laws:
-            raise InputError(f"{told}without ageing nothing depends on the speed")
-        raise InputError(
-            f"{told}v_c is that of contacts that age by diffusion. What a temperature, a delay or "
-            "thresholds that grow make of K* at each speed is master.phase_line(contacts, velocity)"
-        )
+        why = "without ageing nothing depends on the speed"
+        if contacts.laws:
+            why = (
+                "v_c is that of contacts that age by diffusion. What a temperature, a delay or thresholds "
+                "that grow make of K* at each speed is master.phase_line(contacts, velocity)"
+            )
+        raise InputError(f"contacts.ageing: is None; {why}")
     check_contacts(contacts, "master.critical_velocity", ("ageing",))
-    found = _exact_fall if contacts.ageing.closure == "exact" else _printed_fall
-    return _where_it_is(cache(partial(found, contacts)), spring, slowest, fastest)
-
-
-def _where_it_is(
-    fall: Callable[..., Fall], spring: float, slowest: float, fastest: float
-) -> CriticalVelocity:
-    """v_c where the steepest -F' equals the spring; InputError unless it lies between the speeds."""
-    from scipy.optimize import brentq
+    exact = contacts.ageing.closure == "exact"
+    fall = cache(partial(_exact_fall if exact else _printed_fall, contacts))
 
     def excess(log_velocity: float) -> float:
         return fall(float(np.exp(log_velocity))).steepest - spring

@@ -12,16 +12,15 @@ become negative and the solution diverges. A contact that breaks within a step s
 by up to dX before the step ends; here it does not. So where breaks are spread smoothly, every
 generation is dX/2 late.
 
-Backward motion (App. C) is forward motion with P_b(x) = P(-x): breaking depends on x alone, and a
-survivor's past is forgotten. A contact that was pulled to 0.9 and back to -0.5 is treated as if its
-threshold could be 0.6, which it would not have survived. So after a turn this differs from the
-discrete model: with P_c(1, 0.2) the force is off by 0.04 where turns are at +-3, by 0.18 where they
-are at +-0.9.
+Backward motion (App. C) is forward motion with P_b(x) = P(-x): breaking depends on x alone. A
+contact that was pulled to 0.9 and back to -0.5 is treated as if its threshold could be 0.6. So after
+a turn this differs from the discrete model: with P_c(1, 0.2) the force is off by 0.04 where turns
+are at +-3, by 0.18 where they are at +-0.9.
 """
 
 import time
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +28,7 @@ import numpy.typing as npt
 from master.lives.heat.mean_rate import MeanRateLife
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
-from origins.errors import finite_array, positive, refuse
+from origins.errors import finite_array, one_of, positive, refuse
 from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
@@ -75,8 +74,7 @@ def explicit(
     contacts : Contacts
         Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to
         P(x); a delay, rounded to whole steps. As in the paper, a contact that starts at x < 0 breaks
-        by P(x) from x = 0 on, although its threshold is known to exceed |x|: with weight there the
-        scheme differs from the discrete model.
+        by P(x) from x = 0 on, although its threshold is known to exceed |x|.
     path : array of shape (n,)
         Slider positions X >= 0 that never turn back (lengths); any spacing.
     step : float
@@ -88,13 +86,9 @@ def explicit(
     velocity : float
         v (length per time); only temperature and delay depend on it.
 
-    Raises
-    ------
-    InputError
-        For a path as in `master.solve`; for a step that is not above zero or needs more than
-        4,194,304 nodes or steps; for an unknown `breaking`; for temperature with closure "exact",
-        where the rate is no function of x alone; for other laws of a contact; and for "printed"
-        with exact thresholds, which have no P(x).
+    Raises InputError for a path as in `master.solve`; for a step that needs more than 4,194,304 nodes
+    or steps; for an unknown `breaking`; for temperature with closure "exact", where the rate is no
+    function of x alone; for other laws; and for "printed" with exact thresholds, which have no P(x).
     """
     check_contacts(contacts, "master.paper.explicit", ("thermal", "delay"))
     thermal = contacts.thermal
@@ -140,8 +134,7 @@ def _stepped(
 ) -> ExplicitSolution:
     """Take all steps along a path (n,) of slider positions, on a grid between two stretches (lengths)."""
     began, step = time.perf_counter(), positive("step", step)
-    if breaking not in ("survival", "printed"):
-        refuse("breaking", breaking, 'must be "survival" or "printed"')
+    one_of("breaking", breaking, get_args(Breaking))
     travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
     longest = max(float(travel[-1]), span[1] - span[0])
     if longest / step > MOST_NODES:
@@ -158,11 +151,9 @@ def _stepped(
     shares = starting_shares(contacts, x, step)
 
     ways = step * np.arange(int(np.ceil(travel[-1] / step * (1.0 - 1e-12))) + 1)
-    # the last step may end beyond the path
-    moved = np.append(0.0, path)[np.append(0.0, travel) < travel[-1]]
-    beyond = path[-1] + (np.copysign(step, path[-1] - moved[-1]) if moved.size else 0.0)
-    knots = np.concatenate([[0.0], travel, [travel[-1] + step]])
-    at = np.interp(ways, knots, np.concatenate([[0.0], path, [beyond]]))
+    at = np.interp(ways, np.append(0.0, travel), np.append(0.0, path))
+    if at.size > 1:  # the last step may end beyond the path
+        at[-1] = at[-2] + np.copysign(step, at[-1] - at[-2])
     moves = np.diff(np.rint(at / step).astype(int))
     # ring buffer: contacts that break now re-form after the steps of the delay
     waiting = np.zeros(1 + round(contacts.waiting_time * velocity / step))

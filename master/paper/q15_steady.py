@@ -20,6 +20,7 @@ from scipy.linalg.lapack import get_lapack_funcs
 from scipy.optimize import brentq
 
 from origins import Ageing, Contacts, InputError, Thresholds
+from origins.contacts import check_contacts
 from origins.laws.diffusion import Diffusion
 
 Array = npt.NDArray[np.float64]
@@ -48,12 +49,7 @@ class Steady(NamedTuple):
 
 def check_alone(contacts: Contacts) -> None:
     """Raise InputError for laws of a contact that (Q15) does not include."""
-    for name in ("thermal", "delay", "reforming"):
-        if getattr(contacts, name) is not None:
-            raise InputError(
-                f"contacts.{name}: (Q15), the paper's closure of ageing, does not have it; leave "
-                f'{name} out of the contacts, or use closure = "exact"'
-            )
+    check_contacts(contacts, "(Q15), the paper's closure of ageing,", ("ageing",))
 
 
 def ageing_of(contacts: Contacts) -> Ageing:

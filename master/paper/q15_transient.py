@@ -14,7 +14,7 @@ the answer depends on which; both defects are returned at every X.
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ from master.outcome import Progress, unheard
 from master.paper.q15_steady import ageing_of, make_ageing
 from origins import Contacts, Drive
 from origins.brief import brief
-from origins.errors import positive, refuse, whole
+from origins.errors import one_of, positive, refuse, whole
 from origins.laws.diffusion import Diffusion
 
 Array = npt.NDArray[np.float64]
@@ -121,8 +121,7 @@ def paper_transient(
     began = time.perf_counter()
     ageing = ageing_of(contacts)
     positions = Drive(path).only_forward("the paper's closure of ageing").path
-    if keep not in ("positivity", "mass"):
-        refuse("keep", keep, 'must be "positivity" or "mass"')
+    one_of("keep", keep, get_args(Keep))
     step, velocity = positive("step", step), positive("velocity", velocity)
     state = _State(contacts, step, ageing.rate / velocity * step, whole("cells", cells, 1))
 
@@ -203,15 +202,10 @@ def solve_q15(
 class _State:
     """Cohorts of contacts and cells of P_c, one step of X at a time.
 
-    Contacts are cohorts at (i + 1/2) h, which a step moves across whole groups of cells of P_c. Each
-    step consists of half a step of ageing, the breaks, with the survival in the middle of the step,
-    and half a step of ageing. Errors fall as h² as long as mass and sign of P_c are both conserved,
-    and as h after that.
-
-    Attributes
-    ----------
-    walls : array (m + 1,)
-        Ends of the groups of cells that cohorts cross in a step (lengths).
+    Contacts are cohorts at (i + 1/2) h, which a step moves across whole groups of cells of P_c, from
+    one of the `walls` (lengths, shape (m + 1,)) to the next. Each step is half a step of ageing, the
+    breaks, with the survival in the middle of the step, and half a step of ageing. Errors fall as h²
+    as long as mass and sign of P_c are both conserved, and as h after that.
     """
 
     def __init__(self, contacts: Contacts, step: float, amount: float, cells: int) -> None:

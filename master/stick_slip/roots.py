@@ -12,8 +12,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
-from master.renewal.births import reforming_law
 from master.steady.travel import Travel
 from master.stick_slip.transform import NONE, Complex, Transform
 from origins import Contacts
@@ -96,7 +94,7 @@ def tail_rate(contacts: Contacts) -> tuple[float, float]:
     return np.inf if slopes[-1] > slopes[0] else 0.0, 0.0
 
 
-def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> tuple[float, float]:
+def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple[float, float]:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
     It is inf for exact values alone (F is periodic or nearly so), and for a tail that falls slower
@@ -104,8 +102,6 @@ def decoherence_length(contacts: Contacts, life: Life, velocity: float) -> tuple
     error is inf. Where exact values have a share of the weight, roots slower than the rate at which
     infinitely many crowd may not exist, and X* is that of this rate.
     """
-    wait = velocity * contacts.waiting_time
-    travel = Travel(contacts, life, reforming_law(contacts), velocity)
     rate, off = min(tail_rate(contacts), (crowding_rate(travel, wait), 0.0))
     if rate == 0.0:
         return np.inf, 0.0

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.births import reforming_law
@@ -137,8 +136,8 @@ def decoherence_spectrum(
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     check_finite(contacts)
-    life, again, start = steady_life(contacts, velocity), reforming_law(contacts), contacts.start
-    travel = Travel(contacts, life, again, velocity)
+    life, start = steady_life(contacts, velocity), contacts.start
+    travel = Travel(contacts, life, reforming_law(contacts), velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     limit = _searched(contacts, travel, velocity)
     # the force of linked contacts comes from a table with this error, in mean stretches
@@ -146,7 +145,7 @@ def decoherence_spectrum(
     found = leading_roots(transform, n_roots + 1, limit)
     s, next_root = found.roots[:n_roots], found.roots[n_roots : n_roots + 1]
     begins = transform
-    if not (start.is_single and start.span == again.span):
+    if not (start.is_single and start.span == reforming_law(contacts).span):
         begins = Transform(Travel(contacts, life, start, velocity), wait)
 
     def amplitudes(s: Complex) -> Complex:
@@ -171,7 +170,7 @@ def decoherence_spectrum(
         _unit=unit,
         _left=np.zeros((2, 1)),
     )
-    left = _left_out(contacts, life, velocity, spectrum, travel.length + wait)
+    left = _left_out(contacts, travel, velocity, spectrum)
     return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
 
 
@@ -203,12 +202,13 @@ def _searched(contacts: Contacts, travel: Travel, velocity: float) -> float:
 
 
 def _left_out(
-    contacts: Contacts, life: Life, velocity: float, spectrum: DecoherenceSpectrum, whole_way: float
+    contacts: Contacts, travel: Travel, velocity: float, spectrum: DecoherenceSpectrum
 ) -> Array:
     """Positions X (lengths), sorted, over the first few mean ways from birth to birth, and the largest
     error of the terms from there on, times e^(X/beyond) (a length); shape (2, n)."""
+    whole_way = travel.length + velocity * contacts.waiting_time
     horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
-    births = births_table(contacts, life, velocity, TOLERANCE)
+    births = births_table(contacts, travel.life, velocity, TOLERANCE)
     march = forward_march(contacts, births, velocity, horizon, TOLERANCE).run()
     share = np.append(0.0, rule.NODES)
     x = velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
