@@ -120,10 +120,11 @@ def _printed_fall(contacts: Contacts, velocity: float, finer: bool = False) -> F
         raise InputError(
             "contacts: the force never falls on the way; there is no stick-slip at any spring"
         )
-    path = path[: begin + int(np.argmax(np.append(rises[begin:], True))) + 1]
+    end_of_fall = begin + int(np.argmax(np.append(rises[begin:], True)))
+    path = path[: max(end_of_fall, 6) + 1]  # a spline of degree 5 takes six points
     for parts in (2, 4)[: 1 + finer]:
         forces.append(paper_transient(contacts, path, step / parts, velocity).force)
-    x, falls = np.linspace(path[begin], path[-1], 100 * path.size), []
+    x, falls = np.linspace(path[begin], path[end_of_fall], 100 * path.size), []
     for coarse, fine in pairwise(forces):
         better = (4.0 * fine - coarse[: path.size]) / 3.0
         down = -make_interp_spline(path, better, k=5).derivative()(x)
