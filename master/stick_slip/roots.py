@@ -7,8 +7,6 @@ grid for each root inside: Newton's method starts from these cells, and has to f
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
@@ -35,17 +33,6 @@ SIDE, COLUMNS = 0.8, 16
 STEPS, EQUAL = 40, 1e-7
 # Ratio of the longest to the mean life beyond which the few longest ones cannot be resolved.
 BROAD = 1e4
-
-
-class Roots(NamedTuple):
-    """All roots of D with Im s > 0 right of Re s = -searched (per length), slowest first.
-
-    roots : array of shape (n,)
-    searched : float
-    """
-
-    roots: Complex
-    searched: float
 
 
 def crowding_rate(travel: Travel, wait: float) -> float:
@@ -109,19 +96,20 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple
         # X* depends on the few contacts that live longest, which the table of E does not resolve
         return travel.longest, np.inf
     transform = Transform(travel, wait)
-    found = leading_roots(transform, 1, NEAR * rate)
-    if found.roots.size:
-        decay = -float(found.roots[0].real)
-        error = float(transform.root_errors(found.roots[:1])[0])
+    roots, searched = leading_roots(transform, 1, NEAR * rate)
+    if roots.size:
+        decay = -float(roots[0].real)
+        error = float(transform.root_errors(roots[:1])[0])
         # with a very long delay the decay may be smaller than its rounding error
         return (1.0 / decay, error / decay**2) if error < decay else (1.0 / error, np.inf)
-    if found.searched > 0.95 * NEAR * rate:  # an undetected root may lie from there to the rate
-        return 1.0 / rate, (off + rate - found.searched) / rate**2
-    return 0.5 / found.searched, 0.5 / found.searched
+    if searched > 0.95 * NEAR * rate:  # an undetected root may lie from there to the rate
+        return 1.0 / rate, (off + rate - searched) / rate**2
+    return 0.5 / searched, 0.5 / searched
 
 
-def leading_roots(transform: Transform, count: int, limit: float) -> Roots:
-    """At least `count` roots, or all right of Re s = -limit; fewer where D is too inaccurate there.
+def leading_roots(transform: Transform, count: int, limit: float) -> tuple[Complex, float]:
+    """All roots of D with Im s > 0 right of some Re s = -searched, slowest first, and `searched` (per
+    length): at least `count`, or as far as `limit`; fewer where D is too inaccurate there.
 
     Frequencies are searched up to some 2,000 per mean way from birth to birth.
     """
@@ -137,14 +125,14 @@ def leading_roots(transform: Transform, count: int, limit: float) -> Roots:
         deepest *= 0.9
     decay = min(FIRST / whole, deepest)
     while True:
-        found = _roots_to(transform, decay)
-        if found.roots.size >= count or decay >= deepest:
-            return found
+        roots, searched = _roots_to(transform, decay)
+        if roots.size >= count or decay >= deepest:
+            return roots, searched
         decay = min(2.0 * decay, deepest)
 
 
-def _roots_to(transform: Transform, decay: float) -> Roots:
-    """All roots with Im s > 0 right of Re s = -decay, or of where one was missed."""
+def _roots_to(transform: Transform, decay: float) -> tuple[Complex, float]:
+    """`leading_roots` right of Re s = -decay, or of where one was missed."""
     end = transform(np.array([complex(-decay)]))
     # the mean way from birth to break, weighted by e^(decay x)
     centre = float(((end.held - decay * end.slope) / (1.0 + decay * end.held)).real[0])
@@ -174,8 +162,8 @@ def _roots_to(transform: Transform, decay: float) -> Roots:
     near &= ~np.tril(same & near, -1).any(axis=1)
     missed = begins[~near].real.max(initial=-np.inf) + size
     searched = max(-max(0.4 * step - left, float(missed)), 1e-3 * decay)
-    found = ends[near & (ends.real > -searched)]
-    return Roots(found[np.argsort(-found.real, kind="stable")], searched)
+    roots = ends[near & (ends.real > -searched)]
+    return roots[np.argsort(-roots.real, kind="stable")], searched
 
 
 def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Complex]:

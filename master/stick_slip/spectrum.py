@@ -142,8 +142,8 @@ def decoherence_spectrum(
     limit = _searched(contacts, travel, velocity)
     # the force of linked contacts comes from a table with this error, in mean stretches
     transform = Transform(travel, wait, 1e-12 if contacts.stiffness == "linked" else 0.0)
-    found = leading_roots(transform, n_roots + 1, limit)
-    s, next_root = found.roots[:n_roots], found.roots[n_roots : n_roots + 1]
+    roots, searched = leading_roots(transform, n_roots + 1, limit)
+    s = roots[:n_roots]
     begins = transform
     if not (start.is_single and start.span == reforming_law(contacts).span):
         begins = Transform(Travel(contacts, life, start, velocity), wait)
@@ -165,7 +165,7 @@ def decoherence_spectrum(
         decay_length_error=roots_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
-        beyond=1.0 / (float(-next_root[0].real) if next_root.size else found.searched),
+        beyond=1.0 / (float(-roots[n_roots].real) if roots.size > n_roots else searched),
         run_time=0.0,
         _unit=unit,
         _left=np.zeros((2, 1)),

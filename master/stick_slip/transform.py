@@ -84,14 +84,16 @@ class Transform:
         # with heat and many stretches at birth each survival takes long, so the table is coarser
         accuracy = 1e-13 if travel.born.is_single or life.quick else travel.accuracy
 
-        def own(values: Array, _: Array) -> Array:
+        def size_on_panel(values: Array, _: Array) -> Array:
             """Relative to the panel's values, but for those 1e-4 times smaller than its largest."""
             held = np.abs(values[0])
             return np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), NONE))
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
-        self._table = Table(travel.scaled, edges, accuracy, shortest, felt=own, rounding=1e2)
+        self._table = Table(
+            travel.scaled, edges, accuracy, shortest, felt=size_on_panel, rounding=1e2
+        )
         self.nodes_per_frequency = float(rule.GAUSS * self._table.end[-1] / WAVE)
         self._known = dict[int, _Nodes]()
 
