@@ -7,7 +7,7 @@ import numpy as np
 import eq_model
 import master
 import origins
-from master.paper.explicit_loop import explicit_loop
+from master.paper.explicit import explicit_loop
 
 PICTURES = Path(__file__).parent / "pictures"
 CONTACTS = origins.Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.0, 0.025))

@@ -10,8 +10,7 @@ from solving import through
 
 import master
 import origins
-from master.paper.explicit import explicit
-from master.paper.explicit_loop import explicit_loop
+from master.paper.explicit import explicit, explicit_loop
 from origins.thresholds.scipy_laws import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)

@@ -12,7 +12,7 @@ from solving import held_to_claim, through
 
 import master
 import origins
-from master.paper.explicit_loop import explicit_loop
+from master.paper.explicit import explicit_loop
 from origins import Contacts, Thermal, gaussian
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]

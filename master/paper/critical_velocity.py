@@ -7,27 +7,24 @@ D_X = D/v holds for the slider's own X, as in (Q15). Where the drive's X_T = X +
 time passes before the drop and less in it, and v_c is larger; `master.solve` with a spring finds it.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
 
-from master.solve import solve
-from master.stick_slip.extremes import critical_spring
+from master.lives.make import steady_life
+from master.paper.q15_transient import narrowest, paper_transient
+from master.stick_slip.extremes import Fall, births_table, extremes
 from origins import Contacts, InputError
 from origins.contacts import check_contacts
 from origins.errors import positive
 
 Array = npt.NDArray[np.float64]
 
-# Tolerance of K* (relative to 1 + K*) and of F (in mean thresholds) with closure "exact".
-_TOLERANCE = 1e-8
-# Tolerance of ln v_c; and the change of ln v for the slope of K* as a finite difference.
-_CLOSE, _APART = 1e-7, 0.01
+CLOSE = 1e-7  # tolerance of ln v_c, and of K* with closure "exact" in units of 0.1 (1 + K*)
 
 
 @dataclass(frozen=True)
@@ -65,112 +62,71 @@ def critical_velocity(
     slowest, fastest : float
         Two speeds, a length per time, that v_c lies between.
 
-    Returns
-    -------
-    CriticalVelocity
-        Its error is estimated from that of K*, or from the change with finer steps.
-
-    Raises
-    ------
-    InputError
-        Where the drop is steeper than the spring at both speeds, or at neither; for contacts that
-        do not age, and for other laws of the contact beside ageing.
+    The error is estimated from that of K*, or from the change with finer steps. Raises InputError
+    where the drop is steeper than the spring at both speeds, or at neither; for contacts that do not
+    age, and for other laws of the contact beside ageing.
     """
+    from scipy.optimize import brentq
+
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     if contacts.ageing is None:
-        told = "contacts.ageing: is None; "
-        if not contacts.laws:
-            raise InputError(f"{told}without ageing nothing depends on the speed")
-        raise InputError(
-            f"{told}v_c is that of contacts that age by diffusion. What a temperature, a delay or "
-            "thresholds that grow make of K* at each speed is master.phase_line(contacts, velocity)"
-        )
+        why = "without ageing nothing depends on the speed"
+        if contacts.laws:
+            why = (
+                "v_c is that of contacts that age by diffusion. What a temperature, a delay or thresholds "
+                "that grow make of K* at each speed is master.phase_line(contacts, velocity)"
+            )
+        raise InputError(f"contacts.ageing: is None; {why}")
     check_contacts(contacts, "master.critical_velocity", ("ageing",))
-    found = _exact_drop if contacts.ageing.closure == "exact" else _printed_drop
-    return _where_it_is(cache(partial(found, contacts)), spring, slowest, fastest)
-
-
-class _Drop(NamedTuple):
-    """The largest -F' of the first drop of the force, its error, and its X (a length)."""
-
-    steepest: float
-    error: float
-    position: float
-
-
-def _where_it_is(
-    drop: Callable[..., _Drop], spring: float, slowest: float, fastest: float
-) -> CriticalVelocity:
-    """v_c where the largest -F' equals the spring; InputError unless it lies between the speeds."""
-    from scipy.optimize import brentq
+    exact = contacts.ageing.closure == "exact"
+    fall = cache(partial(_exact_fall if exact else _printed_fall, contacts))
 
     def excess(log_velocity: float) -> float:
-        return drop(float(np.exp(log_velocity))).steepest - spring
+        return fall(float(np.exp(log_velocity))).steepest - spring
 
-    slow, fast = excess(np.log(slowest)), excess(np.log(fastest))
+    ends = np.log([slowest, fastest])
+    slow, fast = (excess(end) for end in ends)
     if not slow > 0.0 >= fast:
         raise InputError(
             f"slowest, fastest: -F' is at most {slow + spring:.4g} at v = {slowest:g} and "
             f"{fast + spring:.4g} at v = {fastest:g}; the spring {spring:g} must lie between them"
         )
-    root = brentq(excess, np.log(slowest), np.log(fastest), xtol=_CLOSE)
-    slope = (excess(root - _APART) - excess(root + _APART)) / (2.0 * _APART)
-    finer = drop(float(np.exp(root)), finer=True)  # moves v_c by little
+    root = brentq(excess, *ends, xtol=CLOSE)
+    slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
+    finer = fall(float(np.exp(root)), finer=True)  # moves v_c by little
     velocity = float(np.exp(root + (finer.steepest - spring) / slope))
-    error = velocity * (finer.error / abs(slope) + _CLOSE)
+    error = velocity * (finer.error / abs(slope) + CLOSE)
     return CriticalVelocity(velocity, error, finer.position)
 
 
-def _exact_drop(contacts: Contacts, velocity: float, finer: bool = False) -> _Drop:
-    """Where each contact's own threshold diffuses; `finer`: with its X."""
-    steepest, error = critical_spring(contacts, velocity, _TOLERANCE)
-    if not finer:
-        return _Drop(steepest, error, np.nan)
-    from master.paper.q15_step import narrowest
-
-    step = narrowest(contacts.thresholds, contacts.start) / 20.0
-    path = np.arange(0.0, _first_drop_over(contacts), step)
-    force = solve(contacts, path, _TOLERANCE, velocity=velocity).force
-    return _Drop(steepest, error, _steepest(force, step).position)
+def _exact_fall(contacts: Contacts, velocity: float, finer: bool = False) -> Fall:
+    """Where each contact's own threshold diffuses: K* of `propensity`."""
+    travel = births_table(contacts, steady_life(contacts, velocity), velocity, 0.1 * CLOSE)
+    return extremes(contacts, travel, velocity, 0.1 * CLOSE).fall
 
 
-def _printed_drop(contacts: Contacts, velocity: float, finer: bool = False) -> _Drop:
-    """Where all contacts have one P_c: the first drop of (Q15), extrapolated in h²."""
-    from master.paper.q15_step import Q15Stepper, narrowest
-
-    drops = []
-    for level in (4.0, 8.0, 16.0)[: 2 + finer]:
-        step, force = narrowest(contacts.thresholds, contacts.start) / level, list[float]()
-        stepper, fallen = Q15Stepper(contacts, step, velocity), False
-        for _ in range(int(_first_drop_over(contacts) / step) + 3):
-            force.append(stepper.state().force)
-            stepper.advance()
-            if fallen and force[-1] > force[-2]:
-                break
-            fallen = fallen or (len(force) > 1 and force[-1] < force[-2])
-        drops.append(_steepest(np.array(force), step))
-    best = [(4.0 * fine.steepest - coarse.steepest) / 3.0 for coarse, fine in pairwise(drops)]
-    return _Drop(best[-1], abs(best[-1] - best[0]), drops[-1].position)
-
-
-def _steepest(force: Array, step: float) -> _Drop:
-    """The largest -F' of a force at X = 0, step, 2 step..., by the parabola through three
-    differences; InputError where the force never falls."""
-    fall = -np.diff(force) / step
-    k = int(np.clip(fall.argmax(), 1, fall.size - 2))
-    before, top, after = fall[k - 1 : k + 2]
-    if not fall.max() > 0.0:
+def _printed_fall(contacts: Contacts, velocity: float, finer: bool = False) -> Fall:
+    """Where all contacts have one P_c: the first fall of (Q15), extrapolated in h²."""
+    assert contacts.ageing is not None
+    step = 0.25 * narrowest(contacts)
+    # by then nearly all contacts have broken, fresh or aged
+    end = max(float(law.isf(1e-3)) for law in (contacts.thresholds, contacts.ageing.final))
+    path = np.arange(0.0, end - min(contacts.start.span[0], 0.0) + 3.0 * step, step)
+    forces = [paper_transient(contacts, path, step, velocity).force]
+    rises = np.diff(forces[0]) > 0.0
+    begin = int(np.argmin(rises))
+    if rises[begin]:
         raise InputError(
             "contacts: the force never falls on the way; there is no stick-slip at any spring"
         )
-    shift = 0.5 * (before - after) / (before - 2.0 * top + after)
-    steepest = float(top - 0.25 * (before - after) * shift)
-    return _Drop(steepest, np.nan, float((k + 0.5 + shift) * step))
-
-
-def _first_drop_over(contacts: Contacts) -> float:
-    """X (a length) by which nearly all contacts have broken, fresh or aged."""
-    assert contacts.ageing is not None
-    highest = max(contacts.thresholds.isf(1e-3), contacts.ageing.final.isf(1e-3))
-    return float(highest) - min(contacts.start.span[0], 0.0)
+    end_of_fall = begin + int(np.argmax(np.append(rises[begin:], True)))
+    path = path[: max(end_of_fall, 6) + 1]  # a spline of degree 5 takes six points
+    for parts in (2, 4)[: 1 + finer]:
+        forces.append(paper_transient(contacts, path, step / parts, velocity).force)
+    x, falls = np.linspace(path[begin], path[end_of_fall], 100 * path.size), []
+    for coarse, fine in pairwise(forces):
+        better = (4.0 * fine - coarse[: path.size]) / 3.0
+        down = -make_interp_spline(path, better, k=5).derivative()(x)
+        falls.append(Fall(float(down.max()), np.nan, float(x[down.argmax()])))
+    return falls[-1]._replace(error=abs(falls[-1].steepest - falls[0].steepest))

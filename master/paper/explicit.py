@@ -11,11 +11,16 @@ The fraction is taken from Q after the shift. Taken before it, as (Q2) and (Q3) 
 become negative and the solution diverges. A contact that breaks within a step should stretch again
 by up to dX before the step ends; here it does not. So where breaks are spread smoothly, every
 generation is dX/2 late.
+
+Backward motion (App. C) is forward motion with P_b(x) = P(-x): breaking depends on x alone. A
+contact that was pulled to 0.9 and back to -0.5 is treated as if its threshold could be 0.6. So after
+a turn this differs from the discrete model: with P_c(1, 0.2) the force is off by 0.04 where turns
+are at +-3, by 0.18 where they are at +-0.9.
 """
 
 import time
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -23,29 +28,26 @@ import numpy.typing as npt
 from master.lives.heat.mean_rate import MeanRateLife
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
-from origins.errors import positive, refuse
+from origins.errors import finite_array, one_of, positive, refuse
 from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
 Breaking = Literal["survival", "printed"]
 
-# Most nodes of the grid, and most steps: more would take hours and gigabytes.
-MOST_NODES = 2**22
-# Share of the contacts beyond the grid's end: below the round-off of their sum.
-TAIL = 1e-18
+MOST_NODES = 2**22  # nodes of the grid, and steps: more would take hours and gigabytes
 
 
 @dataclass(frozen=True)
 class ExplicitSolution:
-    """The result of the explicit scheme, which has no error estimate.
+    """The result of the explicit scheme, which has no error estimate; arrays of shape (n,).
 
     Attributes
     ----------
-    path : array of shape (n,)
+    path : array
         Slider positions X (lengths).
-    force : array of shape (n,)
+    force : array
         F/(N_c <k>) of (Q6), a length; straight between the steps.
-    holding : array of shape (n,)
+    holding : array
         Share of the contacts that hold, the sum of Q over the grid: 1 without a delay.
     run_time : float
         Seconds.
@@ -72,8 +74,7 @@ def explicit(
     contacts : Contacts
         Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to
         P(x); a delay, rounded to whole steps. As in the paper, a contact that starts at x < 0 breaks
-        by P(x) from x = 0 on, although its threshold is known to exceed |x|: with weight there the
-        scheme differs from the discrete model.
+        by P(x) from x = 0 on, although its threshold is known to exceed |x|.
     path : array of shape (n,)
         Slider positions X >= 0 that never turn back (lengths); any spacing.
     step : float
@@ -85,43 +86,55 @@ def explicit(
     velocity : float
         v (length per time); only temperature and delay depend on it.
 
-    Raises
-    ------
-    InputError
-        For a path as in `master.solve`; for a step that is not above zero or needs more than
-        4,194,304 nodes or steps; for an unknown `breaking`; for temperature with closure "exact",
-        where the rate is no function of x alone; for other laws of a contact; and for "printed"
-        with exact thresholds, which have no P(x).
+    Raises InputError for a path as in `master.solve`; for a step that needs more than 4,194,304 nodes
+    or steps; for an unknown `breaking`; for temperature with closure "exact", where the rate is no
+    function of x alone; for other laws; and for "printed" with exact thresholds, which have no P(x).
     """
     check_contacts(contacts, "master.paper.explicit", ("thermal", "delay"))
-    thermal, delay = contacts.thermal, contacts.delay
+    thermal = contacts.thermal
     if thermal is not None and thermal.closure != "paper":
         rule = 'the explicit scheme knows x alone; use closure = "paper"'
         refuse("contacts.thermal.closure", thermal.closure, rule)
     drive = Drive(path, velocity).only_forward("the explicit scheme")
-    late = 0.0 if delay is None else delay.time * drive.velocity
     lowest = max(min(contacts.start.span[0], 0.0), -contacts.thresholds.support()[1])
     span = lowest, largest_stretch(contacts, float(drive.path[-1]))
-    return followed(contacts, drive.path, span, step, breaking, drive.velocity, late)
+    return _stepped(contacts, drive.path, span, step, breaking, drive.velocity)
 
 
-def followed(
+def explicit_loop(
+    contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival"
+) -> ExplicitSolution:
+    """F along a path that turns, T = 0, dx = dX = step (paper, Eqs. Q3back, Q4back and Q5aback).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Thresholds and starting stretches.
+    path : array of shape (n,)
+        Slider positions X (lengths) from X = 0 on, straight between points, of either sign. Turning
+        points are moved to the nearest multiple of `step`.
+    step, breaking
+        As in `explicit`.
+
+    Raises InputError for a path that is not finite, for `step` and `breaking` as `explicit` does.
+    """
+    check_contacts(contacts, "master.paper.explicit_loop")
+    positions = finite_array("path", path)
+    reach = largest_stretch(contacts, float(np.ptp(np.append(positions, 0.0))))
+    return _stepped(contacts, positions, (-reach, reach), step, breaking)
+
+
+def _stepped(
     contacts: Contacts,
     path: Array,
     span: tuple[float, float],
     step: float,
     breaking: Breaking,
     velocity: float = 1.0,
-    late: float = 0.0,
 ) -> ExplicitSolution:
-    """Take all steps along a path (n,) of slider positions, on a grid between two stretches (lengths).
-
-    Turning points are moved to the nearest multiple of the step. late : way for which contacts are out
-    Raises InputError for a step too small for the travel, and as `explicit` does.
-    """
+    """Take all steps along a path (n,) of slider positions, on a grid between two stretches (lengths)."""
     began, step = time.perf_counter(), positive("step", step)
-    if breaking not in ("survival", "printed"):
-        refuse("breaking", breaking, 'must be "survival" or "printed"')
+    one_of("breaking", breaking, get_args(Breaking))
     travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
     longest = max(float(travel[-1]), span[1] - span[0])
     if longest / step > MOST_NODES:
@@ -137,30 +150,26 @@ def followed(
     fraction[-1] = 1.0  # contacts that would leave the grid break at its end
     shares = starting_shares(contacts, x, step)
 
-    moving = np.flatnonzero(np.diff(path, prepend=0.0))
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(path, prepend=0.0)[moving])))
-    corners = np.append(moving[turns], path.size - 1)
-    goals = path[corners] / step
-    goals[:-1] = np.rint(goals[:-1])
-    legs = np.diff(goals, prepend=0.0)  # steps, of which the last ends within one
+    ways = step * np.arange(int(np.ceil(travel[-1] / step * (1.0 - 1e-12))) + 1)
+    at = np.interp(ways, np.append(0.0, travel), np.append(0.0, path))
+    if at.size > 1:  # the last step may end beyond the path
+        at[-1] = at[-2] + np.copysign(step, at[-1] - at[-2])
+    moves = np.diff(np.rint(at / step).astype(int))
     # ring buffer: contacts that break now re-form after the steps of the delay
-    waiting = np.zeros(1 + round(late / step))
+    waiting = np.zeros(1 + round(contacts.waiting_time * velocity / step))
     force, holding = [x @ shares], [shares.sum()]
-    for leg in legs:
-        one_way = shares if leg >= 0.0 else shares[::-1]  # a view: backward motion is forward in -x
-        for _ in range(int(np.ceil(abs(leg) * (1.0 - 1e-12)))):
-            waiting[len(force) % waiting.size] = shift_and_break(one_way, fraction)
-            one_way[zero] += waiting[(len(force) + 1) % waiting.size]
-            force.append(x @ shares)
-            holding.append(shares.sum())
-    # number of steps at which the slider reaches each point
-    taken = np.append(0.0, np.cumsum(np.abs(legs)))
-    at = np.interp(travel, np.append(0.0, travel[corners]), taken)
-    number = np.arange(len(force))
+    for number, move in enumerate(moves.tolist()):
+        one_way = shares if move >= 0 else shares[::-1]  # a view: backward is forward in -x
+        waiting[number % waiting.size] = sum(
+            shift_and_break(one_way, fraction) for _ in range(abs(move))
+        )
+        one_way[zero] += waiting[(number + 1) % waiting.size]
+        force.append(x @ shares)
+        holding.append(shares.sum())
     return ExplicitSolution(
         path=path,
-        force=np.interp(at, number, force),
-        holding=np.interp(at, number, holding),
+        force=np.interp(travel, ways, force),
+        holding=np.interp(travel, ways, holding),
         run_time=time.perf_counter() - began,
     )
 
@@ -178,7 +187,7 @@ def largest_stretch(contacts: Contacts, way: float) -> float:
     """The largest |x| of all but 1e-18 of the contacts while the slider travels `way`; lengths."""
     low, high = contacts.start.span
     furthest = min(max(-low, high, 0.0), contacts.thresholds.support()[1])
-    tail = TAIL * float(contacts.thresholds.sf(furthest))
+    tail = 1e-18 * float(contacts.thresholds.sf(furthest))
     return max(min(furthest + way, float(contacts.thresholds.isf(tail))), furthest)
 
 
@@ -195,18 +204,13 @@ def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
 
 def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Breaking) -> Array:
     """The fraction of contacts at each node that breaks in a step (paper, Eqs. Q3 and PcP)."""
-    fraction = np.ones(x.size)
-    if breaking == "survival":
-        before = thresholds.logsf(x - step)
-        some = before > -np.inf
-        fraction[some] = -np.expm1(thresholds.logsf(x[some]) - before[some])
-        return fraction
-    if thresholds.atoms[0].size:
-        rule = 'P(x) does not exist at exact single thresholds; write "survival"'
-        refuse("breaking", breaking, rule)
-    survival = thresholds.logsf(x)
-    some = survival > -np.inf
-    hazard = np.exp(thresholds.logpdf(x[some]) - survival[some])
-    fraction[some] = np.minimum(hazard * step, 1.0)
-    fraction[x <= 0.0] = 0.0
-    return fraction
+    here, before = thresholds.logsf(x), thresholds.logsf(x - step)
+    with np.errstate(invalid="ignore", over="ignore"):
+        if breaking == "survival":
+            return np.where(before > -np.inf, -np.expm1(here - before), 1.0)
+        if thresholds.atoms[0].size:
+            rule = 'P(x) does not exist at exact single thresholds; write "survival"'
+            refuse("breaking", breaking, rule)
+        hazard = np.exp(thresholds.logpdf(x) - here)
+    fraction = np.where(here > -np.inf, np.minimum(hazard * step, 1.0), 1.0)
+    return np.where(x > 0.0, fraction, 0.0)

@@ -1,26 +1,38 @@
 """(Q15): the paper's transients of contacts that age, as printed, and their defects.
 
+dQ/dX + dQ/dx + P Q = delta(x) b,    b = integral of P Q
+dP_c/dX = D_X L P_c - P Q + P_ci b
+P_c = P exp(-integral of P),         that is P = P_c/S, S the survival of P_c
+
 (Q15) takes one P_c as both the law of new thresholds and the histogram of those that hold, which is
 right only in the steady state. From a peaked start the contacts outrun P_c: they reach stretches at
 which the thresholds that would break them are used up, and P_c would have to become negative to
 lose as many thresholds as contacts break. From there on either its mass or its sign is wrong, and
-the answer depends on which; both defects are returned at every X. q15_step takes the steps.
+the answer depends on which; both defects are returned at every X.
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.outcome import Progress, unheard
-from master.paper.q15_step import Keep, Q15Stepper, ages, enough_cells, enough_parts, narrowest
+from master.paper.q15_steady import ageing_of, make_ageing
 from origins import Contacts, Drive
 from origins.brief import brief
-from origins.errors import positive, refuse, whole
+from origins.errors import one_of, positive, refuse, whole
+from origins.laws.diffusion import Diffusion
 
 Array = npt.NDArray[np.float64]
+Keep = Literal["positivity", "mass"]
+
+# Cells of P_c per step, which resolve how P_cf changes over a step; survival of P_ci or P_cf at which
+# they end, so small a share being negligible; and most steps across them: more would take hours.
+CELLS, TAIL, MOST_STEPS = 4, 1e-13, 20_000
 
 
 @dataclass(frozen=True)
@@ -82,8 +94,7 @@ def paper_transient(
     step: float,
     velocity: float = 1.0,
     keep: Keep = "positivity",
-    cells: int | None = None,
-    parts: int | None = None,
+    cells: int = CELLS,
 ) -> AgeingTransient:
     """(Q15) as printed, along a rigid slider's path, with steps of one length.
 
@@ -102,43 +113,38 @@ def paper_transient(
         What is conserved where both cannot be. "positivity": thresholds that are missing are not
         subtracted, and the mass grows. "mass": P_c becomes negative; the solution ends where
         contacts have a stretch with a survival that is not above 0.
-    cells, parts : int, optional
-        Cells of P_c per step, and parts of each step of ageing; None: chosen from the laws.
+    cells : int
+        Cells of P_c per step.
 
-    Raises InputError for contacts without ageing, with thermal breaking, delay or re-forming away
-    from 0, and for a start at a single stretch, for which (Q15) has no meaning: P Q is infinite.
+    Raises InputError for other contacts and for paths that turn back.
     """
     began = time.perf_counter()
-    ages(contacts)
+    ageing = ageing_of(contacts)
     positions = Drive(path).only_forward("the paper's closure of ageing").path
-    if keep not in ("positivity", "mass"):
-        refuse("keep", keep, 'must be "positivity" or "mass"')
+    one_of("keep", keep, get_args(Keep))
     step, velocity = positive("step", step), positive("velocity", velocity)
-    cells = None if cells is None else whole("cells", cells, 1)
-    parts = enough_parts(contacts, step, velocity) if parts is None else whole("parts", parts, 1)
-    stepper = Q15Stepper(contacts, step, velocity, keep, cells, parts)
+    state = _State(contacts, step, ageing.rate / velocity * step, whole("cells", cells, 1))
 
     steps = int(np.ceil(positions[-1] / step * (1.0 - 1e-12)))  # despite rounding of whole steps
     # P_c at each position is that of the last step before it
     last_step = np.minimum(np.floor(positions / step * (1.0 + 1e-12)).astype(int), steps)
-    told = [stepper.state()]
-    shown = {0: stepper.histogram()}
-    while len(told) <= steps and stepper.advance():
-        if len(told) in last_step:
-            shown[len(told)] = stepper.histogram()
-        told.append(stepper.state())
-    at: Array = step * np.arange(len(told), dtype=float)
-    finished = len(told) > steps
-    kept = positions if finished else positions[positions <= at[-1] * (1.0 + 1e-12)]
-    force, mass, below = np.array(told).T
-    lost = np.flatnonzero(np.maximum(np.abs(mass), below) > 1e-6)  # contacts have outrun P_c
-    outrun = float(at[lost[0]]) if lost.size else np.inf if finished else float(at[-1])
-    message = "P_c kept its mass and its sign"
-    if not finished:
-        message = f"from X = {len(told) * step:g} on contacts stand where no thresholds are left"
-    elif lost.size:
-        off = np.abs(mass).max()
+    numbers, shown = [state.numbers()], {0: state.histogram()}
+    while len(numbers) <= steps and state.advance(keep):
+        if len(numbers) in last_step:
+            shown[len(numbers)] = state.histogram()
+        numbers.append(state.numbers())
+    at: Array = step * np.arange(len(numbers), dtype=float)
+    finished = len(numbers) > steps
+    kept = positions[positions <= at[-1] * (1.0 + 2e-12)]
+    force, mass, below = np.array(numbers).T
+    defective = np.flatnonzero(np.maximum(np.abs(mass), below) > 1e-6)  # contacts have outrun P_c
+    outrun, message = np.inf, "P_c kept its mass and its sign"
+    if defective.size:
+        outrun, off = float(at[defective[0]]), np.abs(mass).max()
         message = f"from X = {outrun:g} on contacts outrun P_c; its mass is off by up to {off:.2g}"
+    if not finished:
+        outrun = min(outrun, float(at[-1]))
+        message = f"from X = {len(numbers) * step:g} on contacts stand where no thresholds are left"
     # between steps the force is a spline of a degree above the order of the steps
     spline = make_interp_spline(at, force, k=5 if at.size > 5 else min(1, at.size - 1))
     return AgeingTransient(
@@ -148,7 +154,7 @@ def paper_transient(
         holding=np.ones(kept.size),
         mass_defect=np.interp(kept, at, mass),
         positivity_defect=np.interp(kept, at, below),
-        edges=stepper.walls,
+        edges=state.walls,
         weights=np.array([shown[n] for n in last_step[: kept.size].tolist()]),
         step=step,
         outrun=outrun,
@@ -164,33 +170,130 @@ def solve_q15(
     """F along drive.path (paper, Eq. Q15): steps are halved until the extrapolated force changes by
     less than `tolerance` (in mean fresh thresholds), or until some ten seconds are spent."""
     began, end = time.perf_counter(), float(drive.path[-1])
-    # coarser steps do not resolve the laws
-    step = 0.5 * narrowest(contacts.thresholds, contacts.start, ages(contacts).final)
-    # the same for all steps, so that the errors of both fall as h²
-    cells, parts = enough_cells(contacts, step), enough_parts(contacts, step, drive.velocity)
-    runs: list[AgeingTransient] = []
-    forces: list[Array] = []  # extrapolated from two steps
-    error, stuck, work = np.inf, False, 0.0
-    while len(forces) < 2 or (error > tolerance and not stuck and 4.0 * work <= 1e8):
-        run = paper_transient(contacts, drive.path, step, drive.velocity, cells=cells, parts=parts)
-        runs = [*runs[-1:], run]
-        work, step = run.edges.size * cells * parts * (end / step + 1.0), 0.5 * step
-        if len(runs) > 1:
-            forces.append((4.0 * runs[1].force - runs[0].force) / 3.0)
-        if len(forces) > 1:
-            change = 2.0 * float(np.abs(forces[-1] - forces[-2]).max()) / contacts.mean_threshold
+    step = 0.5 * narrowest(contacts)  # coarser steps do not resolve the laws
+
+    def run() -> AgeingTransient:
+        return paper_transient(contacts, drive.path, step, drive.velocity)
+
+    fine, better, error, stuck, work = run(), np.empty(0), np.inf, False, 0.0
+    while error > tolerance and not stuck and 4.0 * work <= 1e8:
+        step, coarse, worse = 0.5 * step, fine, better
+        fine = run()
+        better = (4.0 * fine.force - coarse.force) / 3.0
+        if worse.size:
+            change = 2.0 * float(np.abs(better - worse).max()) / contacts.mean_threshold
             # where contacts have outrun P_c, finer steps may not reduce the error
-            stuck = run.outrun < end and change > 0.5 * error
-            error = change
+            stuck, error = fine.outrun < end and change > 0.5 * error, change
+            work = fine.edges.size * CELLS * (end / step + 1.0)
             progress(error)
     message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
     if error > tolerance:
-        message = f"error estimate {error:.1e} at the step {run.step:.2g} is above {tolerance:.1e}"
+        message = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
     return replace(
-        run,
-        force=forces[-1],
+        fine,
+        force=better,
         force_error=error,
         success=error <= tolerance,
-        message=f"{message}; {run.message}",
+        message=f"{message}; {fine.message}",
         run_time=time.perf_counter() - began,
     )
+
+
+class _State:
+    """Cohorts of contacts and cells of P_c, one step of X at a time.
+
+    Contacts are cohorts at (i + 1/2) h, which a step moves across whole groups of cells of P_c, from
+    one of the `walls` (lengths, shape (m + 1,)) to the next. Each step is half a step of ageing, the
+    breaks, with the survival in the middle of the step, and half a step of ageing. Errors fall as h²
+    as long as mass and sign of P_c are both conserved, and as h after that.
+    """
+
+    def __init__(self, contacts: Contacts, step: float, amount: float, cells: int) -> None:
+        """Choose the cells of thresholds, which age by `amount` = D_X h (a length squared) in a step."""
+        fresh, start, final = contacts.thresholds, contacts.start, ageing_of(contacts).final
+        lower, end = final.support()
+        upper = float(fresh.isf(TAIL))
+        if amount > 0.0:
+            upper = min(end, max(upper, float(final.isf(TAIL))))
+        low, high = min(start.span[0], 0.0), max(upper, start.span[1])
+        if (high - low) / step > MOST_STEPS:
+            example = f"write step={(high - low) / 2000.0:.3g} or so"
+            refuse("step", step, f"needs more than {MOST_STEPS:,} cells; {example}")
+        first, last = int(np.floor(low / step)) - 1, int(np.ceil(high / step)) + 1
+        ends: Array = step * np.arange(first, last + 1, dtype=float)
+        self._stretches, self._born = ends[:-1] + 0.5 * step, -first  # the index of h/2
+        self._cohorts = np.diff(start.cdf(ends))
+        self._cohorts /= self._cohorts.sum()
+
+        # no cell lies beyond the wall of P_cf, and none is narrower than a quarter of a step
+        top = min(float(self._stretches[np.searchsorted(self._stretches, upper)]), end)
+        apart = (self._stretches > lower + 0.25 * step) & (self._stretches < top - 0.25 * step)
+        self.walls = np.concatenate([[lower], self._stretches[apart], [top]])
+        groups = self.walls.size - 1
+        place = np.arange(cells * groups + 1) / cells
+        edges = np.interp(place, np.arange(groups + 1), self.walls)
+        self._group = np.clip(np.searchsorted(self.walls, ends[1:-1], "right") - 1, 0, groups - 1)
+        self._cells, self._fresh = cells, np.diff(fresh.cdf(edges))
+        self._fresh /= self._fresh.sum()
+        self._half: Callable[[Array], Array] = np.asarray  # at D = 0 nothing ages
+        self._whole: Callable[[Array], Array] = np.asarray
+        if amount > 0.0:
+            hops = Diffusion(final, edges)
+            self._half, self._whole = (_exponential(hops, part * amount) for part in (0.5, 1.0))
+        # P_c after a step's breaks, and after the ageing up to the next breaks
+        self._broken, self._aged = self._fresh, self._half(self._fresh)
+
+    def histogram(self) -> Array:
+        """P_c, as weights between the walls."""
+        return np.asarray(self._half(self._broken).reshape(-1, self._cells).sum(axis=1))
+
+    def numbers(self) -> Array:
+        """F/(N_c <k>) (a length), mass of P_c minus 1, and negative weight of P_c without its sign."""
+        w = self._broken
+        return np.array([self._stretches @ self._cohorts, w.sum() - 1.0, -w[w < 0.0].sum()])
+
+    def advance(self, keep: Keep) -> bool:
+        """Take one step. With keep = "mass", returns False without a step where contacts have a
+        stretch with a survival that is not above 0."""
+        begun = middle = self._aged
+        for _ in range(2):  # the second time with the survival in the middle of the step
+            tail = np.append(middle[::-1].cumsum()[:: -self._cells], 0.0)
+            survival = np.interp(self._stretches, self.walls, tail)
+            standing, dead = self._cohorts[:-1], survival[:-1] <= 0.0
+            # a share of 1e-14, where no thresholds are left, counts as none
+            if keep == "mass" and (dead & (standing > 1e-14)).any():
+                return False
+            kept = np.divide(survival[1:], survival[:-1], out=np.zeros(dead.size), where=~dead)
+            lost = standing * (1.0 - kept)
+            total = float(lost.sum()) + float(self._cohorts[-1])
+            cohorts = np.append(0.0, standing * kept)
+            cohorts[self._born] += total
+            # contacts born in the step end at h/2 on average: some of them break and are born again
+            births = total * float(tail[0] / survival[self._born])
+            lost[self._born - 1] += births - total
+            # the cells that a cohort crosses lose in proportion to what they hold
+            size = np.abs(middle.reshape(-1, self._cells)) + 1e-300
+            share = size / size.sum(axis=1, keepdims=True)
+            by_group = np.bincount(self._group, lost, minlength=share.shape[0])
+            ended = begun - (share * by_group[:, None]).ravel() + births * self._fresh
+            ended = np.maximum(ended, 0.0) if keep == "positivity" else ended
+            middle = 0.5 * (begun + ended)
+        self._cohorts, self._broken, self._aged = cohorts, ended, self._whole(ended)
+        return True
+
+
+def _exponential(hops: Diffusion, amount: float) -> Callable[[Array], Array]:
+    """The function that ages weights (n,) by `amount` = D t (a length squared), their sum kept.
+
+    exp(z) ≈ 1/(1 - z + z²/2) = Re (1 - i)/(1 - (1 + i) z/2) is of second order, damps fast modes and
+    makes hardly any weight negative.
+    """
+    age = make_ageing(hops, (0.5 + 0.5j) * amount)
+    return lambda weights: np.asarray(((1.0 - 1.0j) * age(weights)).real, dtype=float)
+
+
+def narrowest(contacts: Contacts) -> float:
+    """The narrowest half width (a length) of the middle two thirds of start and laws."""
+    laws = contacts.thresholds, contacts.start, ageing_of(contacts).final
+    widths = [0.5 * float(law.isf(0.16) - law.ppf(0.16)) for law in laws]
+    return min(width for width in widths if width > 0.0)  # single values do not count

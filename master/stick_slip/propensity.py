@@ -82,24 +82,24 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
     check_finite(contacts)
     velocity = positive("velocity", velocity)
-    life = steady_life(contacts, velocity)
-    travel = births_table(contacts, life, velocity, tolerance)
-    kinetic, off = travel.force(velocity * contacts.waiting_time)
+    travel = births_table(contacts, steady_life(contacts, velocity), velocity, tolerance)
+    wait = velocity * contacts.waiting_time
+    kinetic, off = travel.force(wait)
     if not kinetic > 0.0:
         raise InputError(
             f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
     found, unit = extremes(contacts, travel, velocity, tolerance), unit_of(contacts, travel)
-    length, length_error = decoherence_length(contacts, life, velocity)
-    ratio = max(found.static / kinetic, 1.0)
-    if not found.spring > 0.0:
-        ratio = 1.0  # F(X) falls nowhere, so that F_k is its largest value
-    sure_spring, spring_message = judged("K*", found.spring_error / (1.0 + found.spring), tolerance)
+    length, length_error = decoherence_length(contacts, travel, wait)
+    spring, spring_error, _ = found.fall
+    # where F(X) falls nowhere F_k is its largest value
+    ratio = max(found.static / kinetic, 1.0) if spring > 0.0 else 1.0
+    sure_spring, spring_message = judged("K*", spring_error / (1.0 + spring), tolerance)
     sure_static, static_message = judged("F_s", found.static_error / unit, tolerance)
     return Propensity(
-        critical_spring=found.spring,
-        critical_spring_error=found.spring_error,
+        critical_spring=spring,
+        critical_spring_error=spring_error,
         static_to_kinetic=ratio,
         static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
         decoherence_length=length,

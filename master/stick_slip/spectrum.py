@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
 from master.lives.make import steady_life
 from master.renewal import rule
 from master.renewal.births import reforming_law
@@ -137,18 +136,17 @@ def decoherence_spectrum(
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     check_finite(contacts)
-    life, again, start = steady_life(contacts, velocity), reforming_law(contacts), contacts.start
-    travel = Travel(contacts, life, again, velocity)
+    life, start = steady_life(contacts, velocity), contacts.start
+    travel = Travel(contacts, life, reforming_law(contacts), velocity)
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    limit = _searched(contacts, travel, wait)
+    limit = _searched(contacts, travel, velocity)
     # the force of linked contacts comes from a table with this error, in mean stretches
-    blur = 1e-12 if contacts.stiffness == "linked" else 0.0
-    transform = Transform(travel, wait, blur)
-    found = leading_roots(transform, n_roots + 1, limit)
-    s, next_root = found.roots[:n_roots], found.roots[n_roots : n_roots + 1]
-    gamma = float(-next_root[0].real) if next_root.size else found.searched
-    alike = start.is_single and start.span == again.span
-    begins = transform if alike else Transform(Travel(contacts, life, start, velocity), wait)
+    transform = Transform(travel, wait, 1e-12 if contacts.stiffness == "linked" else 0.0)
+    roots, searched = leading_roots(transform, n_roots + 1, limit)
+    s = roots[:n_roots]
+    begins = transform
+    if not (start.is_single and start.span == reforming_law(contacts).span):
+        begins = Transform(Travel(contacts, life, start, velocity), wait)
 
     def amplitudes(s: Complex) -> Complex:
         late = np.exp(-s * wait) / transform.conserved(s)[1]
@@ -158,73 +156,66 @@ def decoherence_spectrum(
     amplitude, roots_error = amplitudes(s), transform.root_errors(s)
     share = values.force_off / np.abs(values.force) + 1e-14
     share += first.held_off / np.abs(1.0 / s - first.held)
-    amplitude_error = np.abs(amplitude) * share + np.abs(amplitudes(s + roots_error) - amplitude)
     kinetic, kinetic_off = travel.force(wait)
     spectrum = DecoherenceSpectrum(
         roots=s,
         roots_error=roots_error,
         amplitude=amplitude,
-        amplitude_error=amplitude_error,
+        amplitude_error=np.abs(amplitude) * share + np.abs(amplitudes(s + roots_error) - amplitude),
         decay_length_error=roots_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
-        beyond=1.0 / gamma,
+        beyond=1.0 / (float(-roots[n_roots].real) if roots.size > n_roots else searched),
         run_time=0.0,
         _unit=unit,
         _left=np.zeros((2, 1)),
     )
-    left = _left_out(contacts, life, velocity, spectrum, travel.length + wait)
+    left = _left_out(contacts, travel, velocity, spectrum)
     return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
 
 
-def _searched(contacts: Contacts, travel: Travel, wait: float) -> float:
+def _searched(contacts: Contacts, travel: Travel, velocity: float) -> float:
     """The decay rate to which roots are searched; InputError where none can be resolved."""
+    wait, why = velocity * contacts.waiting_time, ""
     if wait > LONGEST * travel.length:
-        times = f"wait for {wait / travel.length:.3g} times as long as they hold"
-        if contacts.delay is None:
-            refuse(
-                "velocity",
-                wait / contacts.waiting_time,
-                f"grains grow, unpinned, for so long that contacts {times}; slide more slowly",
-            )
-        told = f"contacts {times}: roots are told up to {LONGEST:g} times; use a shorter one"
-        refuse("delay", contacts.delay.time, told)
+        grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
+        rule = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
+        refuse("velocity", velocity, f"{rule}; roots are told up to {LONGEST:g} times")
     crowd, tail = crowding_rate(travel, wait), tail_rate(contacts)[0]
-    told = ""
     if crowd * (travel.length + wait) < 1e-2:
-        told = (
+        why = (
             "thresholds: so much of their weight is in exact values alone: their roots come as near to "
             "Re s = 0 as one likes, and none is known to be the slowest; give each a width, or follow "
             "F(X) with master.solve"
         )
     elif tail == 0.0:
-        told = "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
+        why = "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
     elif travel.longest > BROAD * travel.length:
-        told = (
+        why = (
             f"thermal: contacts live for all lengths up to {travel.longest / travel.length:.1g} times "
             "the mean: among so many no leading oscillating wave can be resolved; master.propensity "
             "gives X*, or says that it is not known"
         )
-    if told:
-        raise InputError(told)
+    if why:
+        raise InputError(why)
     return NEAR * min(tail, crowd)
 
 
 def _left_out(
-    contacts: Contacts, life: Life, velocity: float, spectrum: DecoherenceSpectrum, whole_way: float
+    contacts: Contacts, travel: Travel, velocity: float, spectrum: DecoherenceSpectrum
 ) -> Array:
     """Positions X (lengths), sorted, over the first few mean ways from birth to birth, and the largest
     error of the terms from there on, times e^(X/beyond) (a length); shape (2, n)."""
+    whole_way = travel.length + velocity * contacts.waiting_time
     horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
-    births = births_table(contacts, life, velocity, TOLERANCE)
+    births = births_table(contacts, travel.life, velocity, TOLERANCE)
     march = forward_march(contacts, births, velocity, horizon, TOLERANCE).run()
-    begin, width = velocity * np.array(march.begin), velocity * np.array(march.width)
-    x = begin[:, None] + width[:, None] * np.append(0.0, rule.NODES)
+    share = np.append(0.0, rule.NODES)
+    x = velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
     off = (np.array(march.wrong) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))
-    # only differences larger than 3 errors of F are significant
-    told = apart > 3.0 * off[:, None]
-    x, apart = x[told], SAFE * apart[told]
+    significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
+    x, apart = x[significant], SAFE * apart[significant]
     if not x.size:
         return np.zeros((2, 1))
     left = apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))

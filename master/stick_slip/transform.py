@@ -1,5 +1,8 @@
 """Transform: Laplace transforms of number conservation over the way x since birth, which contacts
-move steadily forward."""
+move steadily forward (docs/equations.md), d being the travel in the delay:
+
+    b^(s) D(s) = 1/s - G_0^(s),      D(s) = E^(s) e^(-sd) + (1 - e^(-sd))/s.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +21,6 @@ Complex = npt.NDArray[np.complex128]
 # Largest |s| times the width of a piece: the Gauss nodes integrate a table's polynomial times such a
 # wave to rounding.
 WAVE = 4.0
-# Frequencies whose waves are computed together.
-BLOCK = 32
 # Relative rounding of a sum; and share of contacts below which floating point underflows.
 ROUND_OFF, NONE = 4e-16, 1e-290
 
@@ -40,8 +41,8 @@ class Values(NamedTuple):
 
 
 class _Nodes(NamedTuple):
-    """Ways of shape (n,), and there, times the weights of the nodes, E, -x E and K, shape (3, n);
-    the errors of E and K and, to be multiplied by |s|, those by rounding of the way, shape (4, n)."""
+    """Ways of shape (n,), and there, times the weights of the nodes, E, -x E, K, -x K, shape (4, n),
+    and the errors of E and K, shape (2, n)."""
 
     way: Array
     sums: Array
@@ -67,14 +68,15 @@ class Transform:
     ----------
     travel, wait
         As given.
+    nodes_per_frequency : float
+        Nodes of an integral per frequency (a length), where the frequency is high.
     """
 
     def __init__(self, travel: Travel, wait: float, blur: float = 0.0) -> None:
-        """Extend the table of E until hardly any contact holds, and sum up its panels."""
-        self.travel, self.wait, life = travel, wait, travel.life
+        """Extend the table of E until hardly any contact holds."""
+        self.travel, self.wait, self._blur, life = travel, wait, blur, travel.life
         edges = travel.table.edges
-        # at most 40 doublings of the way
-        for _ in range(40):
+        for _ in range(40):  # doublings of the way
             last = float(edges[-1])
             if not travel.left(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0] > NONE:
                 break
@@ -82,22 +84,24 @@ class Transform:
         # with heat and many stretches at birth each survival takes long, so the table is coarser
         accuracy = 1e-13 if travel.born.is_single or life.quick else travel.accuracy
 
-        def own(values: Array, _: Array) -> Array:
+        def size_on_panel(values: Array, _: Array) -> Array:
             """Relative to the panel's values, but for those 1e-4 times smaller than its largest."""
             held = np.abs(values[0])
             return np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), NONE))
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
-        self._table = Table(travel.scaled, edges, accuracy, shortest, felt=own, rounding=1e2)
-        self._blur, self._known = blur, dict[int, _Nodes]()
+        self._table = Table(
+            travel.scaled, edges, accuracy, shortest, felt=size_on_panel, rounding=1e2
+        )
+        self.nodes_per_frequency = float(rule.GAUSS * self._table.end[-1] / WAVE)
+        self._known = dict[int, _Nodes]()
 
     def _nodes(self, fastest: float, decay: float) -> _Nodes:
         """Nodes dense enough for |s| up to `fastest`, where E e^(decay x) is not negligible."""
-        last = float(self._table.end[-1])
-        power = max(int(np.ceil(np.log2(max(fastest * last, 1.0)))), 0)
+        power = int(np.ceil(np.log2(max(fastest * self._table.end[-1], 1.0))))
         if power not in self._known:
-            self._known[power] = self._on_pieces(WAVE * last / 2.0**power)
+            self._known[power] = self._on_pieces(WAVE * self._table.end[-1] / 2.0**power)
         nodes = self._known[power]
         size = np.log(nodes.sums[0]) + decay * nodes.way
         felt = size > size.max() + np.log(1e-20)
@@ -105,35 +109,35 @@ class Transform:
 
     def _on_pieces(self, widest: float) -> _Nodes:
         """Gauss nodes on pieces of the table's panels that are no wider than a length."""
-        table, scale = self._table, self.travel.scale
+        table, scale, life = self._table, self.travel.scale, self.travel.life
         pieces = np.maximum(np.ceil(table.widths / widest), 1.0).astype(int)
-        cuts = (np.linspace(*span) for span in zip(table.begin, table.end, pieces + 1, strict=True))
-        edges = np.append(np.concatenate([cut[:-1] for cut in cuts]), table.end[-1])
-        width = np.diff(edges)[:, None]
-        way, weight = edges[:-1, None] + width * rule.GAUSS_NODES, width * rule.GAUSS_WEIGHTS
+        width = np.repeat(table.widths / pieces, pieces)[:, None]
+        number = np.arange(width.size) - np.repeat(pieces.cumsum() - pieces, pieces)
+        begin = np.repeat(table.begin, pieces)[:, None] + number[:, None] * width
+        way, weight = begin + width * rule.GAUSS_NODES, width * rule.GAUSS_WEIGHTS
         held, force = values = table(way)
         # the error of E itself is relative where few contacts hold
-        own = np.abs(values) * (self.travel.life.error / np.maximum(held, FEW) + ROUND_OFF)
-        own += np.repeat(table.tails, pieces)[:, None]
-        own[1] += self._blur * (way < self.travel.life.reach)
-        turned = ROUND_OFF * np.abs(way * values)
-        some = held > NONE
-        sums = np.stack([held, -way * held, scale * force])
-        off = np.concatenate([own, turned])
-        off[1::2] *= scale
+        off = np.abs(values) * (life.error / np.maximum(held, FEW) + ROUND_OFF)
+        off += np.repeat(table.tails, pieces)[:, None]
+        off[1] += self._blur * (way < life.reach)
+        some, sums = held > NONE, np.stack([held, -way * held, force * scale, -way * force * scale])
+        off[1] *= scale
         return _Nodes(way[some], (weight * sums)[:, some], (weight * off)[:, some])
 
     def __call__(self, s: Complex) -> Values:
         """The transforms at s (per length) of shape (n,)."""
-        way, sums, off = self._nodes(
-            float(np.abs(s).max(initial=0.0)), -float(s.real.min(initial=0.0))
-        )
-        found, wrong = np.empty((3, s.size), dtype=complex), np.empty((4, s.size))
+        decay = -float(s.real.min(initial=0.0))
+        way, sums, off = self._nodes(float(np.abs(s).max(initial=0.0)), decay)
+        found, wrong = np.empty((4, s.size), dtype=complex), np.empty((2, s.size))
         with np.errstate(over="ignore", invalid="ignore"):
-            for i, one in enumerate(s):
-                wave = np.exp(-one * way)
-                found[:, i], wrong[:, i] = sums @ wave, off @ np.abs(wave)
-            return Values(*found, *(wrong[:2] + np.abs(s) * wrong[2:]))
+            for i, number in enumerate(s):
+                wave = np.exp(-number * way)
+                size = np.abs(wave)
+                found[:, i] = sums @ wave
+                # a rounded way turns the wave
+                turned = ROUND_OFF * np.abs(number) * (np.abs(sums[1::2]) @ size)
+                wrong[:, i] = off @ size + turned
+        return Values(*found[:3], *wrong)
 
     def conserved(self, s: Complex) -> tuple[Complex, Complex]:
         """D and D' at s of shape (n,), no s being 0."""
@@ -155,11 +159,9 @@ class Transform:
         """The transform of E at real + i step k for k < count, shape (count, real.size)."""
         way, sums, _ = self._nodes(float(np.hypot(real.min(), step * count)), -float(real.min()))
         growth = sums[0][:, None] * np.exp(-np.multiply.outer(way, real))
-        # waves of many frequencies are products of the waves of few
-        few = np.exp(-1j * step * np.multiply.outer(np.arange(BLOCK), way))
-        first = np.exp(-1j * step * np.multiply.outer(np.arange(0, count, BLOCK), way))
+        # waves of many frequencies are products of those of 32 and of every 32nd
+        few, first = (
+            np.exp(-1j * step * np.multiply.outer(number, way))
+            for number in (np.arange(32), np.arange(0, count, 32))
+        )
         return np.concatenate([few @ (wave[:, None] * growth) for wave in first])[:count]
-
-    def nodes_per_frequency(self) -> float:
-        """Nodes of an integral per frequency (a length), where the frequency is high."""
-        return float(rule.GAUSS * self._table.end[-1] / WAVE)

@@ -15,7 +15,7 @@ class Diffusion:
     The weights of P in n cells obey a master equation of hops between neighbours (Scharfetter and Gummel, IEEE Trans.
     Electron Devices 16, 64, 1969): up[i] from cell i to i + 1, down[i] back, both per unit of D. Their ratio is that
     of the densities of P_cf, averaged over the cells, so the weights of P_cf are stationary at any resolution. Errors
-    fall as the square of the cell width. A propagator, such as scipy.linalg.expm or master/paper/q15_step.py,
+    fall as the square of the cell width. A propagator, such as scipy.linalg.expm or master/paper/q15_steady.py,
     gives the weights after a time.
 
     Parameters
