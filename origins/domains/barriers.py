@@ -96,7 +96,7 @@ def climb(substrate: Substrate, factors: Complex) -> Climb:
     if sizes.shape[-1] == 2:
         return Climb(2.0 * sizes.min(-1), -sizes.sum(-1))
     found = lowest_saddles(substrate.indices, amplitudes.reshape(-1, sizes.shape[-1]))
-    return Climb(*(one.reshape(sizes.shape[:-1]) for one in (found.barriers, found.depths)))
+    return Climb(*(one.reshape(sizes.shape[:-1]) for one in (found.barrier, found.depth)))
 
 
 def radians(angle: npt.ArrayLike, name: str = "angle") -> Array:

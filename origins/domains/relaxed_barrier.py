@@ -210,8 +210,8 @@ def _by_search(island: MovingIsland, noise: float) -> Ends:
         refuse("calculator", name, "forces must be those of its energy")
     climbs = lowest_saddles(K, c[None])
     size = float(np.abs(c).max())
-    on_grid = float(climbs.errors[0]) if climbs.errors[0] > _POLISHED * size else 0.0
+    on_grid = float(climbs.error[0]) if climbs.error[0] > _POLISHED * size else 0.0
     minimum, saddle = (
-        island.shifted(t[0] / (2.0 * np.pi)) for t in (climbs.minima, climbs.saddles)
+        island.shifted(t[0] / (2.0 * np.pi)) for t in (climbs.minimum, climbs.saddle)
     )
     return Ends(minimum, saddle, on_grid + _NOTHING * size)
