@@ -9,7 +9,6 @@ On two waves, as in sin x + sin y, that is exactly 2 min(|c_1 S_1|, |c_2 S_2|).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -57,7 +56,7 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
     substrate of more than two waves that never repeats.
     """
     substrate, angle = checked_substrate(substrate), radians(angle)
-    return climb(substrate, structure_factors(atoms, angle, substrate.wavevectors)).barriers[()]
+    return climb(substrate, structure_factors(atoms, angle, substrate.wavevectors))[0][()]
 
 
 def triangular_barrier(
@@ -76,27 +75,20 @@ def triangular_barrier(
     substrate, angle = checked_substrate(substrate), radians(angle)
     waves = substrate.wavevectors
     factors = triangular_structure_factors(lattice_constant, n_i, n_j, angle, waves)
-    return climb(substrate, factors).barriers[()]
+    return climb(substrate, factors)[0][()]
 
 
-@dataclass(frozen=True)
-class Climb:
-    """Barriers and lowest energies (less N_a times the substrate's constant), arrays of one shape."""
-
-    barriers: Array
-    depths: Array
-
-
-def climb(substrate: Substrate, factors: Complex) -> Climb:
-    """Barriers and lowest energies of islands with structure factors (..., n); arrays of shape (...)."""
+def climb(substrate: Substrate, factors: Complex) -> tuple[Array, Array]:
+    """Barriers and lowest energies (less N_a times the substrate's constant), each of shape (...), of islands with
+    structure factors (..., n)."""
     amplitudes = substrate.coefficients * factors
     sizes = np.abs(amplitudes)
     if substrate.rank == 1:
-        return Climb(np.zeros(sizes.shape[:-1]), -sizes.sum(-1))
+        return np.zeros(sizes.shape[:-1]), -sizes.sum(-1)
     if sizes.shape[-1] == 2:
-        return Climb(2.0 * sizes.min(-1), -sizes.sum(-1))
+        return 2.0 * sizes.min(-1), -sizes.sum(-1)
     found = lowest_saddles(substrate.indices, amplitudes.reshape(-1, sizes.shape[-1]))
-    return Climb(*(one.reshape(sizes.shape[:-1]) for one in (found.barrier, found.depth)))
+    return found.barrier.reshape(sizes.shape[:-1]), found.depth.reshape(sizes.shape[:-1])
 
 
 def radians(angle: npt.ArrayLike, name: str = "angle") -> Array:
