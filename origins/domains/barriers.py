@@ -18,7 +18,7 @@ import numpy.typing as npt
 from origins.domains.islands import positions_of
 from origins.domains.lowest_saddle import Complex, lowest_saddles
 from origins.domains.substrates import Substrate, square_substrate
-from origins.errors import InputError, finite_array, positive, refuse
+from origins.errors import InputError, finite_array, positive, refuse, whole
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
@@ -116,20 +116,9 @@ def structure_factors(
 ) -> Complex:
     """S(G) of any island turned by `angle` about its centre of mass, summed over the atoms.
 
-    Parameters
-    ----------
-    atoms : ase.Atoms
-        The island; only x and y count, and its masses for the centre.
-    angle : float or array
-        Radians.
-    wavevectors : array of shape (n, 2)
-        G, per length; those of sin x + sin y when left out.
-
-    Returns
-    -------
-    complex array of the shape of angle + (n,)
-
-    Raises InputError for other input.
+    Only x and y of `atoms` count, and their masses for the centre; angle is in radians, wavevectors (n, 2) per length
+    (those of sin x + sin y when left out). The result is complex and has the shape of angle + (n,). Raises InputError
+    for other input.
     """
     points = positions_of(atoms)
     turned = _turned(angles_of(angle), wavevectors)
@@ -198,14 +187,9 @@ def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Array:
 def angles_of(angle: npt.ArrayLike, name: str = "angle") -> Array:
     """`angle` (radians) as a float array of its own shape; InputError unless finite numbers."""
     given = np.asarray(angle)
-    if given.dtype.kind not in "iufO":
-        refuse(name, angle, "must be in radians, a number or an array of them, such as 0.3")
     return finite_array(name, given.ravel()).reshape(given.shape)
 
 
 def _counts(name: str, value: npt.ArrayLike) -> Whole:
-    array = np.asarray(value)
-    if array.dtype.kind not in "iu" or (array.size and array.min() < 1):
-        shown = value if array.dtype.kind not in "iu" else array.min()
-        refuse(name, shown, "must be a whole number of at least 1")
-    return array.astype(np.int64)
+    """Whole numbers of at least 1, in the shape of `value`."""
+    return np.vectorize(lambda n: whole(name, n, 1), otypes=[np.int64])(value)

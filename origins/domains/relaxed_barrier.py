@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.domains.islands import points_of
-from origins.domains.lowest_saddle import Complex, Whole, lowest_saddles
+from origins.domains.lowest_saddle import lowest_saddles
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
@@ -270,31 +270,20 @@ def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float
             place = island.shifted([i / count, j / count])
             energies[i, j], there = island.relaxed(place + shape)
             shape = there - place
-        K, c, shortest = _series(energies, noise)
+        waves = np.fft.fft2(energies).ravel() / count**2
+        K = np.stack(np.divmod(np.arange(count**2), count), axis=-1)
+        K = (K + count // 2) % count - count // 2
+        sizes, highest = np.abs(waves), np.abs(K).max(-1)
+        shortest = sizes[highest > count // 3].max()
         if shortest <= noise:
             break
-    if not len(K):
+    kept = (highest > 0) & (highest < count // 2) & (sizes > noise / count)
+    if not kept.any():
         return [np.zeros_like(island.rest)] * 2, noise
-    climb = lowest_saddles(K, c[None])
+    climb = lowest_saddles(K[kept], waves[None, kept])
     found = [island.shifted(t[0] / (2.0 * np.pi)) for t in (climb.minimum, climb.saddle)]
     if not exact:
         found = [island.level(island.relaxed(shape)[1]) for shape in found]
     missed = float(climb.error[0]) if exact else 0.0
-    resolved = shortest <= _RESOLVED * np.abs(c).max()
+    resolved = shortest <= _RESOLVED * sizes[kept].max()
     return found, missed if resolved else float(np.ptp(energies))
-
-
-def _series(energies: Array, noise: float) -> tuple[Whole, Complex, float]:
-    """Energies on a grid over the cell as a Fourier series, U = Re sum_n c_n exp(2 pi i K_n·share).
-
-    Returns whole numbers K (n, 2), c (n,), and the largest of the shortest waves.
-    """
-    count = len(energies)
-    waves = np.fft.fft2(energies) / count**2
-    K = np.stack(np.divmod(np.arange(count**2), count), axis=-1)
-    K = (K + count // 2) % count - count // 2
-    sizes, highest = np.abs(waves.ravel()), np.abs(K).max(-1)
-    # one of each pair of opposite waves, without those of the edge, which are their own opposites
-    kept = ((K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))) & (highest < count // 2)
-    kept &= sizes > noise / count
-    return K[kept], 2.0 * waves.ravel()[kept], float(sizes[highest > count // 3].max())
