@@ -23,25 +23,14 @@ Whole = npt.NDArray[np.intp]
 
 _BLOCK = 4096  # samples computed together, always by one rank
 _PHASE = 0.25  # radians: change of the outermost atoms' phase between neighbouring trial angles
-_EXPONENT = 0.5  # U_min/k_BT near its minimum changes by about the square of this between them
 _MOST_ANGLES = 4_000_000
-_KNOWN = 1e-3  # of a flexible island's barrier: its largest error
 
 
 @dataclass(frozen=True)
 class Island:
-    """One kind of island on a substrate.
-
-    Attributes
-    ----------
-    atoms : int
-    reach : float
-        Distance of the outermost atom from the centre, a length.
-    factors : function
-        Structure factors (m, n) at angles (m,) in radians.
-    relaxed : dict, optional
-        Barrier and lowest energy at each angle, where the atoms relax.
-    """
+    """One kind of island on a substrate: its number of atoms, the distance of the outermost from the centre (a
+    length), and its structure factors (m, n) at angles (m,) in radians; where its atoms relax, barrier and lowest
+    energy at each angle."""
 
     substrate: Substrate
     atoms: int
@@ -105,7 +94,7 @@ def of_atoms(
         parts = [substrate_calculator(substrate), harmonic_bonds(turned, bonds)]
         found = relaxed_barrier(turned, SumCalculator(parts), rigid=False)
         lowest = float(found.minimum.get_potential_energy())
-        if found.barrier_error > _KNOWN * max(found.barrier, -1e-6 * lowest):
+        if found.barrier_error > 1e-3 * max(found.barrier, -1e-6 * lowest):
             rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
             refuse("bonds", bonds, rule)
         known[angle] = found.barrier, lowest
@@ -162,9 +151,12 @@ def draw(
 
 
 def _resolving(island: Island, temperature: float) -> int:
-    """How many equidistant angles resolve exp(-U_min/k_BT) of the island."""
-    steep = _PHASE / _EXPONENT * np.sqrt(island.energy / temperature)
-    count = 2.0 * np.pi * island.phase / _PHASE * max(1.0, steep)
+    """How many equidistant angles resolve exp(-U_min/k_BT) of the island.
+
+    U_min/k_BT near its minimum changes by at most about a quarter between them.
+    """
+    per_radian = max(1.0 / _PHASE, 2.0 * np.sqrt(island.energy / temperature))
+    count = 2.0 * np.pi * island.phase * per_radian
     if not count <= _MOST_ANGLES:
         raise InputError(
             f"temperature: {count:.2g} angles would be needed to resolve exp(-U_min/k_BT) of the largest "
@@ -205,8 +197,7 @@ class DomainSamples:
 
     @property
     def superlubric_weight(self) -> float:
-        """Share of islands without a barrier. They carry no force and never break, and are left out of P_c, of
-        N_c and of the properties below."""
+        """Share of islands without a barrier, which are left out of P_c, of N_c and of the properties below."""
         return float((self.barriers == 0.0).mean())
 
     @property

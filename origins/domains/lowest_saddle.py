@@ -150,17 +150,12 @@ def _critical_points(land: _Landscapes, n: int) -> tuple[Whole, Array]:
     start = np.tile(places, (len(land.sizes), 1))
     close = np.hypot(*land.newton_step(which, start).T) < spacing
     which, start = which[close], start[close]
-    t, active, found = start.copy(), np.arange(which.size), np.zeros(which.size, dtype=bool)
-    for _ in range(80):  # at a quartic minimum each step reduces the distance by a third
-        step = land.newton_step(which[active], t[active])
-        t[active] += step
-        # a last step below this changes energies by at most its square
-        found[active] = (np.abs(step) < 1e-6).all(-1)
-        near = (np.abs(t[active] - start[active]) < 4.0 * spacing).all(-1)
-        found[active] &= near
-        active = active[near & (np.abs(step) > 1e-14).any(-1)]
-        if not active.size:
-            break
+    t = start
+    for _ in range(20):
+        step = land.newton_step(which, t)
+        t = t + step
+    # a last step below this changes energies by at most its square
+    found = (np.abs(step) < 1e-6).all(-1) & (np.abs(t - start) < 4.0 * spacing).all(-1)
     which, t = which[found], t[found]
     kind = 3 * which + (land.local(which, t).curvatures > 0.0).sum(-1)
     groups = (np.flatnonzero(kind == each) for each in np.unique(kind))
@@ -177,17 +172,14 @@ def _same(points: Array) -> npt.NDArray[np.intp]:
 
 def _descended(land: _Landscapes, which: Whole, t: Array) -> Array:
     """The minima to which the landscapes `which` fall from t; steps that would lead up are shortened."""
-    trust, active = np.ones(which.size), np.arange(which.size)
-    energy = land.energy(which, t)
+    trust, energy = np.ones((which.size, 1)), land.energy(which, t)
     for _ in range(400):
-        step = land.newton_step(which[active], t[active], down=True)
-        there = t[active] + trust[active, None] * step
-        level = land.energy(which[active], there)
-        lower = level <= energy[active] + 1e-15
-        t[active[lower]], energy[active[lower]] = there[lower], level[lower]
-        trust[active] = np.where(lower, np.minimum(2.0 * trust[active], 1.0), 0.25 * trust[active])
-        active = active[(np.abs(step) > 1e-9).any(-1) & (trust[active] > 1e-9)]
-        if not active.size:
+        step = trust * land.newton_step(which, t, down=True)
+        level = land.energy(which, t + step)
+        lower = (level <= energy + 1e-15)[:, None]
+        t, energy = np.where(lower, t + step, t), np.where(lower[:, 0], level, energy)
+        trust = np.where(lower, np.minimum(2.0 * trust, 1.0), 0.25 * trust)
+        if (np.abs(step) < 1e-9).all():
             break
     return t
 

@@ -191,15 +191,16 @@ def _at_all_angles(island: Island, gain: float, exponent: float) -> Thresholds |
 
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     """The stiffness, or the coefficient, as the law needs it."""
-    one_of("law", law, LAWS)
-    needed, other = ("coefficient", "stiffness") if law == "paper" else ("stiffness", "coefficient")
-    values = {"stiffness": stiffness, "coefficient": coefficient}
-    if values[other] is not None:
-        refuse(other, values[other], f'has no part in law = "{law}"; leave it out')
-    if values[needed] is None:
+    given = {"stiffness": stiffness, "coefficient": coefficient}
+    needed = "coefficient" if one_of("law", law, LAWS) == "paper" else "stiffness"
+    value = given.pop(needed)
+    for other, extra in given.items():
+        if extra is not None:
+            refuse(other, extra, f'has no part in law = "{law}"; leave it out')
+    if value is None:
         rule = f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0'
         refuse(needed, None, rule)
-    return positive(needed, values[needed])
+    return positive(needed, value)
 
 
 def _listed(islands: list[Island], weights: npt.ArrayLike | None, quantiles: Array) -> _Family:
