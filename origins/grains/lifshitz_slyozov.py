@@ -50,23 +50,7 @@ def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
     return np.where(hazard > 0.0, q, 0.0)
 
 
-class OfHazard(Thresholds):
-    """A law given by -log of its survival, `_hazard`, and its density."""
-
-    def _hazard(self, x: Array) -> Array:
-        raise NotImplementedError
-
-    def _cdf(self, x: Array) -> Array:
-        return -np.expm1(-self._hazard(x))
-
-    def _sf(self, x: Array) -> Array:
-        return np.exp(-self._hazard(x))
-
-    def _logsf(self, x: Array) -> Array:
-        return -self._hazard(x)
-
-
-class LifshitzSlyozov(OfHazard):
+class LifshitzSlyozov(Thresholds):
     """Law of u = r/<r> on (0, 3/2), normalised: constant 3^4 e/2^(5/3), mean 1 (paper, Eq. LS1).
 
     u is a number, not a stretch; the methods are those of every law.
@@ -79,6 +63,15 @@ class LifshitzSlyozov(OfHazard):
 
     def _hazard(self, u: Array) -> Array:
         return hazard_beyond(u / (1.5 - u), 0.0, 1.0)
+
+    def _cdf(self, u: Array) -> Array:
+        return -np.expm1(-self._hazard(u))
+
+    def _sf(self, u: Array) -> Array:
+        return np.exp(-self._hazard(u))
+
+    def _logsf(self, u: Array) -> Array:
+        return -self._hazard(u)
 
     def _logpdf(self, u: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
