@@ -69,8 +69,7 @@ def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> Climb:
 
 
 class _Local(NamedTuple):
-    """Slopes and curvatures, shape (m, 2), along the principal directions, rows of shape (m, 2, 2); the direction of
-    the greatest curvature comes first."""
+    """Slopes and curvatures (m, 2) along the principal directions, rows (m, 2, 2), that of greatest curvature first."""
 
     slopes: Array
     curvatures: Array
@@ -124,17 +123,15 @@ def _on_grid(land: _Landscapes, n: int) -> list[Climb]:
     tops, downhill = points[saddle], 1e-3 * directions[saddle, 1]
     sides = np.concatenate([tops + downhill, tops - downhill])
     feet = _descended(land, np.tile(owner[saddle], 2), sides).reshape(2, -1, 2)
-    levels, energies = (
-        land.energy(owner[saddle], tops),
-        land.energy(np.tile(owner[saddle], 2), feet.reshape(-1, 2)).reshape(2, -1),
-    )
+    levels = land.energy(owner[saddle], tops)
+    energies = land.energy(np.tile(owner[saddle], 2), feet.reshape(-1, 2)).reshape(2, -1)
     out = []
     for number, sizes in enumerate(land.sizes):
-        own = owner[saddle] == number
+        own, smaller = owner[saddle] == number, sizes.sum() - sizes.max()
         # without the waves that are smaller than the largest one there is no barrier
-        smaller = sizes.sum() - sizes.max()
-        climb = _lowest_way(tops[own], levels[own], feet[:, own], energies[:, own])
-        climb = climb or Climb(np.zeros(()), 2.0 * smaller, -sizes.sum(), *np.zeros((2, 2)))
+        climb = Climb(np.zeros(()), 2.0 * smaller, -sizes.sum(), *np.zeros((2, 2)))
+        if own.any():
+            climb = _lowest_way(tops[own], levels[own], feet[:, own], energies[:, own]) or climb
         if 2 * np.count_nonzero(own) != np.count_nonzero(owner == number):
             unsure = np.minimum(_UNSURE, 2.0 * smaller)
             climb = climb._replace(error=np.maximum(climb.error, unsure))
@@ -187,8 +184,6 @@ def _descended(land: _Landscapes, which: Whole, t: Array) -> Array:
 def _lowest_way(tops: Array, levels: Array, feet: Array, energies: Array) -> Climb | None:
     """The climb of one landscape over saddles (m, 2) of energies (m,) that fall to minima (2, m, 2) of energies (2, m)
     on their two sides; None where they lead to no copy of the lowest."""
-    if not len(tops):
-        return None
     minima, energies = feet.reshape(-1, 2), energies.ravel()
     first = _same(minima)
     copy = np.rint((minima - minima[first]) / _TURN).astype(int) % 2 @ [1, 2]
@@ -205,8 +200,7 @@ def _lowest_way(tops: Array, levels: Array, feet: Array, energies: Array) -> Cli
     depth = energies.min()
     lowest = np.flatnonzero(energies[distinct] <= depth + _NOTHING)
     level = joined[lowest[:, None], lowest[:, None] + count * np.array([1, 2, 3])].min()
-    if not np.isfinite(level):
+    if level == np.inf:
         return None
-    top = np.abs(levels - level).argmin()
-    height = np.maximum(level - depth, 0.0)
+    height, top = np.maximum(level - depth, 0.0), np.flatnonzero(levels == level)[0]
     return Climb(height, np.zeros(()), depth, minima[energies.argmin()], tops[top])
