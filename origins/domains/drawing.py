@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,9 +79,9 @@ def of_atoms(
     def factors(angle: Array) -> Complex:
         return structure_factors(atoms, angle, substrate.wavevectors)
 
-    reach = float(np.hypot(*points.T).max())
+    rigid = Island(substrate, len(points), float(np.hypot(*points.T).max()), factors)
     if bonds is None or angles is None:
-        return Island(substrate, len(points), reach, factors)
+        return rigid
     from ase.calculators.mixing import SumCalculator
 
     from origins.domains.calculators import harmonic_bonds, substrate_calculator
@@ -98,7 +98,7 @@ def of_atoms(
             rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
             refuse("bonds", bonds, rule)
         known[angle] = found.barrier, lowest
-    return Island(substrate, len(points), reach, factors, known)
+    return replace(rigid, relaxed=known)
 
 
 def draw(

@@ -181,14 +181,6 @@ class _Family(NamedTuple):
     mean_atoms: float
 
 
-def _at_all_angles(island: Island, gain: float, exponent: float) -> Thresholds | None:
-    """The law of (gain b)^exponent from b(angle) itself; None where the island has too many peaks."""
-    law = angle_thresholds(island.sizes, island.phase, gain)
-    if law is None or exponent == 1.0:
-        return law
-    return Powered(law, PowerLaw(1.0, exponent))
-
-
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     """The stiffness, or the coefficient, as the law needs it."""
     given = {"stiffness": stiffness, "coefficient": coefficient}
