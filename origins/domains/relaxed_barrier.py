@@ -265,11 +265,13 @@ def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float
     exact = island.rigid and island.planar
     for count in (16, 32, 64, 128) if exact else (16,):
         energies, shape = np.empty((count, count)), np.zeros_like(island.rest)
+        shapes: dict[tuple[int, int], Array] = {}
         for i, j in np.ndindex(count, count):
             j = j if i % 2 == 0 else count - 1 - j  # a neighbour's shape is a good first guess
             place = island.shifted([i / count, j / count])
             energies[i, j], there = island.relaxed(place + shape)
-            shape = there - place
+            if not exact:
+                shape = shapes[i, j] = there - place
         waves = np.fft.fft2(energies).ravel() / count**2
         K = np.stack(np.divmod(np.arange(count**2), count), axis=-1)
         K = (K + count // 2) % count - count // 2
@@ -281,9 +283,12 @@ def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float
     if not kept.any():
         return [np.zeros_like(island.rest)] * 2, noise
     climb = lowest_saddles(K[kept], waves[None, kept])
-    found = [island.shifted(t[0] / (2.0 * np.pi)) for t in (climb.minimum, climb.saddle)]
+    shares = [t[0] / (2.0 * np.pi) for t in (climb.minimum, climb.saddle)]
+    found = [island.shifted(share) for share in shares]
     if not exact:
-        found = [island.level(island.relaxed(shape)[1]) for shape in found]
+        nearest = [tuple(np.rint(share * count).astype(int) % count) for share in shares]
+        starts = [place + shapes[at] for place, at in zip(found, nearest, strict=True)]
+        found = [island.level(island.relaxed(start)[1]) for start in starts]
     missed = float(climb.error[0]) if exact else 0.0
     resolved = shortest <= _RESOLVED * sizes[kept].max()
     return found, missed if resolved else float(np.ptp(energies))
