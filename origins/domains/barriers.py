@@ -49,8 +49,7 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
     array of the shape of angle
         Zero where the island slides freely: on a substrate that varies in one direction only, and where
         its structure factors vanish. For two waves it is exact; for more it is known to about 1e-11 of the
-        largest |c_n S(G_n)|, and to about 1e-3 of it in valleys too flat or too narrow for a grid, where one
-        wave is far larger than the others. The time is proportional to atoms times angles times waves.
+        largest |c_n S(G_n)|. The time is proportional to atoms times angles times waves.
 
     Raises InputError for other input, for angles beyond a full circle, which look like degrees, and for a
     substrate of more than two waves that never repeats.
