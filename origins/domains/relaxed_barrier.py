@@ -25,6 +25,7 @@ _MOST_FLEXIBLE = 1500  # atoms of a flexible island
 _RESOLVED = (
     1e-2  # of the largest wave: with shorter waves larger than this the relaxed energy jumps
 )
+_SMALL = 1e-7  # of the largest wave: smaller waves are left out of the search
 _RELAXED = 1e-3  # of the greatest force on an atom: forces that a relaxation leaves, and differences from slopes
 _LEAST_CURVATURE = 1e-6  # of force over radian; at flatter places the stated error is too small
 
@@ -197,6 +198,8 @@ class _MovingIsland:
             there = shifts + self.radian * self.free(q.reshape(shifts.shape))
             return (self.free(self.energy_and_forces(there)[1]) / self.force).ravel()
 
+        if np.abs(forces(np.zeros(shifts.size))).max() <= 1e-10:
+            return shifts
         options = {"fatol": 1e-10, "maxiter": 200}
         moved = root(forces, np.zeros(shifts.size), method="krylov", options=options).x
         settled = np.abs(forces(moved)).max() <= 1e-8 and np.abs(moved).max() <= 0.5
@@ -263,7 +266,7 @@ def _checked(island: _MovingIsland) -> float:
 def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float]:
     """Shifts of the atoms at the lowest minimum and at the saddle, and the search's own error, an energy."""
     exact = island.rigid and island.planar
-    for count in (16, 32, 64, 128) if exact else (16,):
+    for count in (16, 32, 64) if exact else (16,):
         energies, shape = np.empty((count, count)), np.zeros_like(island.rest)
         shapes: dict[tuple[int, int], Array] = {}
         for i, j in np.ndindex(count, count):
@@ -276,19 +279,20 @@ def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float
         K = np.stack(np.divmod(np.arange(count**2), count), axis=-1)
         K = (K + count // 2) % count - count // 2
         sizes, highest = np.abs(waves), np.abs(K).max(-1)
-        shortest = sizes[highest > count // 3].max()
-        if shortest <= noise:
+        shortest, largest = sizes[highest > count // 3].max(), sizes[1:].max()
+        if shortest <= _SMALL * largest:
             break
-    kept = (highest > 0) & (highest < count // 2) & (sizes > noise / count)
+    # one of each pair of opposite waves; small ones move the stationary points only a little
+    half = (K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))
+    kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
     if not kept.any():
         return [np.zeros_like(island.rest)] * 2, noise
-    climb = lowest_saddles(K[kept], waves[None, kept])
+    climb = lowest_saddles(K[kept], 2.0 * waves[None, kept])
     shares = [t[0] / (2.0 * np.pi) for t in (climb.minimum, climb.saddle)]
     found = [island.shifted(share) for share in shares]
     if not exact:
         nearest = [tuple(np.rint(share * count).astype(int) % count) for share in shares]
         starts = [place + shapes[at] for place, at in zip(found, nearest, strict=True)]
-        found = [island.level(island.relaxed(start)[1]) for start in starts]
-    missed = float(climb.error[0]) if exact else 0.0
-    resolved = shortest <= _RESOLVED * sizes[kept].max()
-    return found, missed if resolved else float(np.ptp(energies))
+        found = [island.relaxed(start)[1] for start in starts]
+    missed = 0.0 if shortest <= _RESOLVED * largest else float(np.ptp(energies))
+    return [island.level(shape) for shape in found], missed
