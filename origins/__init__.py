@@ -9,7 +9,7 @@ from origins.domains.barriers import (
     triangular_structure_factors,
 )
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
-from origins.domains.domain_samples import DomainSamples
+from origins.domains.drawing import DomainSamples
 from origins.domains.islands import (
     circular_island,
     hexagonal_island,

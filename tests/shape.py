@@ -34,7 +34,7 @@ class Room(NamedTuple):
 ROOMS = {
     "master": Room(7500, 10497, 200, 243),
     "eq_model": Room(2200, 3754, 60, 130),
-    "origins": Room(4500, 7676, 120, 145),
+    "origins": Room(4500, 7605, 120, 145),
     "toolkit": Room(4000, 3994, 100, 65),
 }
 Graph = dict[str, set[str]]

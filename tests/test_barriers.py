@@ -63,6 +63,15 @@ def test_inversion_symmetric_islands_on_three_cosines() -> None:
         assert np.abs(origins.barrier(island, angle, HEXAGONAL) - expected).max() < 1e-10
 
 
+def test_one_atom_in_narrow_valleys() -> None:
+    """Where one cosine is up to a million times the others, a grid of some hundred places sees no minimum."""
+    atom = ase.Atoms("H", positions=[[0.0, 0.0, 0.0]])
+    for sizes in 10.0 ** np.random.default_rng(3).uniform(-6.0, 0.0, (40, 3)) * [1.0, -1.0, 1.0]:
+        substrate = origins.fourier_substrate([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], sizes)
+        found = origins.barrier(atom, 0.0, substrate)
+        assert abs(found - inversion_symmetric(sizes)) < 1e-12 * np.abs(sizes).max()
+
+
 def flooded(substrate: origins.Substrate, factors: np.ndarray, n: int) -> float:
     """The barrier by raising the water on a grid of n x n points a cell, until the lowest pool reaches a copy of
     itself: a way round the torus that is simple reaches one within two cells by two."""

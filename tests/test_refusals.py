@@ -29,7 +29,7 @@ MATERIAL = origins.Material(
 )
 BARE = origins.Material(contact_modulus=1e9, local_friction=0.3)
 SUMMITS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
-ISLAND = origins.triangular_island(2.5, 2, 2)
+ISLAND, PAIR = origins.triangular_island(2.5, 2, 2), origins.triangular_island(2.5, 2, 1)
 HEIGHTS = np.random.default_rng(1).standard_normal((20, 20))
 PERSSON = {"model": "persson", "patch_area": 1e-12}
 
@@ -185,6 +185,7 @@ origins.bootstrap(origins.gaussian(1.0, 0.1), len)  thresholds =
 rotated()  domains: give exactly one of sizes
 rotated(sizes=[(3, 3)], weights=[1.0, 1.0])  weights = [1.0, 1.0]:
 rotated(islands=["a"], lattice_constant=None)  atoms = 'a':
+rotated(islands=[PAIR], bonds=0.02, angles=[0.3], lattice_constant=None)  bonds = 0.02: lets the island's shape jump
 rotated(mean_atoms=5.0, angles=[0.0, 20.0])  angles[1] = 20.0: angles are in radians, 2 pi
 rotated(mean_atoms=5.0, substrate=origins.fourier_substrate([[1.0, 1.0]], [1.0]))  substrate: varies in
 origins.barrier(ISLAND, [0.0, 20.0])  angle[1] = 20.0: angles are in radians, 2 pi

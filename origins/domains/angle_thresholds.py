@@ -9,7 +9,6 @@ in s, x = lower + (upper - lower) sin²(pi s/2): a Chebyshev series.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,15 +17,13 @@ from numpy.polynomial import chebyshev, legendre
 from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 
-Sizes = Callable[[Array], Array]
+Function = Callable[[Array], Array]
 
 _PER_RADIAN = 64  # angles evaluated per radian of the outermost atoms' phase: zeros of a wave may lie close together
 _MOST = 96_000  # angles at most: P_c of larger islands comes from samples
 _START = 0.1234567  # radians; symmetric islands have extrema at 0, which must not be an end
 _NODES = 24  # Chebyshev nodes of a series, including both ends
-_SMOOTH = (
-    1e-9  # largest of a series' last three coefficients, over the panel's rise (or 1e-3 of all)
-)
+_SMOOTH = 1e-9  # of a panel's rise, or 1e-3 of all: the last three coefficients of a series that resolves it
 _SPLITS = 24  # most halvings of a panel that a series does not resolve
 _SAME = 1e-10  # of the greatest barrier: values closer than this count as equal
 _WEIGHT = 1e-3  # least share of thresholds within _BESIDE of a peak or jump that is declared
@@ -36,77 +33,66 @@ _u = 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))  # on (0, 1)
 _FIT = np.linalg.inv(chebyshev.chebvander(2.0 * _u - 1.0, _NODES - 1)).T
 
 
-def _fitted(edges: Array, below: Callable[[Array], Array]) -> Array:
-    """Chebyshev series in s of below(x) between edges; panels that a series does not resolve are halved.
-
-    Result, shape (3 + 24, panels), sorted: lower and upper end, the value at the lower end, and the coefficients of
-    what is above it.
-    """
-    ends, done = np.array([edges[:-1], edges[1:]]), []
-    for split in range(_SPLITS + 1):
-        left, right = ends[..., None]
-        x = left + (right - left) * np.sin(0.5 * np.pi * _u) ** 2
-        x[:, -1:] = right
-        found = below(x.ravel()).reshape(x.shape)
-        fits = (found - found[:, :1]) @ _FIT
-        rise = np.maximum(found[:, -1] - found[:, 0], _WEIGHT)
-        good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH * rise) | (split == _SPLITS)
-        done.append(np.vstack([ends, found[:, 0], fits.T])[:, good])
-        left, right = ends[:, ~good]
-        if not left.size:
-            break
-        middle = 0.5 * (left + right)
-        ends = np.hstack([[left, middle], [middle, right]])
-    table = np.concatenate(done, axis=1)
-    return table[:, np.argsort(table[0])]
-
-
-def _place(x: Array, low: Array, high: Array) -> Array:
-    """s in [0, 1] for x = low + (high - low) sin²(pi s/2), to the last bit at both ends."""
-    below, above = np.maximum(x - low, 0.0), np.maximum(high - x, 0.0)
-    return 2.0 / np.pi * np.arctan2(np.sqrt(below), np.sqrt(above))
-
-
-def _cuts(each: Callable[[Array], Array], fastest: float) -> Array:
-    """Angles of half a turn, in order, between which b is smooth and monotonic."""
+def _cuts(waves: Function, fastest: float) -> Array:
+    """Angles of half a turn, in order, between which b is smooth and monotonic; `waves` gives |c_1 S_1| and |c_2 S_2|
+    of angles, shape (2, ...)."""
     from scipy.optimize.elementwise import find_minimum, find_root
 
-    def turn(angle: Array, which: Array, sign: Array) -> Array:
-        return sign * np.take_along_axis(each(angle), which.astype(int)[None], 0)[0]
+    def difference(angle: Array) -> Array:
+        one, other = waves(angle)
+        return one - other
+
+    def wave(angle: Array, which: Array, sign: Array) -> Array:
+        return sign * np.take_along_axis(waves(angle), which.astype(int)[None], 0)[0]
 
     count = int(np.pi * fastest * _PER_RADIAN) + 64
     step = np.pi / count
     angle: Array = _START + step * np.arange(count + 2.0)
-    values = each(angle)
+    values = waves(angle)
     near = _SAME * values.max()
-    alike = np.abs(values[2]).max() <= near  # as for square islands on squares
-    falls = np.diff(values[: 2 if alike else 3]) < 0.0
+    falls = np.diff(values) < 0.0
     which, k = np.nonzero(falls[:, 1:] != falls[:, :-1])
     middle, sign = angle[k + 1], np.where(falls[which, k], 1.0, -1.0)
     tight = {"xatol": 1e-15, "xrtol": 4e-16, "fatol": 0.0, "frtol": 0.0}
     around = middle - step, middle, middle + step
-    still = find_minimum(turn, around, args=(which, sign), tolerances=tight).x
+    still = find_minimum(wave, around, args=(which, sign), tolerances=tight).x
     which, still = which[np.isfinite(still)], still[np.isfinite(still)]
     still = _START + (still - _START) % np.pi
     # near an angle where one wave vanishes it is the smaller one on a short interval: evaluate there, too
     looked = np.unique(np.concatenate([angle[:-1], still]))
-    ahead = (each(looked)[2] < 0.0) & (not alike)
+    # the two waves of square islands on squares are equal at all angles
+    ahead = (difference(looked) < 0.0) & bool(np.abs(np.subtract(*values)).max() > near)
     k = np.flatnonzero(ahead[1:] != ahead[:-1])
-    bends = find_root(lambda a: each(a)[2], (looked[k], looked[k + 1]), tolerances=tight).x
-    there, own = each(still), np.arange(which.size)
-    still = still[(which < 2) & (there[which, own] <= there[:2].min(0) + near)]
+    bends = find_root(difference, (looked[k], looked[k + 1]), tolerances=tight).x if k.size else k
+    there = waves(still)
+    still = still[there[which, np.arange(which.size)] <= there.min(0) + near]
     # where the two waves are equal b has a kink, not a zero derivative
     still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
     return np.sort(np.append(bends, still))
 
 
-def _series(rows: npt.NDArray[Any], panel: npt.NDArray[np.intp], s: Array) -> Array:
-    """Chebyshev series of panels, coefficients (n, panels), at places s, by Clenshaw's rule row by row."""
-    t = 2.0 * s - 1.0
-    last = before = np.zeros(np.shape(t))
-    for row in rows[:0:-1]:
-        last, before = row.take(panel) + 2.0 * t * last - before, last
-    return rows[0].take(panel) + t * last - before
+def _fitted(edges: Array, below: Function) -> Array:
+    """Chebyshev series in s of below(x) between edges; panels that a series does not resolve are halved.
+
+    Result, shape (3 + 24, panels), sorted: lower and upper end, the value at the lower end, and the coefficients of
+    what is above it.
+    """
+    left, right, done = edges[:-1], edges[1:], []
+    for split in range(_SPLITS + 1):
+        x = left[:, None] + (right - left)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
+        x[:, -1] = right
+        found = below(x.ravel()).reshape(x.shape)
+        fits = (found - found[:, :1]) @ _FIT
+        rise = np.maximum(found[:, -1] - found[:, 0], _WEIGHT)
+        good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH * rise) | (split == _SPLITS)
+        done.append(np.vstack([left, right, found[:, 0], fits.T])[:, good])
+        if good.all():
+            break
+        left, right = left[~good], right[~good]
+        middle = 0.5 * (left + right)
+        left, right = np.append(left, middle), np.append(middle, right)
+    table = np.concatenate(done, axis=1)
+    return table[:, np.argsort(table[0])]
 
 
 class AngleThresholds(Thresholds):
@@ -116,21 +102,17 @@ class AngleThresholds(Thresholds):
     thresholds within 1e-2 mean thresholds; smaller ones exist, but are not declared.
     """
 
-    def __init__(self, sizes: Sizes, fastest: float, scale: float) -> None:
+    def __init__(self, sizes: Function, fastest: float, scale: float) -> None:
         """`sizes` and `fastest` as in angle_thresholds; |S(-G)| = |S(G)|, so that b repeats after half a turn."""
         from scipy.optimize.elementwise import find_root
 
-        def each(angle: Array) -> Array:
-            """|c_1 S_1|, |c_2 S_2| and the difference of the two, shape (3, ...)."""
-            if not angle.size:
-                return np.ones((3, 0))
-            one, other = sizes(angle.ravel()).T.reshape(2, *angle.shape)
-            return np.stack([one, other, one - other])
+        def waves(angle: Array) -> Array:
+            return sizes(angle.ravel()).T.reshape(2, *angle.shape)
 
         def barrier(angle: Array) -> Array:
-            return 2.0 * each(angle)[:2].min(0)
+            return 2.0 * waves(angle).min(0)
 
-        cuts = _cuts(each, fastest)
+        cuts = _cuts(waves, fastest)
         known = barrier(cuts)
         order, least = np.argsort(known), _SAME * known.max()
         apart = np.diff(known[order], prepend=-np.inf) > least  # else equal but for rounding
@@ -156,17 +138,16 @@ class AngleThresholds(Thresholds):
         table, self._scale = _fitted(edges, below), scale
         self._edges, self._widths = np.append(table[0], edges[-1]), table[1] - table[0]
         self._before, self._fits = table[2], table[3:]
-        # dC/ds at both ends of each panel, 0 except at peaks: as x - low ~ s², these give the weight of a peak
-        slopes, ends = 2.0 * chebyshev.chebder(self._fits), np.array([-1.0, 1.0])
-        roots = 0.5 * np.pi * np.sqrt(self._widths)[:, None]
-        peaks = np.pad(np.abs(chebyshev.chebval(ends, slopes)) / roots, ((1, 1), (0, 0)))
-        at, distance = np.searchsorted(self._edges, edges), _BESIDE * self._moment(1.0)
-        heavy = (peaks[at + 1, 0] + peaks[at, 1]) * np.sqrt(distance / scale) > _WEIGHT
+        # a peak is where dC/ds is not 0 at the end of a panel, as x - low ~ s²
+        slopes = np.abs(chebyshev.chebval([-1.0, 1.0], chebyshev.chebder(self._fits)))
+        slopes, at = np.pad(slopes, ((1, 1), (0, 0))), np.searchsorted(self._edges, edges)
+        distance = _BESIDE * self._moment(1.0)
         beside = self._cdf(scale * edges + distance * np.array([[-1.0], [0.0], [1.0]]))
-        declared = heavy | (np.abs(np.diff(beside, 2, axis=0)[0]) > _WEIGHT)
+        declared = np.abs(np.diff(beside, 2, axis=0)[0]) > _WEIGHT
+        self._peaks = scale * edges[declared & (slopes[at + 1, 0] + slopes[at, 1] > _WEIGHT)]
         declared[[0, -1]] = True
-        self._peaks, self._declared = scale * edges[heavy], scale * edges[declared]
-        self.onset_power = -0.5 if heavy[0] else 0.0
+        self._declared = scale * edges[declared]
+        self.onset_power = -0.5 if self._declared[0] in self._peaks else 0.0
 
     def support(self) -> tuple[float, float]:
         return float(self._declared[0]), float(self._declared[-1])
@@ -176,27 +157,27 @@ class AngleThresholds(Thresholds):
         return self._declared
 
     def _panel(self, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
-        """Panel and place s of each x."""
+        """Panel and place s of each x, to the last bit at both ends."""
         b = np.asarray(x) / self._scale
         panel = np.clip(np.searchsorted(self._edges, b, side="right") - 1, 0, self._widths.size - 1)
-        return panel, _place(b, self._edges[panel], self._edges[panel + 1])
-
-    def _below(self, x: Array) -> Array:
-        """Share of all angles with a threshold of at most x, but for rounding."""
-        panel, s = self._panel(x)
-        return self._before[panel] + _series(self._fits, panel, s)
+        above = np.maximum(b - self._edges[panel], 0.0)
+        left = np.maximum(self._edges[panel + 1] - b, 0.0)
+        return panel, 2.0 / np.pi * np.arctan2(np.sqrt(above), np.sqrt(left))
 
     def _cdf(self, x: Array) -> Array:
-        return np.clip(self._below(x), 0.0, 1.0)
+        panel, s = self._panel(x)
+        rise = chebyshev.chebval(2.0 * s - 1.0, self._fits[:, panel], tensor=False)
+        return np.clip(self._before[panel] + rise, 0.0, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        return np.clip(1.0 - self._below(x), 0.0, 1.0)
+        return 1.0 - self._cdf(x)
 
     def _pdf(self, x: Array) -> Array:
         panel, s = self._panel(x)
         # at an edge without a peak both dC/ds and dx/ds vanish: evaluate beside the edge
         s = np.clip(s, 1e-6, 1.0 - 1e-6)
-        slope = 2.0 * _series(chebyshev.chebder(self._fits), panel, s)
+        slopes = chebyshev.chebder(self._fits)[:, panel]
+        slope = 2.0 * chebyshev.chebval(2.0 * s - 1.0, slopes, tensor=False)
         per_length = self._scale * self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
         on_peak = np.isin(np.asarray(x), self._peaks)
         return np.where(on_peak, np.inf, np.maximum(slope / per_length, 0.0))
@@ -209,7 +190,7 @@ class AngleThresholds(Thresholds):
         return float((shares * (self._scale * x - centre) ** n).sum())
 
 
-def angle_thresholds(sizes: Sizes, fastest: float, scale: float) -> Thresholds | None:
+def angle_thresholds(sizes: Function, fastest: float, scale: float) -> Thresholds | None:
     """The law of scale * b(angle) of one island.
 
     sizes : |c_1 S_1|, |c_2 S_2| of angles (m,), shape (m, 2), energies.

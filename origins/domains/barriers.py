@@ -9,7 +9,6 @@ On two waves, as in sin x + sin y, that is exactly 2 min(|c_1 S_1|, |c_2 S_2|).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -19,7 +18,7 @@ import numpy.typing as npt
 from origins.domains.islands import positions_of
 from origins.domains.lowest_saddle import Complex, lowest_saddles
 from origins.domains.substrates import Substrate, square_substrate
-from origins.errors import InputError, finite_array, positive, refuse
+from origins.errors import InputError, finite_array, positive, refuse, whole
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
@@ -50,14 +49,13 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
     array of the shape of angle
         Zero where the island slides freely: on a substrate that varies in one direction only, and where
         its structure factors vanish. For two waves it is exact; for more it is known to about 1e-11 of the
-        largest |c_n S(G_n)|, and to about 1e-3 of it in valleys too flat or too narrow for a grid, where one
-        wave is far larger than the others. The time is proportional to atoms times angles times waves.
+        largest |c_n S(G_n)|. The time is proportional to atoms times angles times waves.
 
     Raises InputError for other input, for angles beyond a full circle, which look like degrees, and for a
     substrate of more than two waves that never repeats.
     """
     substrate, angle = checked_substrate(substrate), radians(angle)
-    return climb(substrate, structure_factors(atoms, angle, substrate.wavevectors)).barriers[()]
+    return climb(substrate, structure_factors(atoms, angle, substrate.wavevectors))[0][()]
 
 
 def triangular_barrier(
@@ -76,27 +74,20 @@ def triangular_barrier(
     substrate, angle = checked_substrate(substrate), radians(angle)
     waves = substrate.wavevectors
     factors = triangular_structure_factors(lattice_constant, n_i, n_j, angle, waves)
-    return climb(substrate, factors).barriers[()]
+    return climb(substrate, factors)[0][()]
 
 
-@dataclass(frozen=True)
-class Climb:
-    """Barriers and lowest energies (less N_a times the substrate's constant), arrays of one shape."""
-
-    barriers: Array
-    depths: Array
-
-
-def climb(substrate: Substrate, factors: Complex) -> Climb:
-    """Barriers and lowest energies of islands with structure factors (..., n); arrays of shape (...)."""
+def climb(substrate: Substrate, factors: Complex) -> tuple[Array, Array]:
+    """Barriers and lowest energies (less N_a times the substrate's constant), each of shape (...), of islands with
+    structure factors (..., n)."""
     amplitudes = substrate.coefficients * factors
     sizes = np.abs(amplitudes)
     if substrate.rank == 1:
-        return Climb(np.zeros(sizes.shape[:-1]), -sizes.sum(-1))
+        return np.zeros(sizes.shape[:-1]), -sizes.sum(-1)
     if sizes.shape[-1] == 2:
-        return Climb(2.0 * sizes.min(-1), -sizes.sum(-1))
+        return 2.0 * sizes.min(-1), -sizes.sum(-1)
     found = lowest_saddles(substrate.indices, amplitudes.reshape(-1, sizes.shape[-1]))
-    return Climb(*(one.reshape(sizes.shape[:-1]) for one in (found.barriers, found.depths)))
+    return found.barrier.reshape(sizes.shape[:-1]), found.depth.reshape(sizes.shape[:-1])
 
 
 def radians(angle: npt.ArrayLike, name: str = "angle") -> Array:
@@ -124,20 +115,9 @@ def structure_factors(
 ) -> Complex:
     """S(G) of any island turned by `angle` about its centre of mass, summed over the atoms.
 
-    Parameters
-    ----------
-    atoms : ase.Atoms
-        The island; only x and y count, and its masses for the centre.
-    angle : float or array
-        Radians.
-    wavevectors : array of shape (n, 2)
-        G, per length; those of sin x + sin y when left out.
-
-    Returns
-    -------
-    complex array of the shape of angle + (n,)
-
-    Raises InputError for other input.
+    Only x and y of `atoms` count, and their masses for the centre; angle is in radians, wavevectors (n, 2) per length
+    (those of sin x + sin y when left out). The result is complex and has the shape of angle + (n,). Raises InputError
+    for other input.
     """
     points = positions_of(atoms)
     turned = _turned(angles_of(angle), wavevectors)
@@ -206,14 +186,9 @@ def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Array:
 def angles_of(angle: npt.ArrayLike, name: str = "angle") -> Array:
     """`angle` (radians) as a float array of its own shape; InputError unless finite numbers."""
     given = np.asarray(angle)
-    if given.dtype.kind not in "iufO":
-        refuse(name, angle, "must be in radians, a number or an array of them, such as 0.3")
     return finite_array(name, given.ravel()).reshape(given.shape)
 
 
 def _counts(name: str, value: npt.ArrayLike) -> Whole:
-    array = np.asarray(value)
-    if array.dtype.kind not in "iu" or (array.size and array.min() < 1):
-        shown = value if array.dtype.kind not in "iu" else array.min()
-        refuse(name, shown, "must be a whole number of at least 1")
-    return array.astype(np.int64)
+    """Whole numbers of at least 1, in the shape of `value`."""
+    return np.vectorize(lambda n: whole(name, n, 1), otypes=[np.int64])(value)

@@ -95,10 +95,8 @@ def _calculator(
             same = self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions)
             return [] if same else list(all_changes)
 
-        def calculate(
-            self, atoms: Any = None, properties: Any = None, system_changes: Any = all_changes
-        ) -> None:
-            super().calculate(atoms, properties, system_changes)
+        def calculate(self, atoms: Any = None, *properties_and_changes: Any) -> None:
+            super().calculate(atoms, *properties_and_changes)
             energy, forces = function(atoms.positions)
             self.results = {"energy": energy, "forces": forces}
 

@@ -1,4 +1,4 @@
-"""The barrier of an island on any ASE calculator, by a Fourier series, or by relaxation and bands.
+"""The barrier of an island on any ASE calculator: its energy over the cell, all else relaxed, as a Fourier series.
 
 Where the closed form of a rigid island (triangular_barrier) or the exact search on a Fourier substrate (barrier)
 is valid, this gives the same number; for other calculators and for flexible islands it is the only method.
@@ -7,7 +7,6 @@ is valid, this gives the same number; for other calculators and for flexible isl
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.domains.islands import points_of
-from origins.domains.lowest_saddle import Complex, Whole, lowest_saddles
-from origins.domains.moving_island import Ends, MovingIsland, by_bands
+from origins.domains.lowest_saddle import lowest_saddles
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
@@ -24,10 +22,11 @@ if TYPE_CHECKING:
     import ase
 
 _MOST_FLEXIBLE = 1500  # atoms of a flexible island
-_GRIDS = (16, 32, 64, 128)  # places along each period at which a rigid island's energy is computed
-_FORCES = 1e-3  # of the greatest force: largest difference between forces and the energy's slopes
-_POLISHED = 1e-9  # of the largest wave: with a smaller error the search found the saddle itself
-_NOTHING = 2e-13  # of the largest wave: smaller waves are ignored
+_RESOLVED = (
+    1e-2  # of the largest wave: with shorter waves larger than this the relaxed energy jumps
+)
+_SMALL = 1e-7  # of the largest wave: smaller waves are left out of the search
+_RELAXED = 1e-3  # of the greatest force on an atom: forces that a relaxation leaves, and differences from slopes
 _LEAST_CURVATURE = 1e-6  # of force over radian; at flatter places the stated error is too small
 
 
@@ -40,7 +39,8 @@ class RelaxedBarrier:
     barrier : float
         Energy of the saddle above the minimum, at least zero.
     barrier_error : float
-        Error due to remaining forces and rounding; it does not include lower ways that were not found.
+        Error due to remaining forces and rounding. Where an island is so soft that its energy jumps as it is moved,
+        the whole range of that energy: lower ways may exist.
     minimum, saddle : ase.Atoms
         Copies of the atoms there, with their energy and forces.
     evaluations : int
@@ -85,41 +85,136 @@ def relaxed_barrier(
         Two translations along x and y that change no energy. When left out: those of a substrate_calculator, also
         within a SumCalculator; else the cell vectors of the atoms along which they are periodic.
 
-    Energies are in the unit of the calculator, lengths in that of the atoms. For a rigid planar island the energy over
-    one cell becomes a Fourier series, on which the search is as exact as `barrier`. Otherwise minima are sought from 16
-    places by L-BFGS, and ASE's climbing-image bands lead over four steps of the lattice: the barrier is the lowest of
-    the ways tried.
+    Energies are in the unit of the calculator, lengths in that of the atoms. The island's centre is moved over one
+    cell, what may relax is relaxed by L-BFGS at each place, and the energy becomes a Fourier series, whose lowest
+    minimum and saddle are found as in `barrier`; from there Newton's method leads to where the forces vanish.
 
-    Both the minimum and the saddle of a flexible island lie no higher than those of the rigid one, since its paths
-    include the rigid ones; the barrier, their difference, may be higher or lower.
-
-    Raises InputError for input that cannot be used, RuntimeError where forces do not vanish.
+    Raises InputError for input that cannot be used.
     """
     started = perf_counter()
-    for name, value in (("rigid", rigid), ("planar", planar)):
-        if not isinstance(value, bool):
-            refuse(name, value, "must be True or False")
     points_of(atoms)
     if not hasattr(calculator, "get_forces"):
         rule = "must be an ASE calculator, such as origins.substrate_calculator(substrate)"
         refuse("calculator", type(calculator).__name__, rule)
-    cell = _periods(atoms, calculator, periods)
-    island = MovingIsland(atoms, calculator, rigid, planar, cell)
-    count = len(island.moving)
-    if not rigid and count > _MOST_FLEXIBLE:
+    island = _MovingIsland(atoms, calculator, rigid, planar, _periods(atoms, calculator, periods))
+    if not rigid and len(island.moving) > _MOST_FLEXIBLE:
         rule = f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True"
         refuse("atoms", atoms, rule)
     noise = _checked(island)
-    ends = _by_search(island, noise) if rigid and planar else by_bands(island)
-    minimum, saddle = island.finished(ends.minimum), island.finished(ends.saddle)
+    shapes, missed = _lowest_way(island, noise)
+    (minimum, left), (saddle, left_there) = map(island.finished, shapes)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
     # forces that remain displace a stationary point by their size over its curvature
-    left = [island.free(island.forces(shifts)) for shifts in (ends.minimum, ends.saddle)]
-    remain = (count if rigid else 1) * np.abs(left).max() / island.force
-    unsure = island.radian * island.force * remain**2 / _LEAST_CURVATURE
-    error = float(ends.error + 2.0 * noise + unsure)
+    remain = max(left, left_there) / island.force
+    error = missed + 2.0 * noise + island.radian * island.force * remain**2 / _LEAST_CURVATURE
     seconds = perf_counter() - started
     return RelaxedBarrier(max(height, 0.0), error, minimum, saddle, island.evaluations, seconds)
+
+
+class _MovingIsland:
+    """The atoms that move: all but those fixed by FixAtoms, which are the surroundings.
+
+    A rigid island is shifted as a whole, a planar one keeps its heights. A flexible one keeps its
+    orientation: sum_i r_i0 x u_i = 0 along z, r_i0 its given atoms about their centre, u_i their shifts.
+    Units are the `radian`, the shorter period over 2 pi, and the greatest `force` on one atom at nine places.
+    """
+
+    def __init__(
+        self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
+    ) -> None:
+        from ase.constraints import FixAtoms
+
+        fixed = np.zeros(len(atoms), dtype=bool)
+        for constraint in atoms.constraints:
+            if not isinstance(constraint, FixAtoms):
+                rule = "must be FixAtoms, which tells the surroundings of the island"
+                refuse("atoms.constraints", constraint, rule)
+            fixed[constraint.index] = True
+        if fixed.all():
+            rule = "must hold atoms that FixAtoms does not fix: these are the island"
+            refuse("atoms", atoms, rule)
+        self.moving, self.given, self.periods = np.flatnonzero(~fixed), atoms, periods
+        self.rigid, self.planar, self.evaluations = rigid, planar, 0
+        self.rest = atoms.get_positions()[self.moving]
+        turn = self.rest.mean(axis=0) - self.rest
+        turn = np.column_stack([turn[:, 1], -turn[:, 0], np.zeros(len(turn))])
+        # atoms on one vertical line have no rotation, except by rounding
+        size = max(float(np.linalg.norm(turn)), 1e-12 * float(np.abs(self.rest).max()), 1e-300)
+        self._turn, self._here = turn / size, atoms.copy()
+        self._here.set_constraint()
+        self._here.calc = self.calculator = calculator
+        self.radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
+        thirds = [[(i + 0.37) / 3.0, (j + 0.21) / 3.0] for i in range(3) for j in range(3)]
+        forces = [self.energy_and_forces(self.shifted(share))[1] for share in thirds]
+        self.force = float(np.linalg.norm(forces, axis=-1).max())
+
+    def shifted(self, share: npt.ArrayLike) -> Array:
+        """Shifts of all atoms by `share` (2,) of the periods."""
+        return np.broadcast_to(np.append(np.asarray(share) @ self.periods, 0.0), self.rest.shape)
+
+    def free(self, shifts: Array) -> Array:
+        """The part of shifts, or forces, (N_a, 3) that the island's motion allows."""
+        left = shifts * [1.0, 1.0, 0.0] if self.planar else shifts
+        if self.rigid:
+            return np.broadcast_to(left.mean(axis=0), left.shape)
+        return left - (left * self._turn).sum() * self._turn
+
+    def energy_and_forces(self, shifts: Array) -> tuple[float, Array]:
+        """The energy, and the forces on each atom (N_a, 3); InputError where they are not finite."""
+        self._here.positions[self.moving] = self.rest + shifts
+        energy = float(self._here.get_potential_energy())
+        forces = self._here.get_forces()[self.moving]
+        self.evaluations += 1
+        if not (np.isfinite(energy) and np.isfinite(forces).all()):
+            rule = "must give finite energies and forces wherever the island goes"
+            refuse("calculator", energy, rule)
+        return energy, forces
+
+    def relaxed(self, shifts: Array) -> tuple[float, Array]:
+        """Energy and shifts of the minimum that L-BFGS finds from `shifts`, the centre kept along x and y."""
+        from scipy.optimize import minimize
+
+        def inner(part: Array) -> Array:
+            allowed = self.free(part)
+            return allowed - allowed.mean(axis=0) * [1.0, 1.0, 0.0]
+
+        def energy_and_slope(q: Array) -> tuple[float, Array]:
+            there = shifts + self.radian * inner(q.reshape(shifts.shape))
+            energy, forces = self.energy_and_forces(there)
+            return energy / (self.radian * self.force), -inner(forces).ravel() / self.force
+
+        if self.rigid and self.planar:
+            return self.energy_and_forces(shifts)[0], shifts
+        options, start = {"gtol": _RELAXED, "ftol": 0.0, "maxiter": 2000}, np.zeros(shifts.size)
+        found = minimize(energy_and_slope, start, jac=True, method="L-BFGS-B", options=options)
+        there = shifts + self.radian * inner(found.x.reshape(shifts.shape))
+        return float(found.fun) * self.radian * self.force, there
+
+    def level(self, shifts: Array) -> Array:
+        """The nearby shifts at which the forces vanish; `shifts` themselves where none is found."""
+        from scipy.optimize import root
+
+        def forces(q: Array) -> Array:
+            there = shifts + self.radian * self.free(q.reshape(shifts.shape))
+            return (self.free(self.energy_and_forces(there)[1]) / self.force).ravel()
+
+        if np.abs(forces(np.zeros(shifts.size))).max() <= 1e-10:
+            return shifts
+        options = {"fatol": 1e-10, "maxiter": 200}
+        moved = root(forces, np.zeros(shifts.size), method="krylov", options=options).x
+        settled = np.abs(forces(moved)).max() <= 1e-8 and np.abs(moved).max() <= 0.5
+        return shifts + self.radian * self.free(moved.reshape(shifts.shape)) * settled
+
+    def finished(self, shifts: Array) -> tuple[ase.Atoms, float]:
+        """A copy of the atoms as given, the island shifted, with energy and forces; the force that is left."""
+        from ase.calculators.singlepoint import SinglePointCalculator
+
+        energy, forces = self.energy_and_forces(shifts)
+        atoms = self.given.copy()
+        atoms.positions[self.moving] = self._here.positions[self.moving]
+        atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=self._here.get_forces())
+        left = self.free(forces) * (len(forces) if self.rigid else 1)
+        return atoms, float(np.abs(left).max())
 
 
 def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
@@ -127,16 +222,11 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
     if given is None:
         parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
         known = [getattr(part, "periods", None) for part in parts]
-        found = [np.asarray(one) for one in known if one is not None]
         cell = np.asarray(atoms.cell)[np.asarray(atoms.pbc)]
         flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
-        if not found and len(flat) == 2:
-            found = [flat]
+        found = [each for each in known if each is not None] + [flat] * (len(flat) == 2)
         if not found:
             rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
-            refuse("periods", None, rule)
-        if any((one != found[0]).any() for one in found):
-            rule = "must be given, as the parts of the calculator have different ones"
             refuse("periods", None, rule)
         given = found[0]
     try:
@@ -150,68 +240,59 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
     return periods
 
 
-def _checked(island: MovingIsland) -> float:
-    """Rounding of energies; InputError where there are no forces, or where the periods change the energy."""
-    force, radian = island.force, island.radian
+def _checked(island: _MovingIsland) -> float:
+    """Rounding of energies; InputError where forces are not those of the energy, or periods change the energy."""
+    force, radian, place = island.force, island.radian, island.shifted([0.123, 0.456])
     if force == 0.0:
-        rule = "must give forces that change as the island moves"
-        refuse("calculator", "no force anywhere", rule)
-    count, far = len(island.moving), float(np.abs(island.rest).max())
-    most = np.abs(island.energies).max() + count * force * (radian + far)
-    noise = 8.0 * float(np.finfo(float).eps * most)
-    for number, period in enumerate(island.periods):
-        moved = island.places + island.shifted(np.eye(2)[number])
-        off = np.abs([island.energy(at) for at in moved] - island.energies).max()
+        refuse("calculator", "no force anywhere", "must give forces that change with the place")
+    energy, forces = island.energy_and_forces(place)
+    most = abs(energy) + len(forces) * force * (radian + float(np.abs(island.rest).max()))
+    noise = 8.0 * float(np.finfo(float).eps) * most
+    for period, direction in zip(island.periods, np.eye(3), strict=False):
+        off = abs(island.energy_and_forces(place + np.append(period, 0.0))[0] - energy)
         if off > 1e-9 * force * radian + 4.0 * noise:
             shown = f"({period[0]:.6g}, {period[1]:.6g})"
             rule = f"must leave energies as they are; moved by {shown} they change by {off:.2g}"
             refuse("periods", island.periods, rule)
+        step = 1e-4 * radian * direction
+        ahead, behind = (island.energy_and_forces(place + way)[0] for way in (step, -step))
+        off = abs(behind - ahead - 2.0 * forces.sum(axis=0) @ step)
+        if off > 2.0 * _RELAXED * force * step.max() + 2.0 * noise:
+            name = type(island.calculator).__name__
+            refuse("calculator", name, "forces must be those of its energy")
     return noise
 
 
-def _series(island: MovingIsland, noise: float) -> tuple[Whole, Complex]:
-    """Energy of the shifted island as a Fourier series: U = Re sum_n c_n exp(2 pi i K_n·share).
-
-    Returns whole numbers K (n, 2) and c (n,), from the first grid whose unresolved part is only rounding.
-    """
-
-    @cache
-    def energy(i: int, j: int) -> float:
-        island.evaluations += 1
-        return island.energy(island.shifted([i / _GRIDS[-1], j / _GRIDS[-1]]))
-
-    for count in _GRIDS:
-        places = range(0, _GRIDS[-1], _GRIDS[-1] // count)
-        energies = [[energy(i, j) for j in places] for i in places]
-        waves = np.fft.fft2(energies) / count**2
-        numbers = np.rint(np.fft.fftfreq(count, 1.0 / count)).astype(int)
-        K = np.stack(np.meshgrid(numbers, numbers, indexing="ij"), axis=-1).reshape(-1, 2)
-        sizes = np.abs(waves.ravel())
-        if sizes[np.abs(K).max(-1) > count // 3].max() <= noise:
+def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float]:
+    """Shifts of the atoms at the lowest minimum and at the saddle, and the search's own error, an energy."""
+    exact = island.rigid and island.planar
+    for count in (16, 32, 64) if exact else (16,):
+        energies, shape = np.empty((count, count)), np.zeros_like(island.rest)
+        shapes: dict[tuple[int, int], Array] = {}
+        for i, j in np.ndindex(count, count):
+            j = j if i % 2 == 0 else count - 1 - j  # a neighbour's shape is a good first guess
+            place = island.shifted([i / count, j / count])
+            energies[i, j], there = island.relaxed(place + shape)
+            if not exact:
+                shape = shapes[i, j] = there - place
+        waves = np.fft.fft2(energies).ravel() / count**2
+        K = np.stack(np.divmod(np.arange(count**2), count), axis=-1)
+        K = (K + count // 2) % count - count // 2
+        sizes, highest = np.abs(waves), np.abs(K).max(-1)
+        shortest, largest = sizes[highest > count // 3].max(), sizes[1:].max()
+        if shortest <= _SMALL * largest:
             break
-    # one of each pair of opposite waves, without those of the edge, which are their own opposites
-    kept = ((K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))) & (np.abs(K).max(-1) < count // 2)
-    kept &= sizes > noise / count
-    return K[kept], 2.0 * waves.ravel()[kept]
-
-
-def _by_search(island: MovingIsland, noise: float) -> Ends:
-    """Minimum and saddle of a rigid island, by the exact search on a Fourier series."""
-    nowhere = np.zeros_like(island.rest)
-    K, c = _series(island, noise)
-    if not len(K):
-        return Ends(nowhere, nowhere, noise)
-    share = np.array([0.123, 0.456])
-    force = island.forces(island.shifted(share)).sum(axis=0)[:2]
-    slopes = -(c * np.exp(2j * np.pi * (K @ share))).imag @ (2.0 * np.pi * K)
-    expected = -np.linalg.solve(island.periods, slopes)
-    if np.abs(force - expected).max() > _FORCES * island.force:
-        name = type(island.calculator).__name__
-        refuse("calculator", name, "forces must be those of its energy")
-    climbs = lowest_saddles(K, c[None])
-    size = float(np.abs(c).max())
-    on_grid = float(climbs.errors[0]) if climbs.errors[0] > _POLISHED * size else 0.0
-    minimum, saddle = (
-        island.shifted(t[0] / (2.0 * np.pi)) for t in (climbs.minima, climbs.saddles)
-    )
-    return Ends(minimum, saddle, on_grid + _NOTHING * size)
+    # one of each pair of opposite waves; small ones move the stationary points only a little
+    half = (K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))
+    kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
+    if not kept.any():
+        return [np.zeros_like(island.rest)] * 2, noise
+    climb = lowest_saddles(K[kept], 2.0 * waves[None, kept])
+    shares = [t[0] / (2.0 * np.pi) for t in (climb.minimum, climb.saddle)]
+    found = [island.shifted(share) for share in shares]
+    if not exact:
+        nearest = [tuple(np.rint(share * count).astype(int) % count) for share in shares]
+        starts = [place + shapes[at] for place, at in zip(found, nearest, strict=True)]
+        found = [island.relaxed(start)[1] for start in starts]
+    missed = 0.0 if shortest <= _RESOLVED * largest else float(np.ptp(energies))
+    return [island.level(shape) for shape in found], missed

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import checked_substrate, radians
-from origins.domains.domain_samples import DomainSamples
-from origins.domains.drawing import Island, Islands, draw, of_atoms, triangular
+from origins.domains.drawing import DomainSamples, Island, draw, of_atoms, triangular
 from origins.domains.substrates import Substrate
 from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
 from origins.roughness.power_law import PowerLaw
 from origins.samples.from_samples import from_samples
+from origins.streams import key_of
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import mixture
 from origins.thresholds.powered import Powered
@@ -49,8 +49,7 @@ def domains(
 ) -> Thresholds:
     """Thresholds of islands that lie on a substrate at random angles (paper, Sec. VI C).
 
-    The paper prints neither lattice constant nor sizes nor angles: of these only the angles have a default
-    here, and all other defaults are this package's own.
+    The paper prints neither lattice constant nor sizes nor angles.
 
     Parameters
     ----------
@@ -103,7 +102,7 @@ def domains(
         One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
         P_c comes from b(angle) itself. It diverges where db/dangle = 0, so that K* is infinite, and jumps
         where |S_x| = |S_y|. In all other cases, and for islands of some hundred periods across, P_c comes
-        from samples, which smooth such peaks.
+        from samples, which smooth such peaks. Samples are drawn in any case, for `.domains`.
 
     Raises InputError for values outside these, for a substrate that varies in one direction only, and where
     no island resists.
@@ -115,13 +114,36 @@ def domains(
     scale = _checked_law(law, stiffness, coefficient)
     if bonds is not None and (islands is None or angles is None):
         refuse("bonds", bonds, "makes islands of your own flexible, at listed angles; give both")
+    if sum(way is not None for way in (sizes, mean_atoms, islands)) != 1:
+        raise InputError(
+            "domains: give exactly one of sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a "
+            "list of ase.Atoms"
+        )
     chosen = None if angles is None else radians(finite_array("angles", angles), "angles")
-    family = _islands(
-        lattice_constant, sizes, mean_atoms, islands, weights, bonds, chosen, substrate
-    )
     heat = None if temperature is None else positive("temperature", temperature)
-    samples = whole("samples", samples, 1)
-    barriers, turned, atoms = draw(family, chosen, heat, samples, seed, comm)
+    low, high = key_of(seed)
+    generator = np.random.Generator(np.random.Philox(key=high << 32 | low))
+    quantiles = generator.random(whole("samples", samples, 1))
+    if islands is not None:
+        if lattice_constant is not None:
+            refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
+        if hasattr(islands, "get_positions") or len(islands) == 0:
+            refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
+        firm = None if bonds is None else positive("bonds", bonds)
+        own = [of_atoms(substrate, atoms, firm, chosen) for atoms in islands]
+        family = _listed(own, weights, quantiles)
+    elif lattice_constant is None:
+        rule = "triangular islands need it; give a length, such as lattice_constant = 2.5"
+        refuse("lattice_constant", None, rule)
+    else:
+        make = partial(triangular, substrate, positive("lattice_constant", lattice_constant))
+        if sizes is not None:
+            family = _listed([make(*pair) for pair in _pairs(sizes).tolist()], weights, quantiles)
+        elif weights is None:
+            family = _decaying(mean_atoms, make, quantiles)
+        else:
+            refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
+    barriers, turned = draw(family.islands, family.kinds, chosen, heat, generator, comm)
     resisting = barriers > 0.0
     if not resisting.any():
         raise InputError(
@@ -129,93 +151,59 @@ def domains(
             "thresholds; change the angles, the sizes or the lattice constant"
         )
     period = float(np.hypot(*substrate.cell[0]))
-    exponent = 0.5 if law == "paper" else 1.0
-
-    def per_energy(atoms: npt.ArrayLike) -> Array:
-        """x_s^(1/exponent) over epsilon_a, for islands of so many atoms."""
-        relative = np.sqrt(np.asarray(atoms) / family.mean_atoms) if law == "area" else 1.0
-        return np.asarray(1.0 / (period * scale * relative))
-
-    lengths = (barriers * per_energy(atoms))[resisting] ** exponent
-    known: list[Thresholds | None] = [None]
+    atoms = np.array([island.atoms for island in family.islands])
+    relative = np.sqrt(atoms / family.mean_atoms) if law == "area" else np.ones(atoms.size)
+    gains, exponent = 1.0 / (period * scale * relative), 0.5 if law == "paper" else 1.0
+    lengths = (barriers * gains[family.kinds])[resisting] ** exponent
+    thresholds: Thresholds | None = None
     two_waves = len(substrate.coefficients) == 2 and chosen is None and heat is None
-    if two_waves and resisting.all() and 0 < len(family.rows) <= _FEW:
-        kinds = [family.make(*row) for row in family.rows]
-        known = [_at_all_angles(kind, float(per_energy(kind.atoms)), exponent) for kind in kinds]
-    found = [one for one in known if one is not None]
-    if len(found) < len(known):
-        thresholds = from_samples(lengths)
-    else:
-        thresholds = found[0] if len(found) == 1 else mixture(found, family.shares)
-    stiffness = float((barriers[resisting] / period / lengths).mean())
-    thresholds.domains = DomainSamples(barriers, turned, atoms.astype(np.int64), period, stiffness)
+    if two_waves and resisting.all() and mean_atoms is None and atoms.size <= _FEW:
+        every = zip(family.islands, gains, strict=True)
+        laws = [angle_thresholds(each.sizes, each.phase, float(gain)) for each, gain in every]
+        known = [each for each in laws if each is not None]
+        if len(known) == len(laws):
+            thresholds = known[0] if len(known) == 1 else mixture(known, family.shares)
+            if exponent != 1.0:
+                thresholds = Powered(thresholds, PowerLaw(1.0, exponent))
+    thresholds = thresholds or from_samples(lengths)
+    mean_stiffness = float((barriers[resisting] / period / lengths).mean())
+    n_atoms = atoms[family.kinds]
+    thresholds.domains = DomainSamples(barriers, turned, n_atoms, period, mean_stiffness)
     return thresholds
 
 
-def _at_all_angles(island: Island, gain: float, exponent: float) -> Thresholds | None:
-    """The law of (gain b)^exponent from b(angle) itself; None where the island has too many peaks."""
-    law = angle_thresholds(island.sizes, island.phase, gain)
-    if law is None or exponent == 1.0:
-        return law
-    return Powered(law, PowerLaw(1.0, exponent))
+class _Family(NamedTuple):
+    """Islands and their shares, the number of the one that each sample is, and their mean number of atoms."""
+
+    islands: list[Island]
+    shares: Array
+    kinds: npt.NDArray[np.intp]
+    mean_atoms: float
 
 
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     """The stiffness, or the coefficient, as the law needs it."""
-    one_of("law", law, LAWS)
-    needed, other = ("coefficient", "stiffness") if law == "paper" else ("stiffness", "coefficient")
-    values = {"stiffness": stiffness, "coefficient": coefficient}
-    if values[other] is not None:
-        refuse(other, values[other], f'has no part in law = "{law}"; leave it out')
-    if values[needed] is None:
+    given = {"stiffness": stiffness, "coefficient": coefficient}
+    needed = "coefficient" if one_of("law", law, LAWS) == "paper" else "stiffness"
+    value = given.pop(needed)
+    for other, extra in given.items():
+        if extra is not None:
+            refuse(other, extra, f'has no part in law = "{law}"; leave it out')
+    if value is None:
         rule = f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0'
         refuse(needed, None, rule)
-    return positive(needed, values[needed])
+    return positive(needed, value)
 
 
-def _islands(
-    lattice_constant: object,
-    sizes: npt.ArrayLike | None,
-    mean_atoms: object,
-    islands: Sequence[ase.Atoms] | None,
-    weights: npt.ArrayLike | None,
-    bonds: float | None,
-    angles: Array | None,
-    substrate: Substrate,
-) -> Islands:
-    """The islands to draw from; InputError unless they are given in exactly one way."""
-    if sum(way is not None for way in (sizes, mean_atoms, islands)) != 1:
-        raise InputError(
-            "domains: give exactly one of sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a "
-            "list of ase.Atoms"
-        )
-    make: Callable[..., Island]
-    if islands is not None:
-        if lattice_constant is not None:
-            refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
-        if hasattr(islands, "get_positions") or len(islands) == 0:
-            refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
-        stiffness = None if bonds is None else positive("bonds", bonds)
-        own = [of_atoms(substrate, atoms, stiffness, angles) for atoms in islands]
-        numbers, make = np.arange(len(own))[:, None], own.__getitem__
-    else:
-        if lattice_constant is None:
-            rule = "triangular islands need it; give a length, such as lattice_constant = 2.5"
-            refuse("lattice_constant", None, rule)
-        make = partial(triangular, substrate, positive("lattice_constant", lattice_constant))
-        if sizes is None:
-            if weights is not None:
-                refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
-            return _decaying(mean_atoms, make)
-        numbers = _pairs(sizes)
-    shares = np.full(len(numbers), 1.0) if weights is None else finite_array("weights", weights)
-    if shares.shape != (len(numbers),) or not (shares > 0.0).all():
-        rule = f"must be {len(numbers)} numbers above zero, one for each island"
+def _listed(islands: list[Island], weights: npt.ArrayLike | None, quantiles: Array) -> _Family:
+    """Islands drawn with weights, equal when left out; InputError for other weights."""
+    shares = np.full(len(islands), 1.0) if weights is None else finite_array("weights", weights)
+    if shares.shape != (len(islands),) or not (shares > 0.0).all():
+        rule = f"must be {len(islands)} numbers above zero, one for each island"
         refuse("weights", weights, rule)
     shares = shares / shares.sum()
-    bounds, rows = np.cumsum(shares)[:-1], [tuple(row) for row in numbers.tolist()]
-    mean = float(shares @ [make(*row).atoms for row in rows])
-    return Islands(lambda q: numbers[np.searchsorted(bounds, q, "right")], make, mean, rows, shares)
+    kinds = np.searchsorted(np.cumsum(shares)[:-1], quantiles, "right")
+    return _Family(islands, shares, kinds, float(shares @ [island.atoms for island in islands]))
 
 
 def _pairs(sizes: npt.ArrayLike) -> npt.NDArray[np.int64]:
@@ -231,17 +219,17 @@ def _pairs(sizes: npt.ArrayLike) -> npt.NDArray[np.int64]:
     return pairs.astype(np.int64)
 
 
-def _decaying(mean_atoms: object, make: Callable[..., Island]) -> Islands:
+def _decaying(mean_atoms: object, make: Callable[..., Island], quantiles: Array) -> _Family:
     """Islands of N atoms, P(N) ~ exp(-N/mean_atoms), N = 1, 2, ..., about as high as wide: n_j is (2N/sqrt(3))^(1/2)
     and n_i is N/n_j, both rounded to whole numbers of at least 1."""
     decay = positive("mean_atoms", mean_atoms)
     if decay > _MOST_ATOMS:
         refuse("mean_atoms", mean_atoms, f"must be at most {_MOST_ATOMS:g}")
-
-    def pick(quantile: Array) -> npt.NDArray[np.int64]:
-        count = 1.0 + np.floor(-decay * np.log1p(-quantile))
-        rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
-        columns = np.maximum(np.rint(count / rows), 1.0)
-        return np.column_stack([columns, rows]).astype(np.int64)
-
-    return Islands(pick, make, float(-1.0 / np.expm1(-1.0 / decay)), [], np.empty(0))
+    count = 1.0 + np.floor(-decay * np.log1p(-quantiles))
+    rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
+    columns = np.maximum(np.rint(count / rows), 1.0)
+    pairs = np.column_stack([columns, rows]).astype(np.int64)
+    different, kinds, times = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
+    islands = [make(*pair) for pair in different.tolist()]
+    mean = float(-1.0 / np.expm1(-1.0 / decay))
+    return _Family(islands, times / times.sum(), kinds.ravel(), mean)

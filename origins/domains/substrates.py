@@ -45,9 +45,8 @@ class Substrate:
         return self._waves(positions).imag @ self.wavevectors
 
     def _waves(self, positions: npt.ArrayLike) -> npt.NDArray[np.complex128]:
-        return self.coefficients * np.exp(
-            1j * (np.asarray(positions, dtype=float) @ self.wavevectors.T)
-        )
+        phases = np.asarray(positions, dtype=float) @ self.wavevectors.T
+        return self.coefficients * np.exp(1j * phases)
 
     @cached_property
     def rank(self) -> int:
@@ -77,11 +76,8 @@ class Substrate:
     def _lattice(self) -> tuple[npt.NDArray[np.int64], Array]:
         G = self.wavevectors
         if self.rank == 1:
-            refuse(
-                "wavevectors",
-                G,
-                "are all parallel: the substrate has no cell, and islands slide freely along it",
-            )
+            rule = "are all parallel: the substrate has no cell, and islands slide freely along it"
+            refuse("wavevectors", G, rule)
         reciprocal = _shortest_basis(G)
         indices = np.rint(G @ np.linalg.inv(reciprocal)).astype(np.int64)
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
@@ -107,23 +103,20 @@ def fourier_substrate(
     try:
         G, c = np.asarray(wavevectors, dtype=float), np.asarray(coefficients, dtype=complex)
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"wavevectors, coefficients: must be arrays of numbers: {error}"
-        ) from error
+        told = f"must be arrays of numbers: {error}"
+        raise InputError(f"wavevectors, coefficients: {told}") from error
     if G.ndim != 2 or G.shape[1] != 2 or G.shape[0] == 0 or not np.isfinite(G).all():
         rule = "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]"
         refuse("wavevectors", G, rule)
     if c.shape != G.shape[:1] or not np.isfinite(c).all():
-        refuse(
-            "coefficients", c, f"must be finite and of shape ({len(G)},), one for each wavevector"
-        )
+        rule = f"must be finite and of shape ({len(G)},), one for each wavevector"
+        refuse("coefficients", c, rule)
     # whole numbers, equal for equal wavevectors; the first that is not zero is positive
     places = np.rint(G / (_AGREEMENT * np.abs(G).max() or 1.0)).astype(np.int64)
     leading = np.where(places[:, 0] == 0, places[:, 1], places[:, 0])
     signs = np.where(leading < 0, -1, 1)
-    _, first, same = np.unique(
-        signs[:, None] * places, axis=0, return_index=True, return_inverse=True
-    )
+    places = signs[:, None] * places
+    _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
     shares = np.zeros(first.size, dtype=complex)
     np.add.at(shares, same.ravel(), np.where(signs < 0, c.conj(), c))
     level = leading[first] == 0
@@ -169,21 +162,19 @@ def _shortest_basis(vectors: Array) -> Array:
     """
     lengths = np.hypot(*vectors.T)
     nothing, least = _AGREEMENT * lengths.max(), lengths.min() / _LARGEST_DENOMINATOR
-    basis, rest = vectors[:0], vectors
-    while len(rest):
-        pool = np.vstack([basis, rest])
+    pool = vectors
+    while True:
         first = pool[np.argmin(np.hypot(*pool.T))]
         if np.hypot(*first) < least:
             rule = "must be whole multiples of two vectors; this substrate never repeats"
             refuse("wavevectors", vectors, rule)
         # Gauss's step: less whole multiples of the shortest
-        left = pool - np.rint(pool @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
-        left = left[np.hypot(*left.T) > nothing]
-        second = left[np.argmin(np.hypot(*left.T))]
-        basis = np.array([first, second])
-        if np.hypot(*second) < np.hypot(*first) * (1.0 - 1e-12):
-            rest = left
-            continue
-        rest = left - np.rint(left @ np.linalg.inv(basis)) @ basis
+        rest = pool - np.rint(pool @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
         rest = rest[np.hypot(*rest.T) > nothing]
-    return basis
+        basis = np.array([first, rest[np.argmin(np.hypot(*rest.T))]])
+        if np.hypot(*basis[1]) >= np.hypot(*first) * (1.0 - 1e-12):
+            rest = rest - np.rint(rest @ np.linalg.inv(basis)) @ basis
+            rest = rest[np.hypot(*rest.T) > nothing]
+            if not len(rest):
+                return basis
+        pool = np.vstack([basis, rest])

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import between, one_of, positive, refuse
-from origins.grains.lifshitz_slyozov import OfHazard, hazard_beyond
+from origins.grains.lifshitz_slyozov import hazard_beyond
 from origins.thresholds.law import Array, Thresholds
 
 _LARGEST = 1e50  # of rho, alpha and 1/alpha, whose powers must stay finite
@@ -59,7 +59,7 @@ def grains(
 
 def _law(excess: float, B: float, jacobian: str) -> Thresholds:
     one_of("jacobian", jacobian, ("exact", "paper"))
-    return (PinningGrains if jacobian == "exact" else PrintedGrains)(excess, positive("B", B))
+    return PinningGrains(excess, positive("B", B), jacobian == "paper")
 
 
 @dataclass(frozen=True)
@@ -156,71 +156,45 @@ def film_growth(
 
     Raises InputError for a value not above zero, and where neither or both of the last two are given.
     """
-    thickness, rate = (
-        positive("film_thickness", film_thickness),
-        positive("coarsening_rate", coarsening_rate),
-    )
-    strength = positive("shear_strength", shear_strength)
     if (force_coefficient is None) == (shear_modulus is None):
-        refuse(
-            "force_coefficient",
-            force_coefficient,
-            "give either force_coefficient or shear_modulus, in Pa",
-        )
-    if shear_modulus is not None:
-        coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
-    else:
+        rule = "give either force_coefficient or shear_modulus, in Pa"
+        refuse("force_coefficient", force_coefficient, rule)
+    thickness = positive("film_thickness", film_thickness)
+    strength = positive("shear_strength", shear_strength)
+    if shear_modulus is None:
         coefficient = positive("force_coefficient", force_coefficient)
-    return GrainGrowth(
-        2.0 * np.cbrt(rate) / thickness, 4.0 * coefficient / (np.pi * strength * thickness**2)
-    )
+    else:
+        coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
+    alpha = 2.0 * np.cbrt(positive("coarsening_rate", coarsening_rate)) / thickness
+    return GrainGrowth(alpha, 4.0 * coefficient / (np.pi * strength * thickness**2))
 
 
-class _Film(Thresholds):
-    """Stretches at which grains break; excess = 3 rho/2 - 1 > 0."""
+class PinningGrains(Thresholds):
+    """Stretches at which grains break; excess = 3 rho/2 - 1 > 0.
 
-    def __init__(self, excess: float, B: float) -> None:
-        self._root_b, self._m0 = float(np.sqrt(B)), 1.0 + excess
-        self._y0, self._e0 = 1.0 / self._m0, excess / self._m0
+    P_c = P_LS(u(x)) du/dx, or without the Jacobian as the paper prints it.
+    """
+
+    def __init__(self, excess: float, B: float, printed: bool) -> None:
+        self._root_b, self._largest, self._printed = float(np.sqrt(B)), 1.0 + excess, printed
         self._upper = float(np.sqrt(excess) * np.sqrt(excess + 2.0) / self._root_b)
+        self._free = excess / self._largest
+        self.onset_power = 0.0 if printed else 1.0
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper
 
-    def _sizes(self, x: Array) -> tuple[Array, Array, Array]:
-        """k, its distance m0 - k from the largest one, and the q of lifshitz_slyozov for this grain size."""
+    def _log_weight(self, x: Array) -> Array:
         s = self._root_b * x
-        k = np.hypot(1.0, s)
+        k = np.hypot(1.0, s)  # diameter of the grain over the film's thickness
+        # the distance from the largest one, without cancellation
         left = (
-            self._root_b * (self._upper - x) * (self._root_b * (self._upper + x) / (self._m0 + k))
+            self._root_b
+            * (self._upper - x)
+            * (self._root_b * (self._upper + x) / (self._largest + k))
         )
         with np.errstate(divide="ignore", invalid="ignore"):
-            return k, left, s * (s / (1.0 + k)) / (self._e0 * left)
-
-
-class PinningGrains(_Film, OfHazard):
-    """Exact Jacobian: the survival is that of the sizes, S = S_LS(u(x))/S_LS(1/rho)."""
-
-    onset_power = 1.0
-
-    def _hazard(self, x: Array) -> Array:
-        return hazard_beyond(self._sizes(x)[2], self._y0, self._e0)
-
-    def _logpdf(self, x: Array) -> Array:
-        k, left, q = self._sizes(x)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = np.log(3.0 * self._root_b / (2.0 * self._m0 + k)) + np.log(self._root_b * x)
-            log = slope + np.log(k) - 2.0 * np.log(left) - hazard_beyond(q, self._y0, self._e0)
-        return np.where((x > 0.0) & (left > 0.0), log, -np.inf)
-
-
-class PrintedGrains(_Film):
-    """The Jacobian that the paper prints: P_c proportional to P_LS(u(x))."""
-
-    onset_power = 0.0
-
-    def _log_weight(self, x: Array) -> Array:
-        k, left, q = self._sizes(x)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            size = 2.0 * np.log(k) - 7.0 / 3.0 * np.log1p((k - 1.0) / (2.0 * self._m0 + 1.0))
-            return np.where(left > 0.0, size + 11.0 / 3.0 * np.log1p(q * self._e0) - q, -np.inf)
+            q = s * (s / (1.0 + k)) / (self._free * left)
+            size = 2.0 * np.log(k) - 7.0 / 3.0 * np.log1p((k - 1.0) / (2.0 * self._largest + 1.0))
+            size += 11.0 / 3.0 * np.log1p(q * self._free) - q
+            return np.where(left > 0.0, size if self._printed else size + np.log(s / k), -np.inf)

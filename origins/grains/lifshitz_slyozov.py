@@ -8,16 +8,10 @@ since the shape of the law stays the same while grains grow and vanish. With q =
 psi(y) - psi(y0) is convex in q, and q goes to infinity at the largest grain, which removes the singularity.
 """
 
-from abc import abstractmethod
-
 import numpy as np
 
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
-
-_SMALL = 0.4
-_STEPS = 60
-_MISS = 1e-5  # relative step after which to stop: the error that a Halley step leaves is cubic
 
 
 def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
@@ -28,7 +22,7 @@ def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
     gap = e0 * (q * e0 / (1.0 + q * e0))
     out = q - 5.0 / 3.0 * np.log1p(q * e0) + 4.0 / 3.0 * np.log1p(gap / (2.0 + y0))
     # small grains: the three terms cancel to the third order, their derivative does not
-    small = y0 + gap < _SMALL
+    small = y0 + gap < 0.4
     if small.any():
         nodes, weights = gauss(np.zeros(int(small.sum())), gap[small])
         y = np.broadcast_to(y0, small.shape)[small][:, None] + nodes
@@ -41,44 +35,22 @@ def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
 
     Halley's steps approach the root from above from the first guess, since the hazard is convex in q.
     """
-    goal = hazard.ravel()
-    ends = (np.broadcast_to(np.asarray(end, dtype=float), hazard.shape).ravel() for end in (y0, e0))
-    y0, e0 = ends
-    slope = 3.0 * y0 * y0 / (2.0 + y0)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        straight = np.where(slope > 0.0, goal / slope, np.inf)
+    goal = np.maximum(hazard, 1e-300)
+    with np.errstate(divide="ignore", over="ignore"):
+        straight = goal * (2.0 + y0) / (3.0 * np.square(y0))
     q = np.minimum(straight, np.cbrt(2.0 * goal) + goal + 5.0 / 3.0 * np.log1p(goal))
-    place = np.flatnonzero(goal > 0.0)
-    for _ in range(_STEPS):
-        if not place.size:
-            break
-        now, start, free = q[place], y0[place], e0[place]
-        left = free / (1.0 + now * free)
-        y = start + now * free * left
-        step = (hazard_beyond(now, start, free) - goal[place]) * (2.0 + y) / (3.0 * y * y)
+    for _ in range(60):
+        left = e0 / (1.0 + q * e0)
+        y = y0 + q * e0 * left
+        step = (hazard_beyond(q, y0, e0) - goal) * (2.0 + y) / (3.0 * y * y)
         step /= 1.0 - 0.5 * step * left * left * (4.0 + y) / (y * (2.0 + y))
-        q[place] = np.maximum(now - step, 0.125 * now)
-        place = place[np.abs(step) > _MISS * now]
-    return q.reshape(hazard.shape)
+        q = np.maximum(q - step, 0.125 * q)
+        if (np.abs(step) <= 1e-5 * q).all():  # the error that a step leaves is cubic
+            break
+    return np.where(hazard > 0.0, q, 0.0)
 
 
-class OfHazard(Thresholds):
-    """A law given by -log of its survival, `_hazard`, its density and the inverse."""
-
-    @abstractmethod
-    def _hazard(self, x: Array) -> Array: ...
-
-    def _cdf(self, x: Array) -> Array:
-        return -np.expm1(-self._hazard(x))
-
-    def _sf(self, x: Array) -> Array:
-        return np.exp(-self._hazard(x))
-
-    def _logsf(self, x: Array) -> Array:
-        return -self._hazard(x)
-
-
-class LifshitzSlyozov(OfHazard):
+class LifshitzSlyozov(Thresholds):
     """Law of u = r/<r> on (0, 3/2), normalised: constant 3^4 e/2^(5/3), mean 1 (paper, Eq. LS1).
 
     u is a number, not a stretch; the methods are those of every law.
@@ -92,12 +64,19 @@ class LifshitzSlyozov(OfHazard):
     def _hazard(self, u: Array) -> Array:
         return hazard_beyond(u / (1.5 - u), 0.0, 1.0)
 
+    def _cdf(self, u: Array) -> Array:
+        return -np.expm1(-self._hazard(u))
+
+    def _sf(self, u: Array) -> Array:
+        return np.exp(-self._hazard(u))
+
+    def _logsf(self, u: Array) -> Array:
+        return -self._hazard(u)
+
     def _logpdf(self, u: Array) -> Array:
-        out = np.full(u.shape, -np.inf)
-        inner = (u > 0.0) & (u < 1.5)
-        u = u[inner]
-        out[inner] = np.log(3.0 * u * u / ((u + 3.0) * (1.5 - u) ** 2)) - self._hazard(u)
-        return out
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log = np.log(3.0 * u * u / ((u + 3.0) * (1.5 - u) ** 2)) - self._hazard(u)
+        return np.where((u > 0.0) & (u < 1.5), log, -np.inf)
 
     def _moment(self, n: float) -> float:
         return 1.0 if n == 1 else super()._moment(n)
