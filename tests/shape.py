@@ -34,8 +34,8 @@ class Room(NamedTuple):
 ROOMS = {
     "master": Room(7500, 10497, 200, 243),
     "eq_model": Room(2200, 3754, 60, 130),
-    "origins": Room(4500, 7605, 120, 145),
-    "toolkit": Room(4000, 3994, 100, 65),
+    "origins": Room(4500, 6932, 120, 97),
+    "toolkit": Room(4000, 3992, 100, 65),
 }
 Graph = dict[str, set[str]]
 

@@ -112,8 +112,10 @@ def resolution_study(
     result has its moments as `.interface.moments`, with the step and the spacing of their differences.
     options : all other arguments of from_topography, except step.
 
-    Raises InputError as from_topography does.
+    Raises InputError as from_topography does, and for no factors.
     """
+    if not isinstance(factors, tuple | list) or not factors:
+        refuse("factors", factors, "must be a tuple of whole numbers, such as (1, 2, 4, 8)")
     surface = as_topography(heights, pixel_size)
     return tuple(from_topography(surface, step=step, **options) for step in factors)
 

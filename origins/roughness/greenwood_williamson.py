@@ -7,7 +7,6 @@ continuous there, but the threshold as a function of delta has a kink and P_c ha
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -136,22 +135,36 @@ def pressed(summits: Summits, pressure: float) -> float:
     return z
 
 
-def separation_of_pressure(moments: SpectralMoments, pressure: float, **contact: Any) -> float:
+def separation_of_pressure(
+    moments: SpectralMoments,
+    pressure: float,
+    *,
+    material: Material,
+    regime: str = "elastic",
+    height_law: str = "gaussian",
+) -> float:
     """h0 in m, the height of the flat above the summits' mean plane, under a nominal pressure in Pa.
 
-    contact : material, regime and height_law, as in from_moments. Raises InputError as from_moments does.
+    moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does.
     """
-    summits = summits_of(moments, **contact)
+    summits = summits_of(moments, material, regime, height_law)
     return float(pressed(summits, positive("pressure", pressure)) * summits.std)
 
 
-def pressure_of_separation(moments: SpectralMoments, separation: float, **contact: Any) -> float:
+def pressure_of_separation(
+    moments: SpectralMoments,
+    separation: float,
+    *,
+    material: Material,
+    regime: str = "elastic",
+    height_law: str = "gaussian",
+) -> float:
     """Nominal pressure in Pa that holds the flat at `separation`, in m above the summits' mean plane.
 
-    contact : material, regime and height_law, as in from_moments. Raises InputError as from_moments does, for a flat
-    below h = 0 under exponential heights, and for one so high that the pressure underflows.
+    moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does, for a flat below
+    h = 0 under exponential heights, and for one so high that the pressure underflows.
     """
-    summits = summits_of(moments, **contact)
+    summits = summits_of(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std
     summits.check(z, "separation", separation, "raise it")
     pressure = float(np.exp(summits.log_pressure(z)))
