@@ -7,8 +7,7 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.edges import CLOSE
-from master.renewal.lumps import NOTHING
-from master.renewal.march import March
+from master.renewal.march import NOTHING, March
 
 Array = npt.NDArray[np.float64]
 
