@@ -223,11 +223,11 @@ class March:
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += 100 * count  # about the cost of solving a panel, in pieces of integrals
-        begin, same = self.motion.times[leg] - 1e-9 * width, 0
-        while same < len(self.width) and self.width[-1 - same] == width:
-            if self.begin[-1 - same] < begin:
-                break
-            same += 1
+        # the last panels of this width, of those whose births are felt
+        first = bisect_right(self.begin, self.reached - self._memory(leg) - 2.0 * width)
+        first = max(first, bisect_left(self.begin, self.motion.times[leg] - 1e-9 * width))
+        other = np.flatnonzero(np.array(self.width[first:]) != width)
+        same = len(self.width) - first - (int(other[-1]) + 1 if other.size else 0)
         kernel = self.kernels.on(float(self.motion.speeds[leg]), width, same + count)
         known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), same, leg)
         return solve_run(kernel, known, self.breaks[len(self.breaks) - same :], self.stretch)
@@ -243,7 +243,8 @@ class March:
             grid = grid - self.motion.times[leg]
         late, last = float(self.motion.times[leg]), len(self.begin) - same
         edges = self.edges[self.motion.leg(self.edges) == leg] - late
-        self._past.enter(leg, self._panels(0), self.lumps, np.append(0.0, edges))
+        if leg != self._past.leg:
+            self._past.enter(leg, self._panels(0), self.lumps, np.append(0.0, edges))
         out, t, delay = self._past.at(grid, self.lumps), grid.ravel(), self.births.delay
         first = max(bisect_right(self.begin, late + t.min() - self._memory(leg)) - 1, 0)
         own = self._panels(max(first, self._past.first), last)

@@ -62,8 +62,8 @@ class Past:
 
     Attributes
     ----------
-    first : int
-        The first panel whose births are on the present leg.
+    leg, first : int
+        The leg, and the first panel whose births are on the present leg.
     error : float
         Bound on the error of the number, the largest of all legs so far.
     """
@@ -74,7 +74,7 @@ class Past:
         self._accuracy = births.accuracy * (1.0 if births.life.quick else 30.0)
         # many legs may be dropped: each is this much smaller
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
-        self._leg, self.first, self.error = -1, 0, 0.0
+        self.leg, self.first, self.error = -1, 0, 0.0
         self._table: Table | None = None
         self._over: set[int] = set()  # legs of whose births hardly any hold
         self._strands: list[StrandBirths] = []
@@ -82,12 +82,10 @@ class Past:
         self._rested = False
 
     def enter(self, leg: int, panels: Panels, lumps: Sequence[Lump], edges: Array) -> None:
-        """Prepare the sums on a leg, unless they are; all panels before it are solved.
+        """Prepare the sums on a leg; all panels before it are solved.
 
         edges : array of shape (n,), those on the leg, counted from its beginning
         """
-        if leg == self._leg:
-            return
         self.find(leg, panels)
         self._table, life = None, self._life
         if life.quick or life.has_strands:
@@ -140,8 +138,8 @@ class Past:
 
     def find(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
-        whole, before, delay = self._births.motion, self._leg, self._births.delay
-        self._leg, self._motion, self._late = leg, whole.since(leg), float(whole.times[leg])
+        whole, before, delay = self._births.motion, self.leg, self._births.delay
+        self.leg, self._motion, self._late = leg, whole.since(leg), float(whole.times[leg])
         born = panels.middle_of_births(delay)
         self.first = int(np.searchsorted(born, self._late))
         legs = whole.leg(born[: self.first])
@@ -169,15 +167,15 @@ class Past:
     def _place(self, panels: Panels, legs: Rows) -> None:
         """Give births their places: minus the way to the present leg, where a hold counts as a grain."""
         _, since, width, breaks = panels
-        ways = np.abs(np.diff(self._motion.positions[: self._leg + 1]))
+        ways = np.abs(np.diff(self._motion.positions[: self.leg + 1]))
         ways = np.where(ways > 0.0, ways, self._life.grain)
         self._knots = -np.append(np.cumsum(ways[::-1])[::-1], 0.0)
-        speeds = (ways / np.diff(self._motion.times[: self._leg + 1]))[legs]
+        speeds = (ways / np.diff(self._motion.times[: self.leg + 1]))[legs]
         begin = self._knots[legs] + speeds * since
         self._ends = np.append(begin, begin[-1:] + speeds[-1:] * width[-1:])
         self._slopes = breaks @ rule.SLOPES.T
         self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
-        most = np.bincount(legs, np.abs(breaks).max(axis=1), self._leg)
+        most = np.bincount(legs, np.abs(breaks).max(axis=1), self.leg)
         found = np.array([leg for leg in np.unique(legs) if leg not in self._over], dtype=int)
         self._first = self._last = found
         if found.size:
