@@ -104,7 +104,9 @@ class Straight:
 
     def left(self, lag: Array) -> Array:
         """E and K after lags of shape (rows, columns), from the life itself; shape (2, *lag.shape)."""
-        far = float(lag.max(initial=self.longest)) / self._per_time
+        if not lag.size:
+            return np.zeros((2, *lag.shape))
+        far = max(float(lag.max()), self.longest) / self._per_time
         motion = Motion(np.array([0.0, far]), np.array([0.0, far * self._speed]))
         return self.life.left(self.born, motion.history(lag / self._per_time, np.zeros((1, 1))))
 

@@ -99,7 +99,8 @@ class Travel(Straight):
             self.area_error = abs(self.area - integrals[1]) + 4e-16 * self.area
             return
         # the error of E itself is relative where few contacts hold
-        weights = np.minimum(table(table.begin)[0] / FEW, 1.0) * table.widths
+        felt = np.minimum(held / FEW, 1.0)
+        weights = 0.5 * (felt[1:] + felt[:-1]) * table.widths
         own = life.error * np.array([weights.sum(), weights @ table.end / self.scale])
         off = table.missed() + own + self._beyond()
         if isinstance(life, ThermalLife):
