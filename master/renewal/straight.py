@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from master.lives.cold import NONE_LEFT
 from master.lives.life import Life
-from master.lives.straight import bends_of
 from master.motion.motion import Motion
 from master.renewal.table import Table, beside
 from origins.errors import refuse
@@ -43,10 +42,9 @@ class Straight:
     accuracy : float
         Last coefficients of E, and of K over `scale`, below which a panel of the table is not halved;
         0: no table, for lives that are as quick.
-    way_per_time : float
-        |speed| where lags are ways, 1 where they are times.
-    to_the_end : bool
-        Whether to go on beyond the longest lag, until hardly any contact holds.
+    steady : bool
+        Whether lags are ways instead of times, and followed beyond the longest until hardly any
+        contact holds.
 
     Attributes
     ----------
@@ -75,24 +73,22 @@ class Straight:
         speed: float,
         longest: float,
         accuracy: float,
-        way_per_time: float = 1.0,
-        to_the_end: bool = False,
+        steady: bool = False,
     ) -> None:
         """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest, self.error = life, born, longest, 0.0
-        self._speed, self._per_time = speed, way_per_time
-        bends = way_per_time * bends_of(life, born, speed)
+        self._speed, self._per_time = speed, speed if steady else 1.0
+        bends = self._bends(np.append(life.bends, life.reach))
         self._read: Callable[[Array], Array] = self.scaled
         if not accuracy:
             self.scale = life.reach
-            smooth = way_per_time * bends_of(life, born, speed, life.marks)
             self._bounds = _edges(longest, bends)
-            self.edges = np.union1d(self._bounds, _edges(longest, smooth))
+            self.edges = np.union1d(self._bounds, _edges(longest, self._bends(life.marks)))
             return
-        lags, held = self._ladder(longest, to_the_end)
+        lags, held = self._ladder(longest, steady)
         self.longest = float(lags[-1])
         self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
-        way = self.typical * abs(speed) / way_per_time
+        way = self.typical * abs(speed) / self._per_time
         self.scale = max(way, *(abs(end) for end in born.span)) or life.reach
         first = max(int(np.argmax(held < 1.0 - UNBROKEN)) - 1, 0)
         self._bounds = _edges(self.longest, bends)
@@ -125,11 +121,19 @@ class Straight:
         found[1] *= self.scale
         return found
 
+    def _bends(self, marks: Array) -> Array:
+        """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
+        sign, speed, born = np.sign(self._speed), abs(self._speed), self.born
+        ends = np.unique(sign * np.array([*born.span, *born.breakpoints]))
+        # a contact born at r < 0 comes back to its largest |x| after a way of -2 r
+        ways = np.append(np.subtract.outer(marks, ends), -2.0 * ends)
+        return np.unique(ways[ways > 0.0]) * (self._per_time / speed) if speed else np.empty(0)
+
     def _held(self, lag: Array) -> Array:
         """E after lags of shape (n,)."""
         return np.asarray(self.left(lag[:, None])[0, :, 0])
 
-    def _ladder(self, longest: float, to_the_end: bool) -> tuple[Array, Array]:
+    def _ladder(self, longest: float, steady: bool) -> tuple[Array, Array]:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
         lags = np.array([longest])
         held = self._held(lags)
@@ -141,15 +145,11 @@ class Straight:
             lags, held = np.append(lower, lags), np.append(self._held(lower), held)
         typical = lags[np.flatnonzero(held > 0.5 * held.max())[-1]]
         # not even the heaviest tail is followed beyond 1e120 times the reach
-        while (
-            to_the_end
-            and held[-1] * (lags[-1] / typical) ** 2 > NONE
-            and lags[-1] < 1e120 * longest
-        ):
+        while steady and held[-1] * (lags[-1] / typical) ** 2 > NONE and lags[-1] < 1e120 * longest:
             lags = np.append(lags, 2.0 * lags[-1])
             held = np.append(held, self._held(lags[-1:]))
         over = held < NONE_LEFT
-        count = lags.size if to_the_end or not over.any() else int(np.argmax(over)) + 1
+        count = lags.size if steady or not over.any() else int(np.argmax(over)) + 1
         return lags[:count], held[:count]
 
 

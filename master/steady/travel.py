@@ -78,7 +78,7 @@ class Travel(Straight):
         longest = life.reach + max(-2.0 * float(born.span[0]), 0.0)
         # panels that follow E more closely than it is known would follow its rounding
         accuracy = max(accuracy, min(life.error, COARSEST))
-        super().__init__(life, born, velocity, longest, accuracy, velocity, to_the_end=True)
+        super().__init__(life, born, velocity, longest, accuracy, steady=True)
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
         table = self.table
         held, borne = table(table.edges)
