@@ -242,9 +242,8 @@ class March:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
         late, last = float(self.motion.times[leg]), len(self.begin) - same
-        edges = self.edges[self.motion.leg(self.edges) == leg] - late
         if leg != self._past.leg:
-            self._past.enter(leg, self._panels(0), self.lumps, np.append(0.0, edges))
+            self._past.enter(leg, self._panels(0))
         out, t, delay = self._past.at(grid, self.lumps), grid.ravel(), self.births.delay
         first = max(bisect_right(self.begin, late + t.min() - self._memory(leg)) - 1, 0)
         own = self._panels(max(first, self._past.first), last)
@@ -279,7 +278,7 @@ class March:
         legs, now = motion.leg(panels.middle_of_births(self.births.delay)), int(motion.leg(t))
         panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
         past, x = Past(self.births, np.inf), np.array([[t - motion.times[now]]])
-        past.find(now, panels)
+        past.enter(now, panels)
         own = self._on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
         return float(past.sums(x)[0, 0, 0] + own[0, 0])
 

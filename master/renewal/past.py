@@ -31,7 +31,7 @@ from master.renewal.births import (
     Rows,
     moments,
 )
-from master.renewal.table import Table, basis_of, beside
+from master.renewal.table import basis_of
 
 if TYPE_CHECKING:
     from master.renewal.strand_births import StrandBirths
@@ -40,15 +40,12 @@ Array = npt.NDArray[np.float64]
 
 # Gauss nodes of a piece, and most halvings of it; rounding of times ends them before.
 SIZE, DEPTH = 16, 60
-# Allowed error at the ends of a leg's table, in units of its accuracy: panels of the march begin there,
-# and could not resolve a jump of the number.
-ENDS = 2.0
 # Allowed error of a polynomial at the ends of a piece, in units of its accuracy: beside a root of the
 # survival the error is larger there than in between. (A life shorter than the piece shows there.)
 END = 100.0
 # The survival jumps at exact thresholds: it is evaluated this share of a piece inside its ends, and on
 # panels that begin or end there, this share of the panel inside.
-INSIDE, BESIDE = 1e-9, 1e-7
+INSIDE = 1e-9
 
 
 class Past:
@@ -75,44 +72,33 @@ class Past:
         # many legs may be dropped: each is this much smaller
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
-        self._table: Table | None = None
         self._over: set[int] = set()  # legs of whose births hardly any hold
         self._strands: list[StrandBirths] = []
         self._first = self._last = np.empty(0, dtype=int)
         self._rested = False
 
-    def enter(self, leg: int, panels: Panels, lumps: Sequence[Lump], edges: Array) -> None:
-        """Prepare the sums on a leg; all panels before it are solved.
-
-        edges : array of shape (n,), those on the leg, counted from its beginning
-        """
-        self.find(leg, panels)
-        self._table, life = None, self._life
-        if life.quick or life.has_strands:
-            return  # these sums take no longer than a look-up
-        early = [lump for lump in lumps if lump.time <= self._late]
-
-        def found(x: Array) -> Array:
-            out = self.sums(x) + self._of_lumps(early, x)
-            out[1] /= life.reach
-            return out
-
-        # on wide panels all nodes may miss a short life: `ends` and `first_cut` detect it
-        self._edges = np.unique(edges)
-        given = found, self._edges, self._accuracy, 1e-20 * float(edges[-1])
-        self._table = Table(*given, ends=ENDS, size=SIZE, first_cut=1 / 16, goes_on=self._goes_on)
-        self.error = max(self.error, ENDS * self._table.error)
+    def enter(self, leg: int, panels: Panels) -> None:
+        """Find the births on all legs before one, and count their times from its beginning."""
+        whole, before, delay = self._births.motion, self.leg, self._births.delay
+        self.leg, self._motion, self._late = leg, whole.since(leg), float(whole.times[leg])
+        born = panels.middle_of_births(delay)
+        self.first = int(np.searchsorted(born, self._late))
+        legs = whole.leg(born[: self.first])
+        panels = Panels(*(part[: self.first] for part in panels))
+        if delay > 0.0:
+            since = np.maximum(panels.begin + delay - whole.times[legs], 0.0)
+            panels = panels._replace(since=since)
+        if self._life.has_strands:
+            self._follow(range(max(before, 0), leg), panels, legs)
+        else:
+            self._place(panels, legs)
 
     def at(self, x: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force at times x, in rows, of births on the legs before, and of all lumps.
 
         Each row lies within one panel of the leg. Returns an array of shape (2, *x.shape).
         """
-        if self._table is None:
-            return self.sums(x) + self._of_lumps(lumps, x)
-        found = self._table(beside(x, self._edges))
-        found[1] *= self._life.reach
-        return found + self._of_lumps([lump for lump in lumps if lump.time > self._late], x)
+        return self.sums(x) + self._of_lumps(lumps, x)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
         """Number and force of lumps at times of shape (rows, columns), (2, rows, columns).
@@ -135,22 +121,6 @@ class Past:
                 history = self._motion.history(grid[~early], s)
                 out[:, ~early] += lump.weight * self._life.left(lump.law, history)
         return out
-
-    def find(self, leg: int, panels: Panels) -> None:
-        """Find the births on all legs before one, and count their times from its beginning."""
-        whole, before, delay = self._births.motion, self.leg, self._births.delay
-        self.leg, self._motion, self._late = leg, whole.since(leg), float(whole.times[leg])
-        born = panels.middle_of_births(delay)
-        self.first = int(np.searchsorted(born, self._late))
-        legs = whole.leg(born[: self.first])
-        panels = Panels(*(part[: self.first] for part in panels))
-        if delay > 0.0:
-            since = np.maximum(panels.begin + delay - whole.times[legs], 0.0)
-            panels = panels._replace(since=since)
-        if self._life.has_strands:
-            self._follow(range(max(before, 0), leg), panels, legs)
-        else:
-            self._place(panels, legs)
 
     def _follow(self, legs_before: range, panels: Panels, legs: Rows) -> None:
         """Make strands of the births on some legs, and follow all strands to the present leg."""
@@ -202,10 +172,6 @@ class Past:
         held = births.life.left(births.law, motion.history(np.full(s.shape, TINY), s))[0]
         return np.asarray(held.reshape(-1, 4).max(axis=1))
 
-    def _goes_on(self) -> bool:
-        """Whether there is work and time left."""
-        return self._births.work <= MOST_WORK and clock.monotonic() <= self._until
-
     def breaking(self, t: float) -> float:
         """Share of all contacts that were born in holds and reach an exact threshold at t.
 
@@ -214,7 +180,7 @@ class Past:
         t -= self._late
         if not self._rested or not t > 0.0:
             return 0.0
-        near = t - BESIDE * min(t, self._life.grain) * np.array([2.0, 1.0, 0.0])
+        near = t - 1e-9 * min(t, self._life.grain) * np.array([2.0, 1.0, 0.0])
         # the second difference removes the contacts that break at a steady rate
         return float(-np.diff(self.sums(near[:, None])[0, :, 0], n=2)[0])
 
@@ -227,8 +193,9 @@ class Past:
         t = grid
         if self._rested and self._life.atoms.size:
             # at an edge the births of a hold may meet an exact threshold, all at once
-            inside = BESIDE * np.ptp(grid, axis=1, keepdims=True)
-            t = np.clip(grid, grid[:, :1] + inside, grid[:, -1:] - inside)
+            first, last = (end(axis=1, keepdims=True) for end in (grid.min, grid.max))
+            inside = INSIDE * (last - first)
+            t = np.clip(grid, first + inside, last - inside)
         t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
         out = np.zeros((2, t.size))
         if self._strands:
@@ -258,7 +225,8 @@ class Past:
             wrong = born * np.maximum.reduce([tail[0], tail[1] / self._life.reach, off / END])
             rough = (wrong > self._accuracy) & (pieces.width > 1e-14 * np.abs(pieces.right))
             rough &= pieces.width > narrow
-            if rough.any() and not self._goes_on():
+            late = self._births.work > MOST_WORK or clock.monotonic() > self._until
+            if rough.any() and late:
                 self.error = max(self.error, float(wrong[rough].sum()))
                 rough[:] = False
             done = pieces.pick(~rough)

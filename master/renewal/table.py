@@ -66,10 +66,6 @@ class Table:
         checked. The check detects a fall that is over before the first node.
     size : int
         Coefficients of the polynomials.
-    first_cut : float
-        Share of its width at which the first panel is cut.
-    goes_on : callable
-        Whether there is time left to halve panels.
     felt : callable
         Takes values, as `function` gives them, and the panels' widths; returns the factor on the
         accuracy of each panel, shape (panels,).
@@ -95,8 +91,6 @@ class Table:
         shortest: float,
         ends: float = 0.0,
         size: int = SIZE,
-        first_cut: float = 0.5,
-        goes_on: Callable[[], bool] = lambda: True,
         felt: Callable[[Array, Array], Array] | None = None,
         rounding: float = 0.0,
     ) -> None:
@@ -120,13 +114,13 @@ class Table:
             # nodes nearer to each other than 1e-15 of their place coincide by rounding
             rough = (tail > accuracy) & (high - low > np.maximum(shortest, 1e-15 * np.abs(high)))
             rough &= (tail > rounding * accuracy) | (tail < HARDLY * before)
-            rough &= goes_on() and low.size <= MOST + edges.size
+            rough &= low.size <= MOST + edges.size
             kept.append((low[~rough], high[~rough], series[:, ~rough]))
             self.error = max(self.error, float(tail[~rough].max(initial=0.0)))
             low, high, before = low[rough], high[rough], np.tile(tail[rough], 2)
             if not low.size:
                 break
-            middle = low + np.where(low == edges[0], first_cut, 0.5) * (high - low)
+            middle = low + 0.5 * (high - low)
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         begin, end, parts = (
             np.concatenate(part, axis=-1 if part[0].ndim == 1 else 1)
