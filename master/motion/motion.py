@@ -130,14 +130,18 @@ class History:
     """
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:
-        self.motion, self.t, self.s = motion, t, s
+        self.motion, self.t, self.s, self._first, self._last = motion, t, s, 0, 0
+        if motion.one_leg:
+            self.now: Array = motion.speeds[0] * (t - s)
+            self.high, self.low = np.maximum(self.now, 0.0), np.minimum(self.now, 0.0)
+            return
         rows, columns = np.broadcast_shapes(t.shape, s.shape)
         middle = s[:, min(columns // 2, s.shape[1] - 1)]
         last = self._last = motion.leg_of_all(t)
         first = np.broadcast_to(np.minimum(motion.leg(middle), last), rows)
         self._first = int(first.min(initial=last))
         born, now = motion.at(s), motion.speeds[last] * (t - s)
-        self.now: Array = now
+        self.now = now
         if self._first < last:
             self.now = np.where(np.equal(first, last)[:, None], now, motion.at(t) - born)
         highest, lowest = motion.knots_between(last, first)

@@ -32,8 +32,6 @@ Array = npt.NDArray[np.float64]
 
 # Width of a panel, in units of its time, below which rounding of the time spoils it.
 ROUNDED = 1e-13
-# Share of contacts that is negligible beside the rounding of the number, 1e-16.
-NOTHING = 1e-18
 
 
 class March:
@@ -242,8 +240,7 @@ class March:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
         late, last = float(self.motion.times[leg]), len(self.begin) - same
-        if leg != self._past.leg:
-            self._past.enter(leg, self._panels(0))
+        self._enter(leg)
         out, t, delay = self._past.at(grid, self.lumps), grid.ravel(), self.births.delay
         first = max(bisect_right(self.begin, late + t.min() - self._memory(leg)) - 1, 0)
         own = self._panels(max(first, self._past.first), last)
@@ -282,17 +279,18 @@ class March:
         own = self._on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
         return float(past.sums(x)[0, 0, 0] + own[0, 0])
 
+    def _enter(self, leg: int) -> None:
+        """Find the births on all legs before one, unless they are found."""
+        if leg != self._past.leg:
+            self._past.enter(leg, self._panels(0))
+
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a new lump of the contacts that reach an exact threshold, together, at the edge t."""
         if not t > 0.0 or not len(self.life.atoms):
             return
-        sides, broken = (t - 0.5 * self.width[-1], t + 0.5 * (end - t)), self._past.breaking(t)
-        for lump in self.lumps:
-            if lump.holds and lump.time < t:
-                born = np.full((1, 1), lump.time)
-                histories = [self.motion.history(np.array([[t, side, t]]), born) for side in sides]
-                before, after = (self.life.left(lump.law, past)[0, 0, 0] for past in histories)
-                broken += lump.weight * float(before - after)
-                lump.holds = bool(lump.weight * after > NOTHING)
-        if broken > LEAST_LUMP:
-            self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
+        self._enter(int(self.motion.leg(t)))
+        sides = (t - 0.5 * self.width[-1], t + 0.5 * (end - t))
+        rows = (np.array([[t, side, t]]) - self._past.late for side in sides)
+        before, after = (self._past.at(row, self.lumps)[0, 0, 0] for row in rows)
+        if before - after > LEAST_LUMP:
+            self.lumps.append(Lump(t + self.births.delay, before - after, self.births.law))

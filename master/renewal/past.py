@@ -61,6 +61,8 @@ class Past:
     ----------
     leg, first : int
         The leg, and the first panel whose births are on the present leg.
+    late : float
+        When the leg begins.
     error : float
         Bound on the error of the number, the largest of all legs so far.
     """
@@ -80,9 +82,9 @@ class Past:
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
         whole, before, delay = self._births.motion, self.leg, self._births.delay
-        self.leg, self._motion, self._late = leg, whole.since(leg), float(whole.times[leg])
+        self.leg, self._motion, self.late = leg, whole.since(leg), float(whole.times[leg])
         born = panels.middle_of_births(delay)
-        self.first = int(np.searchsorted(born, self._late))
+        self.first = int(np.searchsorted(born, self.late))
         legs = whole.leg(born[: self.first])
         panels = Panels(*(part[: self.first] for part in panels))
         if delay > 0.0:
@@ -106,17 +108,16 @@ class Past:
         The middle column decides on which side of an exact threshold a row lies.
         """
         births, middle = self._births, grid[:, grid.shape[1] // 2]
-        out = np.zeros((2, *grid.shape))
-        for lump in lumps:
-            s, (low, high) = np.full((1, 1), lump.time - self._late), lump.law.span
-            if s < grid[0, 0]:
-                moved = self._motion.history(grid[:1, :1], s)
+        out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
+        for lump in (lump for lump in lumps if lump.holds):
+            s, (low, high) = np.full((1, 1), lump.time - self.late), lump.law.span
+            if s < first:
+                moved = self._motion.history(first, s)
                 least = max(low + moved.high[0, 0], -(high + moved.low[0, 0]))
-                if not lump.holds or least > self._life.reach:
-                    continue
+                lump.holds = bool(least <= self._life.reach)
             early = middle < s[0, 0]  # still out
             out[0, early] += lump.weight
-            if not early.all():
+            if lump.holds and not early.all():
                 births.count(grid.shape[0])
                 history = self._motion.history(grid[~early], s)
                 out[:, ~early] += lump.weight * self._life.left(lump.law, history)
@@ -172,18 +173,6 @@ class Past:
         held = births.life.left(births.law, motion.history(np.full(s.shape, TINY), s))[0]
         return np.asarray(held.reshape(-1, 4).max(axis=1))
 
-    def breaking(self, t: float) -> float:
-        """Share of all contacts that were born in holds and reach an exact threshold at t.
-
-        t : an edge, on this leg
-        """
-        t -= self._late
-        if not self._rested or not t > 0.0:
-            return 0.0
-        near = t - 1e-9 * min(t, self._life.grain) * np.array([2.0, 1.0, 0.0])
-        # the second difference removes the contacts that break at a steady rate
-        return float(-np.diff(self.sums(near[:, None])[0, :, 0], n=2)[0])
-
     def sums(self, grid: Array) -> Array:
         """Number and force at times, in rows, on the leg; shape (2, *grid.shape).
 
@@ -203,9 +192,7 @@ class Past:
         if not self._first.size:
             return out.reshape(2, *grid.shape)
         pieces, basis = self._pieces(t), basis_of(SIZE)
-        narrow = (
-            CLOSE * float(np.ptp(np.append(pieces.left, pieces.right))) if pieces.left.size else 0.0
-        )
+        narrow = CLOSE * (pieces.right.max(initial=0.0) - pieces.left.min(initial=0.0))
         # between exact thresholds a piece is looked at just inside its ends
         inside = INSIDE if self._life.atoms.size else 0.0
         shares = np.concatenate([[inside], basis.nodes, [1.0 - inside]])
@@ -219,10 +206,10 @@ class Past:
             series = found[..., 1:-1] @ basis.to_legendre
             off = np.abs(series[0] @ basis.at_ends - found[0][:, [0, -1]]).max(axis=-1)
             tail = np.abs(series[..., -2:]).max(axis=-1)
-            born = np.diff(np.interp([pieces.left, pieces.right], self._ends, self._most), axis=0)[
-                0
-            ]
-            wrong = born * np.maximum.reduce([tail[0], tail[1] / self._life.reach, off / END])
+            most = [np.interp(place, self._ends, self._most) for place in pieces[1:]]
+            wrong = (most[1] - most[0]) * np.maximum.reduce(
+                [tail[0], tail[1] / self._life.reach, off / END]
+            )
             rough = (wrong > self._accuracy) & (pieces.width > 1e-14 * np.abs(pieces.right))
             rough &= pieces.width > narrow
             late = self._births.work > MOST_WORK or clock.monotonic() > self._until
@@ -254,14 +241,8 @@ class Past:
             high, low = (part[:, :, None] for part in motion.extremes(t, self._last))
             marks = np.append(life.bends, [abs(r), life.reach])
             middle = 0.5 * (high + low) + r
-            goals = [
-                high + r - marks,
-                low + r + marks,
-                middle,
-                now + 0.0 * middle + r,
-                high + r,
-                low + r,
-            ]
+            now = now + np.zeros_like(middle) + r
+            goals = [high + r - marks, low + r + marks, middle, now, high + r, low + r]
             sign = np.sign(motion.speeds[self._last])[None, :, None]
             turned = motion.positions[self._last + 1][None, :, None]
             at = self._knots[self._last + 1][None, :, None]

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.edges import CLOSE
-from master.renewal.march import NOTHING, March
+from master.renewal.march import March
 
 Array = npt.NDArray[np.float64]
 
@@ -99,4 +99,4 @@ def deltas(march: March, t: float) -> dict[float, float]:
     for leg in np.flatnonzero((motion.speeds == 0.0) & (motion.times[:-1] < t)):
         stretch = float(law.mean() + motion.at(np.array(t)) - motion.positions[leg])
         found[stretch] = found.get(stretch, 0.0) + march.held(int(leg), t)
-    return {stretch: share for stretch, share in found.items() if share > NOTHING}
+    return {stretch: share for stretch, share in found.items() if share > 1e-18}
