@@ -41,11 +41,13 @@ def solve_rigid(
     life: Life,
     tolerance: float,
     progress: Progress,
-    wall_time: float | None = None,
+    until: float = np.inf,
 ) -> Solution:
-    """F along the path of a rigid slider, for contacts of any life; see `solve`."""
+    """F along the path of a rigid slider, for contacts of any life; see `solve`.
+
+    until : reading of time.monotonic() at which to stop
+    """
     began, mean = clock.perf_counter(), contacts.mean_threshold
-    until = np.inf if wall_time is None else clock.monotonic() + wall_time
     timeless = life.timeless and not contacts.waiting_time
     motion, moments = motion_of(drive, mean, timeless)
     check_lives(contacts, motion, life)

@@ -102,11 +102,9 @@ def solve(
             from master.soft.in_time.refining import solve_given
 
             return solve_given(contacts, drive, tolerance, progress, wall_time)
-        until = np.inf if wall_time is None else clock.monotonic() + wall_time
+        until = clock.monotonic() + (np.inf if wall_time is None else wall_time)
         life = life_of(contacts, tolerance, motion, until)
-        if wall_time is not None:
-            wall_time = max(until - clock.monotonic(), 0.0)
-        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+        return solve_rigid(contacts, drive, life, tolerance, progress, until)
     from master.soft.solution import solve_soft
 
     return solve_soft(contacts, drive, tolerance, progress, wall_time)

@@ -144,20 +144,22 @@ class Pieces(NamedTuple):
 class Nodes(NamedTuple):
     """Gauss nodes on the parts of pieces that lie on one panel each.
 
-    piece, panel : arrays of shape (parts,); parts are sorted by piece
+    piece, target, panel : arrays of shape (parts,), sorted by piece; its target, and the panel
     share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, and the weight in
         an integral over the share
     """
 
     piece: Rows
+    target: Rows
     panel: Rows
     share: Array
     place: Array
     weight: Array
 
     @classmethod
-    def of(cls, ends: Array, left: Array, right: Array) -> Nodes:
+    def of(cls, ends: Array, pieces: Pieces) -> Nodes:
         """From panels with these ends, shape (panels + 1,), and pieces; each lies on some panel."""
+        target, left, right = pieces
         first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, ends.size - 2)
         last = np.clip(np.searchsorted(ends, right, "left"), first + 1, ends.size - 1)
         count = last - first
@@ -167,7 +169,8 @@ class Nodes(NamedTuple):
         low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
         high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
         share = low + (high - low) * rule.GAUSS_NODES
-        return cls(piece, panel, share, begin + width * share, (high - low) * rule.GAUSS_WEIGHTS)
+        place, weight = begin + width * share, (high - low) * rule.GAUSS_WEIGHTS
+        return cls(piece, target[piece], panel, share, place, weight)
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
@@ -179,7 +182,7 @@ def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) ->
     """
     if not left.size:
         return np.zeros((0, size))
-    nodes = Nodes.of(ends, left, right)
+    nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     if nodes.piece.size > 100_000 and left.size > 1:  # more would take some 100 MB
         half = left.size // 2
         parts = (slice(None, half), slice(half, None))

@@ -49,18 +49,6 @@ class Run(NamedTuple):
     wrong: Array
 
 
-class Integrals(NamedTuple):
-    """Integrals over births on pieces of panels, seen from targets.
-
-    target : array of shape (parts,); values : array of shape (2, parts, GAUSS), share and force at
-        the nodes, times their weights
-    """
-
-    nodes: Nodes
-    target: npt.NDArray[np.intp]
-    values: Array
-
-
 class Kernels:
     """Kernels and sums for the legs of a motion, each table computed when it is first needed."""
 
@@ -98,13 +86,13 @@ class Kernels:
             return known
         panels = min(most, max(panels, 2 * have))
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
-        nodes, target, values = self._integrals(speed, t, np.array([delay, delay + width]))
-        first = np.flatnonzero(np.diff(target, prepend=-1))
+        nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
+        first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
         found = np.zeros((2, t.size, rule.DEGREE + 1))
         if first.size:
             basis = rule.legendre_values(nodes.share)
             parts = (values.transpose(1, 0, 2) @ basis).transpose(1, 0, 2)
-            found[:, target[first]] = np.add.reduceat(parts, first, axis=1)
+            found[:, nodes.target[first]] = np.add.reduceat(parts, first, axis=1)
         found = found @ rule.SLOPES
         share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
         found[0] += rule.values(share[0]) - rule.values(share[1])
@@ -121,24 +109,21 @@ class Kernels:
 
         ends : array of shape (panels + 1,), times at which panels of births end; breaks : on these
         """
-        nodes, target, values = self._integrals(speed, t, ends)
+        nodes, values = self._integrals(speed, t, ends)
         slopes = (breaks @ rule.SLOPES.T)[nodes.panel]
-        born = rule.legendre_sum(slopes, 2.0 * nodes.share - 1.0)
-        return np.stack([np.bincount(target, (part * born).sum(axis=1), t.size) for part in values])
+        parts = (values * rule.legendre_sum(slopes, 2.0 * nodes.share - 1.0)).sum(axis=2)
+        return np.stack([np.bincount(nodes.target, part, t.size) for part in parts])
 
-    def _integrals(self, speed: float, t: Array, ends: Array) -> Integrals:
-        """Integrals over the births on panels of a leg, exact for the polynomials of the table."""
-        straight = self.straight(speed)
-        end = np.minimum(ends[-1], t)[:, None]
+    def _integrals(self, speed: float, t: Array, ends: Array) -> tuple[Nodes, Array]:
+        """Nodes of births on panels of a leg, as seen from times t, and share and force there times
+        the weights, shape (2, parts, GAUSS): exact for the polynomials of the table."""
+        straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
-        pieces = Pieces.of(np.clip(cuts, begin, end))
-        nodes = Nodes.of(ends, pieces.left, pieces.right)
-        target = pieces.target[nodes.piece]
-        self._births.work += target.size
-        return Integrals(
-            nodes, target, nodes.weight * straight.look_up(t[target, None] - nodes.place)
-        )
+        nodes = Nodes.of(ends, Pieces.of(np.clip(cuts, begin, end)))
+        self._births.work += nodes.target.size
+        held = straight.look_up(t[nodes.target, None] - nodes.place)
+        return nodes, nodes.weight * held
 
 
 def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float) -> Run:
