@@ -135,11 +135,8 @@ class History:
             self.now: Array = motion.speeds[0] * (t - s)
             self.high, self.low = np.maximum(self.now, 0.0), np.minimum(self.now, 0.0)
             return
-        rows, columns = np.broadcast_shapes(t.shape, s.shape)
-        middle = s[:, min(columns // 2, s.shape[1] - 1)]
-        last = self._last = motion.leg_of_all(t)
-        first = np.broadcast_to(np.minimum(motion.leg(middle), last), rows)
-        self._first = int(first.min(initial=last))
+        last, first = self.legs_of_rows()
+        self._first, self._last = int(first.min(initial=last)), last
         born, now = motion.at(s), motion.speeds[last] * (t - s)
         self.now = now
         if self._first < last:
@@ -147,6 +144,13 @@ class History:
         highest, lowest = motion.knots_between(last, first)
         self.high = np.maximum(np.maximum(self.now, highest[:, None] - born), 0.0)
         self.low = np.minimum(np.minimum(self.now, lowest[:, None] - born), 0.0)
+
+    def legs_of_rows(self) -> tuple[int, npt.NDArray[np.intp]]:
+        """The leg of all t, and the leg of each row's births: those of the middle column."""
+        rows, columns = np.broadcast_shapes(self.t.shape, self.s.shape)
+        middle = self.s[:, min(columns // 2, self.s.shape[1] - 1)]
+        last = self.motion.leg_of_all(self.t)
+        return last, np.broadcast_to(np.minimum(self.motion.leg(middle), last), rows)
 
     def legs(self) -> Legs:
         """The moves leg by leg, for contacts whose rate of breaking depends on each."""
