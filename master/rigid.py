@@ -20,24 +20,14 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-# Longest path, in mean thresholds: the square of a longer one would overflow.
+# Longest path, in mean thresholds, and most lives of a contact on it: the square of a longer one
+# would overflow.
 FURTHEST = 1e100
-# Longest path that turns round, in mean thresholds: stretches on later legs are differences of
-# positions, which lose digits to rounding far from 0.
-FURTHEST_TURN = 1e6
-# The motion continues this far beyond the path's end (mean thresholds), so that contacts that reach
-# an exact threshold just at the end have broken there.
-BEYOND = 1e-9
+# The same for a path that turns round or changes its speed: stretches on later legs are differences
+# of positions, which lose digits to rounding far from 0, and each leg's births are followed on the next.
+FURTHEST_TURN, MOST_LIVES = 1e6, 1e7
 # Smallest tolerance of a panel: conservation itself is rounded at about 1e-15.
 FINEST = 1e-14
-# Error of one integral over births, in units of the tolerance: a panel sums some hundred of them.
-ACCURACY = 3e-3
-# Most lives of a contact during a path of several speeds: each leg's births are followed on the next.
-MOST_LIVES = 1e7
-# Smallest ratio of life to delay: shorter lives are lost in the rounding of the times of re-forming.
-SHORTEST_LIFE = 1e-12
-# Share of the tolerance allotted to panels where the survival itself comes from a table.
-OF_PANELS = 0.8
 # First guess of a panel's width at a tolerance of 1e-8, in units of the life's grain (the length over
 # which the survival is resolved); the error grows with the width to the power DEGREE.
 GRAINS = 6.0
@@ -51,32 +41,29 @@ def solve_rigid(
     life: Life,
     tolerance: float,
     progress: Progress,
-    wall_time: float | None = None,
+    until: float = np.inf,
 ) -> Solution:
-    """F along the path of a rigid slider, for contacts of any life; see `solve`."""
+    """F along the path of a rigid slider, for contacts of any life; see `solve`.
+
+    until : reading of time.monotonic() at which to stop
+    """
     began, mean = clock.perf_counter(), contacts.mean_threshold
-    until = np.inf if wall_time is None else clock.monotonic() + wall_time
     timeless = life.timeless and not contacts.waiting_time
     motion, moments = motion_of(drive, mean, timeless)
     check_lives(contacts, motion, life)
     march = march_of(contacts, motion, life, tolerance, until).run()
-    reached = march.begin[-1] + march.width[-1] if march.begin else 0.0
     kept = np.full(moments.size, True)
     if march.unfinished:
-        kept = (moments <= reached * (1.0 + 1e-12)) & bool(march.begin)
+        kept = (moments <= march.reached * (1.0 + 1e-12)) & bool(march.begin)
     error = error_of(march, mean)
     progress(error)
-    worst = int(np.argmax(march.wrong)) if march.wrong else 0
-    at = float(motion.at(np.array(march.begin[worst]))) if march.begin else 0.0
-    reason = (
-        f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}, near X = {at:.6g}; "
-        "loosen the tolerance"
-    )
+    at = march.begin[int(np.argmax(march.wrong))] if march.begin else 0.0
+    near = f"above the tolerance {tolerance:.1e}, near X = {motion.at(np.array(at)):.6g}"
+    reason = f"error estimate {error:.1e} is {near}; loosen the tolerance"
     success, message = outcome(contacts, error, tolerance, reason)
     if march.unfinished:
-        end = f"X = {float(motion.at(np.array(reached))):.6g}"
+        end = f"X = {motion.at(np.array(march.reached)):.6g}"
         success, message = False, f"stopped at {end} by wall_time; the path is cut there"
-    by_index = drive.time is not None or (not drive.forward and bool(contacts.laws))
     return Solution(
         path=drive.path[kept],
         time=times_of(drive)[kept],
@@ -84,11 +71,11 @@ def solve_rigid(
         force_error=error,
         holding=reading.holding(march, moments[kept]) if kept.any() else np.empty(0),
         run_time=clock.perf_counter() - began,
-        nodes=sum(breaks.size - 1 for breaks in march.breaks),
+        nodes=len(march.breaks) * rule.DEGREE,
         success=success,
         message=message,
         _march=march,
-        _by_index=by_index,
+        _by_index=drive.time is not None or (not drive.forward and bool(contacts.laws)),
         _moments=moments[kept],
     )
 
@@ -106,22 +93,21 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     With `timeless`, distance travelled takes the place of time. Raises InputError for a path that
     is too long: one that turns round is limited by the rounding of its positions.
     """
-    most = FURTHEST if drive.forward else FURTHEST_TURN
     away = np.abs(drive.path) / mean
-    furthest = int(np.argmax(away))
+    furthest, most = int(np.argmax(away)), FURTHEST if drive.forward else FURTHEST_TURN
     if not away[furthest] <= most:
         place = -1 if furthest == away.size - 1 else furthest
         limit = "follow at most" if drive.forward else "a path may turn round within"
         told = f"is {away[furthest]:.3g} mean thresholds; {limit} {most:.0e} of them"
         refuse(f"path[{place}]", drive.path[furthest], told)
-    times = times_of(drive)
-    if timeless:
-        times = np.asarray(np.abs(np.diff(drive.path, prepend=0.0)).cumsum())
-    steps, moves = np.diff(times, prepend=0.0), np.diff(drive.path, prepend=0.0)
+    moves = np.diff(drive.path, prepend=0.0)
+    times = np.asarray(np.abs(moves).cumsum()) if timeless else times_of(drive)
+    steps = np.diff(times, prepend=0.0)
     moved = np.flatnonzero(steps > 0.0)
     speed = float(moves[moved[-1]] / steps[moved[-1]]) if moved.size else drive.velocity
     speed = speed if not timeless or speed else 1.0
-    longer = BEYOND * mean / abs(speed or drive.velocity)
+    # contacts that reach an exact threshold just at the path's end shall have broken there
+    longer = 1e-9 * mean / abs(speed or drive.velocity)
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
     positions = np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]])
     return Motion(knots, positions), times
@@ -132,27 +118,17 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     or that too many lives would have to be followed."""
     if life.timeless or contacts.thermal is None:
         return
-    again, mean, scale = reforming_law(contacts), contacts.mean_threshold, contacts.thermal.rates.scale
-    fastest = float(np.abs(motion.speeds).max())
-    if not scale * mean < FURTHEST * fastest and fastest > 0.0:
-        share = f"{fastest / scale / mean:.1g} of a mean threshold"
-        refuse(
-            "velocity",
-            float(f"{fastest:.12g}"),
-            f"contacts break by themselves within {share}; slide faster",
-        )
+    scale = contacts.thermal.rates.scale
     times = np.geomspace(1e-3, 1e50, 54)[:, None] / scale
     at_rest = Motion(np.array([0.0, times[-1, 0]]), np.zeros(2))
-    held = life.left(again, at_rest.history(times, np.zeros((1, 1))))[0, :, 0]
+    held = life.left(reforming_law(contacts), at_rest.history(times, np.zeros((1, 1))))[0, :, 0]
     lasts = float(times[min(int((held > 0.5).sum()), times.size - 1), 0])
     moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
-    if not motion.one_leg and moving > MOST_LIVES * lasts:
-        many = f"contacts break some {moving / lasts:.0e} times on the way"
-        told = (
-            f"{many}, of which {MOST_LIVES:.0e} are the most where the speed changes; slide faster"
-        )
-        refuse("attempt_frequency", scale, told)
-    if lasts < SHORTEST_LIFE * contacts.waiting_time:
+    most = FURTHEST if motion.one_leg else MOST_LIVES
+    if moving > most * lasts:
+        many = f"contacts break some {moving / lasts:.0e} times on the way, of which {most:.0e}"
+        refuse("attempt_frequency", scale, f"{many} can be followed on such a path; slide faster")
+    if lasts < 1e-12 * contacts.waiting_time:  # lost in the rounding of the times of re-forming
         told = f"contacts hold for {lasts:.0e}, too short to follow beside the delay"
         refuse("delay", contacts.waiting_time, told)
 
@@ -169,15 +145,14 @@ def march_of(
 
     most : upper limit of |x| of contacts that hold, where the caller knows one
     """
-    again = reforming_law(contacts)
+    again, mean = reforming_law(contacts), contacts.mean_threshold
     stretch = min(longest_stretch(contacts, motion, life), most)
     # panels get the part of the tolerance that rounding and the life's own error leave
-    taken = round_off(motion, contacts.mean_threshold)
-    taken += life.error * stretch / contacts.mean_threshold
-    left = max(tolerance - taken, 0.4 * tolerance)
-    left *= 1.0 if life.quick else OF_PANELS
-    allowed = max(left * contacts.mean_threshold / stretch, FINEST)
-    accuracy = max(ACCURACY * allowed, 1e-15)
+    taken = round_off(motion, mean) + life.error * stretch / mean
+    of_panels = max(tolerance - taken, 0.4 * tolerance) * (1.0 if life.quick else 0.8)
+    allowed = max(of_panels * mean / stretch, FINEST)
+    # a panel sums some hundred integrals over births
+    accuracy = max(3e-3 * allowed, 1e-15)
     births = Births(life, again, motion, contacts.waiting_time, accuracy)
     found = edges(motion, life, contacts.start, again, contacts.waiting_time, allowed)
     if found.too_many_lumps:
@@ -191,10 +166,8 @@ def march_of(
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     """The longest |x| that a contact may have: turns an error of the number into one of the force."""
-    first = max(abs(end) for end in contacts.start.span)
-    most = max(first, *(abs(end) for end in reforming_law(contacts).span)) + float(
-        np.ptp(motion.positions)
-    )
+    ends = [*contacts.start.span, *reforming_law(contacts).span]
+    most = max(abs(end) for end in ends) + float(np.ptp(motion.positions))
     return max(min(life.reach, most), 1e-3 * contacts.mean_threshold)
 
 

@@ -17,9 +17,6 @@ from origins.errors import finite, refuse
 
 Array = npt.NDArray[np.float64]
 
-# Positions on a path that differ by less than this share of its extent count as equal.
-SLACK = 1e-12
-
 
 @dataclass(frozen=True)
 class StretchDistribution:
@@ -117,24 +114,24 @@ class Solution:
     def _passing(self, motion: Motion, position: float, leg: int | None) -> float:
         """Time at which the slider passes X = position, on the given leg if there are several."""
         position = finite("position", position)
-        slack = SLACK * (1.0 + np.abs(motion.positions).max())
+        slack = 1e-12 * (1.0 + np.abs(motion.positions).max())  # positions are rounded
         low, high = np.sort([motion.positions[:-1], motion.positions[1:]], axis=0)
         legs = np.flatnonzero((low - slack <= position) & (position <= high + slack))
         if leg is not None:
             legs = legs[legs == leg]
         if not legs.size:
-            low, high = min(0.0, self.path.min()), max(0.0, self.path.max())
-            told = f"the path, between {low:g} and {high:g}, does not come there"
+            told = f"the path, between {low.min():g} and {high.max():g}, does not come there"
             if leg is not None:
                 refuse("leg", leg, f"{told}; {motion.speeds.size} legs are counted from 0")
             refuse("position", position, told)
-        way, speed = position - motion.positions[legs], motion.speeds[legs]
-        lasting = np.divide(way, speed, out=np.full(legs.size, np.inf), where=speed != 0.0)
+        # a hold is passed as it begins
+        ways, speeds = position - motion.positions[legs], motion.speeds[legs]
+        lasting = np.divide(ways, speeds, out=np.zeros(legs.size), where=speeds != 0.0)
         times = np.clip(motion.times[legs] + lasting, motion.times[legs], motion.times[legs + 1])
         # a turning point ends one leg and begins the next
-        apart = np.append(True, np.diff(times) > 0.0)[: times.size]
-        if apart.sum() > 1:
-            several = ", ".join(map(str, legs[apart]))
+        apart = legs[np.append(True, np.diff(times) > 0.0)]
+        if apart.size > 1:
+            several = ", ".join(map(str, apart))
             told = f"is passed on legs {several}; say which, as in leg={legs[0]}"
             refuse("position", position, told)
         return float(times[0])

@@ -40,9 +40,10 @@ def solve(
     modules in the order in which they work: `rigid` turns the drive into a motion (motion.motion) and
     lives.make the contacts into a life (lives.cold, ...: the survival and force of contacts born
     together); renewal.edges finds where panels end; renewal.march takes the panels one after the
-    other, and renewal.run solves the equation on each for a polynomial (renewal.rule), with the
-    contributions of the start and of earlier births (renewal.births: those on the present leg of the
-    path by .kernels, those before by .past); renewal.reading evaluates force and holding share.
+    other and solves the equation on each for a polynomial (renewal.rule), with what earlier births
+    (renewal.births) contribute: those on the present leg of the path by renewal.kernels (from
+    renewal.straight), those before and the start by renewal.past; renewal.reading evaluates force and
+    holding share.
     Under a spring, soft.solution follows the same march from slip to slip, or soft.in_time steps in
     time where the contacts' laws depend on time. docs/equations.md derives
     the equation from (Q5a); the paper's own scheme is master.paper.explicit.
@@ -101,11 +102,9 @@ def solve(
             from master.soft.in_time.refining import solve_given
 
             return solve_given(contacts, drive, tolerance, progress, wall_time)
-        until = np.inf if wall_time is None else clock.monotonic() + wall_time
+        until = clock.monotonic() + (np.inf if wall_time is None else wall_time)
         life = life_of(contacts, tolerance, motion, until)
-        if wall_time is not None:
-            wall_time = max(until - clock.monotonic(), 0.0)
-        return solve_rigid(contacts, drive, life, tolerance, progress, wall_time)
+        return solve_rigid(contacts, drive, life, tolerance, progress, until)
     from master.soft.solution import solve_soft
 
     return solve_soft(contacts, drive, tolerance, progress, wall_time)

@@ -10,10 +10,6 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-# Speeds that differ by less than this share count as equal: quotients of positions and times are
-# accurate to some 1e-13 where a path has thousands of points.
-SAME_SPEED = 1e-9
-
 
 class Legs(NamedTuple):
     """The straight legs between the births of contacts and a later moment.
@@ -52,10 +48,11 @@ class Motion:
         times, positions = times[later], positions[later]
         steps = np.diff(times)
         speeds = np.diff(positions) / steps
-        # rounding of the times changes the speeds of short steps most
+        # quotients of positions and times are accurate to some 1e-13 where a path has thousands of
+        # points, and rounding of the times changes the speeds of short steps most
         rounding = 4.0 * np.finfo(float).eps * times[-1] / np.minimum(steps[1:], steps[:-1])
         larger = np.maximum(np.abs(speeds[1:]), np.abs(speeds[:-1]))
-        turns = np.flatnonzero(np.abs(np.diff(speeds)) > (SAME_SPEED + rounding) * larger) + 1
+        turns = np.flatnonzero(np.abs(np.diff(speeds)) > (1e-9 + rounding) * larger) + 1
         kept = np.concatenate([[0], turns, [times.size - 1]])
         self.times: Array = times[kept]
         self.positions: Array = positions[kept]
@@ -100,11 +97,16 @@ class Motion:
 
         All t lie on one leg; X(t) itself counts. Both have shape (n, m).
         """
-        now = self.at(t)[:, None]
-        last = self.leg_of_all(t)
-        highest, lowest = _extremes(self.positions, last)
-        seen = np.minimum(born, last)
-        return np.maximum(now, highest[seen]), np.minimum(now, lowest[seen])
+        now, last = self.at(t)[:, None], self.leg_of_all(t)
+        highest, lowest = self.knots_between(last, np.minimum(born, last))
+        return np.maximum(now, highest), np.minimum(now, lowest)
+
+    def knots_between(self, last: int, born: npt.NDArray[np.intp]) -> tuple[Array, Array]:
+        """Highest and lowest knot between legs up to `last` and that one; -inf and inf for none."""
+        later = self.positions[last:0:-1]
+        high = np.append(np.maximum.accumulate(later)[::-1], -np.inf)
+        low = np.append(np.minimum.accumulate(later)[::-1], np.inf)
+        return high[born], low[born]
 
     def history(self, t: Array, s: Array) -> History:
         """The displacements from s to t of contacts born at s.
@@ -128,45 +130,36 @@ class History:
     """
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:
-        self.motion, self.t, self.s = motion, t, s
+        self.motion, self.t, self.s, self._first, self._last = motion, t, s, 0, 0
         if motion.one_leg:
             self.now: Array = motion.speeds[0] * (t - s)
             self.high, self.low = np.maximum(self.now, 0.0), np.minimum(self.now, 0.0)
             return
-        last, first = self._legs_of_rows()
-        same = np.equal(first, last)[:, None]
-        born = motion.at(s)
-        self.now = np.where(same, motion.speeds[last] * (t - s), motion.at(t) - born)
-        highest, lowest = _extremes(motion.positions, last)
-        self.high = np.maximum(np.maximum(self.now, highest[first][:, None] - born), 0.0)
-        self.low = np.minimum(np.minimum(self.now, lowest[first][:, None] - born), 0.0)
+        last, first = self.legs_of_rows()
+        self._first, self._last = int(first.min(initial=last)), last
+        born, now = motion.at(s), motion.speeds[last] * (t - s)
+        self.now = now
+        if self._first < last:
+            self.now = np.where(np.equal(first, last)[:, None], now, motion.at(t) - born)
+        highest, lowest = motion.knots_between(last, first)
+        self.high = np.maximum(np.maximum(self.now, highest[:, None] - born), 0.0)
+        self.low = np.minimum(np.minimum(self.now, lowest[:, None] - born), 0.0)
 
-    def _legs_of_rows(self) -> tuple[int, npt.NDArray[np.intp]]:
+    def legs_of_rows(self) -> tuple[int, npt.NDArray[np.intp]]:
         """The leg of all t, and the leg of each row's births: those of the middle column."""
-        shape = np.broadcast_shapes(self.t.shape, self.s.shape)
-        middle = shape[1] // 2
-        s = self.s[:, min(middle, self.s.shape[1] - 1)]
+        rows, columns = np.broadcast_shapes(self.t.shape, self.s.shape)
+        middle = self.s[:, min(columns // 2, self.s.shape[1] - 1)]
         last = self.motion.leg_of_all(self.t)
-        return last, np.broadcast_to(np.minimum(self.motion.leg(s), last), shape[:1])
+        return last, np.broadcast_to(np.minimum(self.motion.leg(middle), last), rows)
 
     def legs(self) -> Legs:
         """The moves leg by leg, for contacts whose rate of breaking depends on each."""
-        motion = self.motion
-        shape = np.broadcast_shapes(self.t.shape, self.s.shape)
-        if motion.one_leg:
-            displacement = np.stack([np.zeros(shape), np.broadcast_to(self.now, shape)], axis=-1)
-            duration = np.broadcast_to(self.t - self.s, shape)[..., None]
-            return Legs(displacement, duration, motion.speeds)
-        last, first = self._legs_of_rows()
-        since = int(first.min(initial=last))
-        knots = motion.times[since : last + 2]
+        motion, legs = self.motion, slice(self._first, self._last + 1)
+        knots = motion.times[self._first : self._last + 2]
         ends = np.clip(knots, self.s[..., None], np.maximum(self.t, self.s)[..., None])
-        displacement = motion.at(ends) - motion.at(self.s)[..., None]
-        return Legs(displacement, np.diff(ends, axis=-1), motion.speeds[since : last + 1])
-
-
-def _extremes(positions: Array, last: int) -> tuple[Array, Array]:
-    """Highest and lowest knot between each leg up to `last` and that one; -inf and inf for none."""
-    later = positions[last:0:-1]
-    high = np.append(np.maximum.accumulate(later)[::-1], -np.inf)
-    return high, np.append(np.minimum.accumulate(later)[::-1], np.inf)
+        if self._first == self._last:
+            # the difference of two positions far from 0 would lose digits
+            displacement = np.stack([np.zeros_like(self.now), self.now], axis=-1)
+        else:
+            displacement = motion.at(ends) - motion.at(self.s)[..., None]
+        return Legs(displacement, np.diff(ends, axis=-1), motion.speeds[legs])

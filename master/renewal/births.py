@@ -1,4 +1,4 @@
-"""Births: what is born along a motion, and integrals over births on pieces of it.
+"""Births: what is born along a motion, on panels or together, and pieces of it to integrate over.
 
 A contact that breaks at s is out until s + delay, where it is born again at a stretch r. As long as
 it is out it counts among the contacts, but carries no force. So with E and K of its life the kernels
@@ -32,8 +32,6 @@ Rows = npt.NDArray[np.intp]
 TINY = float(np.finfo(float).tiny)
 # Two places of birth nearer than this share of the whole range count as equal.
 CLOSE = 1e-13
-# Most pairs of pieces and panels that are summed at once: some 100 MB of arrays.
-CHUNK = 100_000
 # Most pieces of births that are integrated, if quickly, before halving of panels ends: some 30 s.
 MOST_WORK = 15_000_000
 
@@ -69,11 +67,24 @@ class Births:
     accuracy: float = 1e-15
     work: int = 0
 
-    @property
-    def dear(self) -> int:
-        """Cost of a piece: its survivals may be averages over stretches, and no mere look-ups."""
-        look_ups = 1 if self.life.quick else 18 * self.life.pair_work
-        return look_ups if self.law.is_single else 40 * look_ups
+    def count(self, pieces: int) -> None:
+        """Add the work of so many pieces whose survivals are computed, and not looked up."""
+        cost = 1 if self.life.quick else 18 * self.life.pair_work
+        self.work += pieces * cost * (1 if self.law.is_single else 40)
+
+
+@dataclass
+class Lump:
+    """Contacts that were born at one moment, or hold at t = 0 (paper, Eqs. Q7b and Q6e).
+
+    time : of the birth; weight : share of all contacts; law : of the stretches at birth
+    holds : whether any of them still hold
+    """
+
+    time: float
+    weight: float
+    law: Start
+    holds: bool = True
 
 
 class Panels(NamedTuple):
@@ -112,6 +123,10 @@ class Pieces(NamedTuple):
         target, piece = np.nonzero(np.diff(edges, axis=1) > close)
         return cls(target, edges[target, piece], edges[target, piece + 1])
 
+    @property
+    def width(self) -> Array:
+        return self.right - self.left
+
     def pick(self, which: npt.NDArray[np.bool_]) -> Pieces:
         return Pieces(self.target[which], self.left[which], self.right[which])
 
@@ -121,9 +136,41 @@ class Pieces(NamedTuple):
         after = np.clip(np.searchsorted(knots, at), 1, knots.size - 1)
         before = knots[after - 1]
         knot = np.where(at - before < knots[after] - at, before, knots[after])
-        small = CLOSE * (self.right - self.left)
+        small = CLOSE * self.width
         at = np.where((knot > self.left + small) & (knot < self.right - small), knot, at)
         return Pieces(np.tile(self.target, 2), np.append(self.left, at), np.append(at, self.right))
+
+
+class Nodes(NamedTuple):
+    """Gauss nodes on the parts of pieces that lie on one panel each.
+
+    piece, target, panel : arrays of shape (parts,), sorted by piece; its target, and the panel
+    share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, and the weight in
+        an integral over the share
+    """
+
+    piece: Rows
+    target: Rows
+    panel: Rows
+    share: Array
+    place: Array
+    weight: Array
+
+    @classmethod
+    def of(cls, ends: Array, pieces: Pieces) -> Nodes:
+        """From panels with these ends, shape (panels + 1,), and pieces; each lies on some panel."""
+        target, left, right = pieces
+        first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, ends.size - 2)
+        last = np.clip(np.searchsorted(ends, right, "left"), first + 1, ends.size - 1)
+        count = last - first
+        piece = np.repeat(np.arange(count.size), count)
+        panel = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + first[piece]
+        begin, width = ends[panel, None], np.maximum(np.diff(ends)[panel], TINY)[:, None]
+        low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
+        high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
+        share = low + (high - low) * rule.GAUSS_NODES
+        place, weight = begin + width * share, (high - low) * rule.GAUSS_WEIGHTS
+        return cls(piece, target[piece], panel, share, place, weight)
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
@@ -133,23 +180,15 @@ def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) ->
     slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
     left, right : arrays of shape (pieces,), places
     """
-    first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, None)
-    last = np.minimum(np.searchsorted(ends, right, "left"), ends.size - 1)
-    count = np.maximum(last - first, 0)
-    if count.sum() > CHUNK and count.size > 1:
-        half = count.size // 2
+    if not left.size:
+        return np.zeros((0, size))
+    nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
+    if nodes.piece.size > 100_000 and left.size > 1:  # more would take some 100 MB
+        half = left.size // 2
         parts = (slice(None, half), slice(half, None))
         return np.concatenate([moments(ends, slopes, left[i], right[i], size) for i in parts])
-    piece = np.repeat(np.arange(count.size), count)
-    panel = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + first[piece]
-    begin, width = ends[panel], np.maximum(np.diff(ends)[panel], TINY)
-    low = np.clip((left[piece] - begin) / width, 0.0, 1.0)[:, None]
-    high = np.clip((right[piece] - begin) / width, 0.0, 1.0)[:, None]
-    share = low + (high - low) * rule.GAUSS_NODES
-    born = rule.legendre_sum(slopes[panel], 2.0 * share - 1.0) * (high - low) * rule.GAUSS_WEIGHTS
-    place = begin[:, None] + width[:, None] * share
-    z = (2.0 * place - (left + right)[piece, None]) / (right - left)[piece, None]
-    basis = legendre.legvander(np.clip(z, -1.0, 1.0), size - 1)
-    out = np.zeros((count.size, size))
-    np.add.at(out, piece, (born[:, None] @ basis)[:, 0])
-    return out
+    born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
+    middle, width = (left + right)[nodes.piece, None], (right - left)[nodes.piece, None]
+    z = np.clip((2.0 * nodes.place - middle) / width, -1.0, 1.0)
+    weights = (born[:, None] @ legendre.legvander(z, size - 1))[:, 0]
+    return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.piece, prepend=-1)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +18,9 @@ Array = npt.NDArray[np.float64]
 # A bend of the rate of births makes bends of the later breaks, wherever contacts meet a bend of P_c,
 # one order smoother each time: on panels of 17 nodes their effect is about two digits smaller.
 DIGITS_A_GENERATION = 2.0
-# Most edges, not counting lumps; further bends are resolved by halving panels.
-MOST = 400
-# Most lumps, each of which is followed individually.
-MOST_LUMPS = 4000
+# Most edges beside lumps, further bends are resolved by halving panels; and most lumps, each of which
+# is followed individually.
+MOST, MOST_LUMPS = 400, 4000
 # Share of the contacts below which a lump is within the rounding of conservation, and ignored.
 LEAST_LUMP = 1e-15
 # Two edges nearer than this share of their time count as equal, and a point nearer than this before
@@ -78,17 +77,14 @@ def edges(
     since, known, born : for a march that is continued, the time that it has reached, and the
         moments that it has met and the lumps that were born until then
     """
-    generations = -np.log10(tolerance) / DIGITS_A_GENERATION
-    end = float(motion.times[-1])
-    fastest = float(np.abs(motion.speeds).max())
+    end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
     grain = life.grain / fastest if fastest else 0.0
     if born is None:
         born = [Together(0.0, 1.0, start.mean())] if start.is_single else []
-    lumps = _lump_times(motion, life, born, again, delay, since)
-    found: list[float] = [since, end]
-    met, waiting = list(known), list(known)
+    lumps = _lump_times(motion, life, born, again, delay, since) if life.atoms.size else []
+    found, met, waiting = [since, end], list(known), list(known)
 
-    def meet(moments: list[Moment]) -> None:
+    def meet(moments: Sequence[Moment]) -> None:
         for moment in sorted(moments):
             close = CLOSE * (moment.time + grain)
             if since + close < moment.time < end - close:
@@ -99,6 +95,20 @@ def edges(
                     waiting.append(moment)
                     met.append(moment)
 
+    def after(moment: Moment, wait: float, law: Start) -> list[Moment]:
+        """When contacts born after a moment make breaks bend again.
+
+        A jump of P_c smooths a bend by one order. An exact threshold keeps the order of a bend and
+        multiplies its size by the share of contacts with that threshold.
+        """
+        later = []
+        for stretch in [law.mean()] if law.is_single else law.breakpoints.tolist():
+            for t, mark in passings(motion, moment.time + wait, stretch, life.bends):
+                share = life.atom_share(mark, stretch)
+                smoothed = -np.log10(share) / DIGITS_A_GENERATION if share > 0.0 else 1.0
+                later.append(Moment(t, moment.generation + smoothed))
+        return later
+
     meet([Moment(t, 0) for t in lumps])
     turns = [Moment(float(t), 1) for t in motion.times[1:-1]]
     waiting += [turn for turn in turns if turn.time <= since]
@@ -106,15 +116,13 @@ def edges(
     if delay > 0.0:
         # where contacts of the start break at once, births begin one delay later
         meet([Moment(t.time - delay, 2) for t in turns] + [Moment(delay, 1)])
-    meet(_after(Moment(0.0, 0), 0.0, start, motion, life))
-    most = MOST + len(lumps)
-    while waiting:
+    meet(after(Moment(0.0, 0), 0.0, start))
+    while waiting and len(found) <= MOST + len(lumps):
         moment = waiting.pop(0)
-        if moment.generation >= generations or len(found) > most:
-            continue
-        if delay > 0.0:
-            meet([Moment(moment.time + delay, moment.generation + 1)])
-        meet(_after(moment, delay, again, motion, life))
+        if moment.generation < -np.log10(tolerance) / DIGITS_A_GENERATION:
+            if delay > 0.0:
+                meet([Moment(moment.time + delay, moment.generation + 1)])
+            meet(after(moment, delay, again))
     return Edges(np.array(found), len(lumps) > MOST_LUMPS, met)
 
 
@@ -127,22 +135,18 @@ def _lump_times(
     since: float,
 ) -> list[float]:
     """When, after `since`, finite shares of contacts born together meet an exact threshold."""
-    end, coming = float(motion.times[-1]), list[tuple[float, float]]()
-    found: list[float] = []
+    coming, found = list[tuple[float, float]](), list[float]()
 
     def spread(lump: Together) -> None:
-        for passing in passings(motion, lump.time, lump.stretch, life.atoms):
-            part = lump.share * life.atom_share(passing.mark, lump.stretch)
-            late = since * (1.0 + CLOSE) < passing.time < end
-            if late and not np.isnan(passing.mark) and part > LEAST_LUMP:
-                heapq.heappush(coming, (passing.time, part))
+        for t, mark in passings(motion, lump.time, lump.stretch, life.atoms):
+            part = lump.share * life.atom_share(mark, lump.stretch)
+            if since * (1.0 + CLOSE) < t < motion.times[-1] and part > LEAST_LUMP:
+                heapq.heappush(coming, (t, part))
 
-    for lump in born if life.atoms.size else ():
-        spread(lump)
     # contacts born in one hold share one stretch, as lumps do
     holds = motion.times[1:][motion.speeds == 0.0] if not life.timeless and again.is_single else []
-    for t in holds if life.atoms.size else ():
-        spread(Together(float(t), 1.0, again.mean()))
+    for lump in [*born, *(Together(float(t), 1.0, again.mean()) for t in holds)]:
+        spread(lump)
     while coming and len(found) <= MOST_LUMPS:
         time, share = heapq.heappop(coming)
         while coming and coming[0][0] <= time * (1.0 + CLOSE):
@@ -153,48 +157,22 @@ def _lump_times(
     return found
 
 
-def _after(moment: Moment, delay: float, law: Start, motion: Motion, life: Life) -> list[Moment]:
-    """The moments at which contacts born one delay after a moment make breaks bend again.
-
-    A jump of P_c smooths a bend by one order. An exact threshold keeps the order of a bend and
-    multiplies its size by the share of contacts with that threshold.
-    """
-    found = []
-    for stretch in [law.mean()] if law.is_single else list(law.breakpoints):
-        for passing in passings(motion, moment.time + delay, float(stretch), life.bends):
-            share = life.atom_share(passing.mark, float(stretch))
-            smoothed = -np.log10(share) / DIGITS_A_GENERATION if share > 0.0 else 1.0
-            found.append(Moment(passing.time, moment.generation + smoothed))
-    return found
-
-
-class Passing(NamedTuple):
-    """When the |x| of contacts first passes a mark, or comes back to its largest (mark = nan)."""
-
-    time: float
-    mark: float
-
-
-def passings(motion: Motion, born: float, stretch: float, marks: Array) -> list[Passing]:
-    """When contacts born at a time, at a stretch, pass marks or come back to their largest |x|."""
-    furthest = abs(stretch)
-    found: list[Passing] = []
-    if born >= motion.times[-1]:
-        return found
+def passings(
+    motion: Motion, born: float, stretch: float, marks: Array
+) -> Iterator[tuple[float, float]]:
+    """When the |x| of contacts born at a time, at a stretch, first passes each mark, and that mark;
+    and when it comes back to its largest (mark = nan)."""
+    furthest, begin, x = abs(stretch), born, stretch
     first = int(motion.leg(born + CLOSE * motion.times[-1]))
-    begin, x = born, stretch
     for leg in range(first, motion.speeds.size):
         end, speed = float(motion.times[leg + 1]), float(motion.speeds[leg])
         last = x + speed * (end - begin)
-        if abs(last) > furthest * (1.0 - CLOSE) and speed:
-            goals = [(furthest, np.nan)] if leg > first or x * speed < 0.0 else []
-            goals += [
-                (mark, mark) for mark in marks if furthest < mark <= abs(last) * (1.0 + CLOSE)
-            ]
-            for goal, mark in goals:
+        reached = abs(last) * (1.0 + CLOSE)
+        if reached > furthest and speed and end > begin:
+            back = [(furthest, np.nan)] if leg > first or x * speed < 0.0 else []
+            new = marks[(furthest < marks) & (marks <= reached)].tolist()
+            for goal, mark in [*back, *zip(new, new, strict=True)]:
                 t = begin + (np.sign(speed) * goal - x) / speed
                 if t > begin:
-                    found.append(Passing(min(t, end), mark))
-        furthest = max(furthest, abs(x), abs(last))
-        begin, x = end, last
-    return found
+                    yield min(t, end), mark
+        furthest, begin, x = max(furthest, abs(x), abs(last)), end, last

@@ -22,25 +22,16 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.renewal.births import MOST_WORK, Births, Panels
+from master.renewal.births import MOST_WORK, Births, Lump, Panels
 from master.renewal.edges import LEAST_LUMP
-from master.renewal.kernels import TARGETS, Kernels
-from master.renewal.lumps import Lump, breaking
+from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
 from master.renewal.past import Past
-from master.renewal.run import Pace, Run, solve_run, steady
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
-# A segment longer than this many panels of the last width begins with wide panels.
-LONG = 1000.0
-# Width of the narrowest panel in units of the life's grain, at T = 0 and with heat (which may break
-# contacts at any rate): halving stops here, beside a point that no panel resolves.
-NARROWEST, NARROWEST_IN_TIME = 1e-10, 1e-18
 # Width of a panel, in units of its time, below which rounding of the time spoils it.
 ROUNDED = 1e-13
-# Cost of solving a panel, in pieces of integrals (the unit of MOST_WORK), beside these integrals.
-RUN_WORK = 100
 
 
 class March:
@@ -67,9 +58,9 @@ class March:
     ----------
     begin, width, breaks, force, wrong : lists, one entry a panel
     since : list, the panels' beginnings counted from that of their leg, which keeps all digits
-    lumps : list of Lump
+    lumps : list of Lump, the start first
     kernels : Kernels
-    allowed : float
+    widest : float
         Largest width of the next panels.
     settled : float
         Time from which on the rate of breaks was constant; inf where it never was.
@@ -91,20 +82,17 @@ class March:
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
         self.stretch, self.until, self.unfinished = stretch, until, False
-        self.settled = np.inf
-        self.begin, self.since = list[float](), list[float]()
-        self.width: list[float] = []
-        self.breaks: list[Array] = []
-        self.force: list[Array] = []
-        self.wrong: list[float] = []
+        self.begin, self.since, self.width, self.wrong = (list[float]() for _ in range(4))
+        self.breaks, self.force = list[Array](), list[Array]()
         self.lumps = [Lump(0.0, 1.0, start)]
-        self.kernels, self.allowed = Kernels(births), np.inf
-        self._past = Past(births, until)
+        self.kernels, self._past = Kernels(births), Past(births, until)
+        self.settled = self.widest = np.inf
+        self._count, self._spare = 1, 0
 
     @property
     def life_error(self) -> float:
         """Error of the survival itself, to which the residuals of the panels are blind."""
-        return max(self.life.error, self.kernels.error) + self._past.error
+        return self.life.error + self.kernels.error + self._past.error
 
     @property
     def reached(self) -> float:
@@ -119,63 +107,77 @@ class March:
 
     def runs(self) -> Iterator[None]:
         """Solve all panels, yielding after each run of them."""
-        leg = -1
+        before = -1
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
-        for begin, end, now in zip(self.edges[:-1], self.edges[1:], legs, strict=True):
+        for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            since = self.motion.times[now]
-            if now != leg and (leg >= 0 or self.allowed == np.inf):
-                speed = abs(float(self.motion.speeds[now]))
-                self.allowed = self.grain / speed if speed else 0.25 * (end - begin)
-            leg = now
-            yield from self._segment(begin - since, end - since, int(leg))
+            if leg != before and (before >= 0 or self.widest == np.inf):
+                moving = bool(self.motion.speeds[leg])
+                self.widest = self._duration(self.grain, leg) if moving else 0.25 * (end - begin)
+            before, late = leg, self.motion.times[leg]
+            yield from self._segment(begin - late, end - late, leg)
             if self.unfinished:
                 break
 
-    def _pace(self, begin: float, end: float, leg: int) -> Pace:
-        """The widths of panels on a segment."""
-        allowed, speed = self.allowed, abs(float(self.motion.speeds[leg]))
-        most, grain = np.inf, np.inf
-        if speed:
-            most, grain = self.life.reach / speed, self.grain / speed
-            if end - begin > LONG * allowed:
-                # after a narrow feature it takes fewer panels to find the width from above
-                allowed = min(0.25 * (end - begin), most)
-        in_time = not self.life.quick
-        narrowest = NARROWEST_IN_TIME if in_time else NARROWEST
-        narrowest *= grain if speed else end - begin
-        narrowest = max(narrowest, ROUNDED * (begin if in_time else end))
-        return Pace(allowed, grain, most, narrowest, self.tolerance, in_time)
+    def _duration(self, length: float, leg: int) -> float:
+        """The time that the slider takes for a length; inf in a hold."""
+        speed = abs(float(self.motion.speeds[leg]))
+        return length / speed if speed else np.inf
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
         """Solve from one edge to the next; both are times since the leg's beginning."""
-        pace = self._pace(begin, end, leg)
-        t, width = begin, 0.0
-        while end - t > 1e-9 * min(pace.allowed, end - begin):
+        t, width, self._count, self._spare = begin, 0.0, 8, 0
+        # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
+        narrowest = min(self._duration(self.grain, leg), end - begin)
+        narrowest *= 1e-10 if self.life.quick else 1e-18
+        while end - t > 1e-9 * min(self.widest, end - begin):
             if clock.monotonic() > self.until:
                 self.unfinished = True
                 break
             if self._settled(leg, end - t):
                 self._rest(t, end, leg)
                 break
-            left = max(1, int(np.ceil((end - t) / pace.allowed * (1.0 - 1e-9))))
+            left = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
                 width = (end - t) / left
-            run = self._run(t, width, min(pace.count, left), leg)
+            run = self._run(t, width, min(self._count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
-            # beyond the allowed work, or beside a point that no panel resolves, the error is accepted
-            hurried = self.births.work > MOST_WORK or width < max(pace.narrowest, ROUNDED * t)
+            # beyond the allowed work, or on the narrowest panels, the error is accepted
+            hurried = self.births.work > MOST_WORK or width < max(narrowest, ROUNDED * t)
             bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.wrong.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
             t = t + good * width if good < left else end
             if bad.size:
-                pace.refused(width, run.wrong[bad[0]])
+                far = run.wrong[good] > 100.0 * self.tolerance
+                self.widest, self._count, self._spare = (0.25 if far else 0.5) * width, 1, 0
             else:
-                pace.resolved(width, run, left - good, hurried)
-            self.allowed = pace.allowed
-            if not bad.size:
+                self._widen(width, run, left - good, hurried, leg)
                 yield
+
+    def _widen(self, width: float, run: Run, left: int, hurried: bool, leg: int) -> None:
+        """Widen the next panels if the last ones, all good, have errors far below the tolerance.
+
+        left : panels of this width that are still to be solved; hurried : widen whatever their error
+        """
+        grain = self._duration(self.grain, leg)
+        # the error grows as the width to the power DEGREE; where contacts break at rates of all sizes,
+        # and behind a point that no polynomial resolves, wider panels soon suffice
+        sooner = not self.life.quick or width < 1e-2 * grain
+        spare = max(self.tolerance * (1e-2 if sooner else 0.5**rule.DEGREE), 1e-14)
+        self._spare = self._spare + run.wrong.size if run.wrong.max() < spare else 0
+        # each width needs its own kernel: wide panels are widened only if that serves many
+        still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
+        many = 0 if still or width <= 0.5 * grain else 32
+        self._count = min(2 * self._count, 256)
+        wider = self._spare > many and left >= many and width > 0.6 * self.widest
+        if hurried or wider:
+            self.widest = min(2.0 * width, self._duration(self.life.reach, leg))
+            self._count, self._spare = 1 if sooner else max(1, self._count // 4), 0
+
+    def _memory(self, leg: int) -> float:
+        """The longest time from a break to the next one of the same contact."""
+        return self.kernels.straight(float(self.motion.speeds[leg])).longest + self.births.delay
 
     def _settled(self, leg: int, left: float) -> bool:
         """Whether breaks have been steady for longer than any life, so that they stay so on this leg.
@@ -183,31 +185,28 @@ class March:
         The rate of breaks is a mean of the rates over the longest life before: where these agree
         to the tolerance, so do all that follow.
         """
-        memory = self.kernels.straight(leg).longest + self.births.delay
-        if left < 8.0 * memory or not self.begin or not self.motion.speeds[leg]:
+        memory = 1.1 * self._memory(leg)
+        since = max(float(self.motion.times[leg]), self.lumps[-1].time)
+        if left < 8.0 * memory or not self.motion.speeds[leg] or self.reached - since < memory:
             return False
-        if self.reached - max(self.motion.times[leg], self.lumps[-1].time) < 1.1 * memory:
-            return False
-        first, width = len(self.begin), 0.0
-        while width < 1.1 * memory:
-            first -= 1
-            width += self.width[first]
-        panels = Run(np.array(self.breaks[first:]), np.array(self.force[first:]), np.empty(0))
-        return steady(panels, np.array(self.width[first:]), self.tolerance, self.stretch)
+        first = max(bisect_right(self.begin, self.reached - memory) - 1, 0)
+        rates = np.array(self.breaks[first:]) @ rule.SLOPES_AT_GAUSS.T
+        rates = rates / np.array(self.width[first:])[:, None]
+        alike = np.ptp(rates) < 0.25 * self.tolerance * rates.mean()
+        return bool(alike and np.ptp(self.force[first:]) < 0.25 * self.tolerance * self.stretch)
 
     def _rest(self, t: float, end: float, leg: int) -> None:
         """One panel of steady breaks up to shortly before the end of the leg, then three more."""
-        since = float(self.motion.times[leg])
-        self.settled = min(self.settled, since + t - 0.5 * self.width[-1])
-        memory = self.kernels.straight(leg).longest + self.births.delay
-        rate = self.breaks[-1][-1] / self.width[-1]
-        share = np.append(0.0, rule.NODES)
-        last = np.full(share.size, self.force[-1].mean())
+        late, memory = float(self.motion.times[leg]), self._memory(leg)
+        self.settled = min(self.settled, late + t - 0.5 * self.width[-1])
+        breaks = self.breaks[-1][-1] / self.width[-1] * np.append(0.0, rule.NODES)[None]
+        force = np.full(breaks.shape, self.force[-1].mean())
         wrong = np.full(1, self.wrong[-1] + 0.25 * self.tolerance)
-        ends = [t, end - 3.0 * memory, end - 2.0 * memory, end - memory, end]
-        for first, second in pairwise(ends):
-            run = Run((rate * (second - first) * share)[None], last[None], wrong)
-            self.keep(since + first, second - first, run, 1, first)
+        for first, second in pairwise(
+            [t, end - 3.0 * memory, end - 2.0 * memory, end - memory, end]
+        ):
+            run = Run((second - first) * breaks, force, wrong)
+            self.keep(late + first, second - first, run, 1, first)
 
     def keep(self, t: float, width: float, run: Run, good: int, since: float) -> None:
         """Append the first `good` panels of a run that begins at t, `since` from its leg's beginning."""
@@ -221,21 +220,15 @@ class March:
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
-        self.births.work += RUN_WORK * count
-        same = self._same(width, leg)
-        kernel = self.kernels.on(leg, width, same + count)
-        grid = t + width * (np.arange(count)[:, None] + TARGETS)
-        found = self.known(grid, same, leg)
-        return solve_run(kernel, found, self.breaks[len(self.breaks) - same :], self.stretch)
-
-    def _same(self, width: float, leg: int) -> int:
-        """How many of the last panels, all on this leg, have this width."""
-        begin, same = self.motion.times[leg] - 1e-9 * width, 0
-        while same < len(self.width) and self.width[-1 - same] == width:
-            if self.begin[-1 - same] < begin:
-                break
-            same += 1
-        return same
+        self.births.work += 100 * count  # about the cost of solving a panel, in pieces of integrals
+        # the last panels of this width, of those whose births are felt
+        first = bisect_right(self.begin, self.reached - self._memory(leg) - 2.0 * width)
+        first = max(first, bisect_left(self.begin, self.motion.times[leg] - 1e-9 * width))
+        other = np.flatnonzero(np.array(self.width[first:]) != width)
+        same = len(self.width) - first - (int(other[-1]) + 1 if other.size else 0)
+        kernel = self.kernels.on(float(self.motion.speeds[leg]), width, same + count)
+        known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), same, leg)
+        return solve_run(kernel, known, self.breaks[len(self.breaks) - same :], self.stretch)
 
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
         """Number and force at later times, of lumps and of all panels but the last `same`.
@@ -247,13 +240,11 @@ class March:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
         late, last = float(self.motion.times[leg]), len(self.begin) - same
-        edges = self.edges[self.motion.leg(self.edges) == leg] - late
-        self._past.enter(leg, self._panels(0), self.lumps, np.append(0.0, edges))
-        out, t = self._past.at(grid, self.lumps), grid.ravel()
-        longest, delay = self.kernels.straight(leg).longest, self.births.delay
-        first = max(bisect_right(self.begin, late + t.min() - longest - delay) - 1, 0)
-        own = self._on_leg(t, leg, self._panels(max(first, self._past.first), last))
-        out += own.reshape(out.shape)
+        self._enter(leg)
+        out, t, delay = self._past.at(grid, self.lumps), grid.ravel(), self.births.delay
+        first = max(bisect_right(self.begin, late + t.min() - self._memory(leg)) - 1, 0)
+        own = self._panels(max(first, self._past.first), last)
+        out += self._on_leg(t, leg, own).reshape(out.shape)
         if delay > 0.0 and first < last:
             # contacts that are out count as well
             begin, _, width, breaks = self._panels(first, last)
@@ -271,30 +262,35 @@ class March:
 
     def _on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t on a leg, counted from its beginning, of births on it."""
-        if not panels.begin.size:
+        begin, since, width, breaks = panels
+        if not begin.size:
             return np.zeros((2, t.size))
-        late = self.motion.times[leg]
-        born = np.where(panels.begin >= late, panels.since, panels.begin - late) + self.births.delay
-        return self.kernels.sums(
-            leg, t, np.append(born, born[-1] + panels.width[-1]), panels.breaks
-        )
+        late, speed = self.motion.times[leg], float(self.motion.speeds[leg])
+        born = np.where(begin >= late, since, begin - late) + self.births.delay
+        return self.kernels.sums(speed, t, np.append(born, born[-1] + width[-1]), breaks)
 
     def held(self, leg: int, t: float) -> float:
         """Share of all contacts that were born on a leg and hold at the time t."""
         panels, motion = self._panels(0, bisect_left(self.begin, t)), self.motion
         legs, now = motion.leg(panels.middle_of_births(self.births.delay)), int(motion.leg(t))
         panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
-        past, x = Past(self.births), np.array([[t - motion.times[now]]])
-        past.find(now, panels)
+        past, x = Past(self.births, np.inf), np.array([[t - motion.times[now]]])
+        past.enter(now, panels)
         own = self._on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
         return float(past.sums(x)[0, 0, 0] + own[0, 0])
 
+    def _enter(self, leg: int) -> None:
+        """Find the births on all legs before one, unless they are found."""
+        if leg != self._past.leg:
+            self._past.enter(leg, self._panels(0))
+
     def _break_lumps(self, t: float, end: float) -> None:
-        """Make a new lump of the contacts that reach an exact threshold at the edge t."""
+        """Make a new lump of the contacts that reach an exact threshold, together, at the edge t."""
         if not t > 0.0 or not len(self.life.atoms):
             return
-        before, after = t - 0.5 * self.width[-1], t + 0.5 * (end - t)
-        lost = breaking(self.births, self.lumps, before, t, after)
-        lost += self._past.breaking(t)
-        if lost > LEAST_LUMP:
-            self.lumps.append(Lump(t + self.births.delay, lost, self.births.law))
+        self._enter(int(self.motion.leg(t)))
+        sides = (t - 0.5 * self.width[-1], t + 0.5 * (end - t))
+        rows = (np.array([[t, side, t]]) - self._past.late for side in sides)
+        before, after = (self._past.at(row, self.lumps)[0, 0, 0] for row in rows)
+        if before - after > LEAST_LUMP:
+            self.lumps.append(Lump(t + self.births.delay, before - after, self.births.law))

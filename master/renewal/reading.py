@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.edges import CLOSE
-from master.renewal.lumps import NOTHING
 from master.renewal.march import March
 
 Array = npt.NDArray[np.float64]
@@ -59,56 +58,45 @@ def density(march: March, t: float, x: Array) -> Array:
     A contact born at s has the stretch x = r + X(t) - X(s), so that births at the rate dJ/ds (that of
     the breaks one delay before) contribute the density E(t, s) (dJ/ds) / |dX/ds| at x.
     """
-    motion, life, delay = march.motion, march.life, march.births.delay
+    motion, life, law, delay = march.motion, march.life, march.births.law, march.births.delay
     t = float(_felt(march, np.array(t)))
     now, start = float(motion.at(np.array(t))), march.lumps[0].law
     at, out = np.full((1, 1), t), np.zeros(x.size)
     if not start.is_single:
-        origin = x - now
-        low, high = start.span
+        origin, (low, high) = x - now, start.span
         inside = np.flatnonzero((np.abs(origin) < life.reach) & (origin > low) & (origin < high))
         history = motion.history(at, np.zeros((inside.size, 1)))
         held = life.left(origin[inside, None], history)[0, :, 0]
         out[inside] = start.pdf(origin[inside]) * held
-    law = march.births.law
-    for begin, width, breaks in zip(march.begin, march.width, march.breaks, strict=True):
-        if begin + delay >= t:
-            break
-        leg = int(motion.leg(begin + 0.5 * width + delay))
+    begin, width = np.array(march.begin), np.array(march.width)
+    slopes = np.array(march.breaks) @ rule.SLOPES.T
+    for leg in np.flatnonzero(motion.speeds):
+        first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
         speed = float(motion.speeds[leg])
-        if not speed:
-            continue
-        goal = law.mean() + now - x
-        s = motion.times[leg] + (goal - motion.positions[leg]) / speed
-        share = (s - delay - begin) / width
-        here = np.flatnonzero((share > 0.0) & (share <= 1.0) & (s <= t))
-        if here.size:
-            slope = rule.legendre_sum((rule.SLOPES @ breaks)[None], 2.0 * share[None, here] - 1.0)
-            held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
-            out[here] += held * slope[0] / (width * abs(speed))
+        s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
+        here = np.flatnonzero((s > first) & (s <= last))
+        panel = np.maximum(np.searchsorted(begin, s[here] - delay) - 1, 0)
+        share = np.minimum((s[here] - delay - begin[panel]) / width[panel], 1.0)
+        rate = rule.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0] / width[panel]
+        held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
+        out[here] += held * rate / abs(speed)
     return out
 
 
 def deltas(march: March, t: float) -> dict[float, float]:
     """Stretches (lengths) that a finite share of the contacts has at the time t, and these shares.
 
-    They are those of lumps, and of births in holds.
+    They are those of lumps, and of births in holds: contacts born in one hold share one stretch.
     """
-    found: dict[float, float] = {}
-    t = float(_felt(march, np.array(t)))
-    at, motion = np.full((1, 1), t), march.motion
+    t, motion, law = float(_felt(march, np.array(t))), march.motion, march.births.law
+    at, found = np.full((1, 1), t), dict[float, float]()
     for lump in march.lumps:
         if lump.time <= t and lump.law.is_single:
             history = motion.history(at, np.full((1, 1), lump.time))
-            held = lump.weight * float(march.life.left(lump.law, history)[0, 0, 0])
             stretch = float(lump.law.mean() + history.now[0, 0])
-            found[stretch] = found.get(stretch, 0.0) + held
-    # contacts born in one hold share one stretch
-    legs = motion.leg(np.array(march.begin) + 0.5 * np.array(march.width) + march.births.delay)
-    for leg in np.unique(legs[motion.speeds[legs] == 0.0]):
-        if motion.times[leg] < t:
-            stretch = float(
-                march.births.law.mean() + motion.at(np.array(t)) - motion.positions[leg]
-            )
-            found[stretch] = found.get(stretch, 0.0) + march.held(int(leg), t)
-    return {stretch: share for stretch, share in found.items() if share > NOTHING}
+            held = float(march.life.left(lump.law, history)[0, 0, 0])
+            found[stretch] = found.get(stretch, 0.0) + lump.weight * held
+    for leg in np.flatnonzero((motion.speeds == 0.0) & (motion.times[:-1] < t)):
+        stretch = float(law.mean() + motion.at(np.array(t)) - motion.positions[leg])
+        found[stretch] = found.get(stretch, 0.0) + march.held(int(leg), t)
+    return {stretch: share for stretch, share in found.items() if share > 1e-18}

@@ -8,30 +8,25 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numpy.polynomial import chebyshev, legendre
+from numpy.polynomial import legendre
 
 Array = npt.NDArray[np.float64]
 
-# Nodes of a panel; a look-up sums as many coefficients.
+# Coefficients of a panel's polynomial.
 SIZE = 12
-# Most new panels that are halved together: more of them would only resolve rounding.
-MOST = 1024
-# Ratio of a panel's width to its place below which its nodes coincide by rounding.
-NARROWEST = 1e-15
+# Most new panels that are halved together, and most halvings of one: more would only resolve rounding.
+MOST, DEPTH = 1024, 50
 # Halving reduces the last coefficients below this share of themselves, unless they are rounding.
 HARDLY = 0.3
-# Most halvings of a panel: 2^-50 of it is rounding.
-DEPTH = 50
 
 
 class Basis(NamedTuple):
     """Nodes of a panel, as shares of it; matrices from values there to Legendre coefficients, and from
-    these to values at both ends and to Chebyshev coefficients."""
+    these to values at both ends."""
 
     nodes: Array
     to_legendre: Array
     at_ends: Array
-    to_chebyshev: Array
 
 
 @lru_cache
@@ -40,15 +35,7 @@ def basis_of(size: int) -> Basis:
     z = legendre.leggauss(size)[0]
     to_legendre = np.linalg.inv(legendre.legvander(z, size - 1)).T
     at_ends = legendre.legvander(np.array([-1.0, 1.0]), size - 1).T
-    to_chebyshev = np.linalg.solve(
-        chebyshev.chebvander(z, size - 1), legendre.legvander(z, size - 1)
-    )
-    return Basis(
-        0.5 * (z + 1.0),
-        np.asarray(to_legendre, dtype=float),
-        at_ends,
-        np.asarray(to_chebyshev, dtype=float),
-    )
+    return Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
 
 
 def beside(x: Array, ends: Array) -> Array:
@@ -79,10 +66,6 @@ class Table:
         checked. The check detects a fall that is over before the first node.
     size : int
         Coefficients of the polynomials.
-    first_cut : float
-        Share of its width at which the first panel is cut.
-    goes_on : callable
-        Whether there is time left to halve panels.
     felt : callable
         Takes values, as `function` gives them, and the panels' widths; returns the factor on the
         accuracy of each panel, shape (panels,).
@@ -92,8 +75,12 @@ class Table:
 
     Attributes
     ----------
+    begin, end, widths : arrays of shape (panels,)
+    edges : array of shape (panels + 1,)
     error : float
         Largest of the last coefficients of all panels.
+    tails : array of shape (panels,)
+        The larger of the last two coefficients of any function.
     """
 
     def __init__(
@@ -104,84 +91,62 @@ class Table:
         shortest: float,
         ends: float = 0.0,
         size: int = SIZE,
-        first_cut: float = 0.5,
-        goes_on: Callable[[], bool] = lambda: True,
         felt: Callable[[Array, Array], Array] | None = None,
         rounding: float = 0.0,
     ) -> None:
         """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
         basis = basis_of(size)
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
-        kept, self.error, was = [], 0.0, np.full(low.size, np.inf)
+        shares = np.concatenate([[0.0], basis.nodes, [1.0]]) if ends > 0.0 else basis.nodes
+        kept, self.error, before = [], 0.0, np.full(low.size, np.inf)
         for _ in range(DEPTH):
-            nodes = low[:, None] + (high - low)[:, None] * basis.nodes
+            # rounding may put the last share beyond the panel's end
+            values = function(
+                np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
+            )
+            series = (values[..., 1:-1] if ends > 0.0 else values) @ basis.to_legendre
+            tail = np.abs(series[..., -2:]).max(axis=(0, 2))
             if ends > 0.0:
-                nodes = np.concatenate([low[:, None], nodes, high[:, None]], axis=1)
-            values = function(nodes)
-            coefficients = (values[..., 1:-1] if ends > 0.0 else values) @ basis.to_legendre
-            tail = np.abs(coefficients[..., -2:]).max(axis=(0, 2))
-            if ends > 0.0:
-                missed = np.abs(coefficients @ basis.at_ends - values[..., [0, -1]]).max(
-                    axis=(0, 2)
-                )
-                tail = np.maximum(tail, missed / ends)
+                off = np.abs(series @ basis.at_ends - values[..., [0, -1]])
+                tail = np.maximum(tail, off.max(axis=(0, 2)) / ends)
             if felt is not None:
                 tail = tail / felt(values, high - low)
-            least = np.maximum(shortest, NARROWEST * np.abs(high))
-            open_ = (tail > accuracy) & (high - low > least) & (low.size <= MOST + edges.size)
-            open_ &= (tail > rounding * accuracy) | (tail < HARDLY * was)
-            open_ &= goes_on()
-            kept.append((low[~open_], high[~open_], coefficients[:, ~open_]))
-            self.error = max(self.error, float(tail[~open_].max(initial=0.0)))
-            low, high, was = low[open_], high[open_], np.tile(tail[open_], 2)
+            # nodes nearer to each other than 1e-15 of their place coincide by rounding
+            rough = (tail > accuracy) & (high - low > np.maximum(shortest, 1e-15 * np.abs(high)))
+            rough &= (tail > rounding * accuracy) | (tail < HARDLY * before)
+            rough &= low.size <= MOST + edges.size
+            kept.append((low[~rough], high[~rough], series[:, ~rough]))
+            self.error = max(self.error, float(tail[~rough].max(initial=0.0)))
+            low, high, before = low[rough], high[rough], np.tile(tail[rough], 2)
             if not low.size:
                 break
-            middle = low + np.where(low == edges[0], first_cut, 0.5) * (high - low)
+            middle = low + 0.5 * (high - low)
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-        begin = np.concatenate([part[0] for part in kept])
+        begin, end, parts = (
+            np.concatenate(part, axis=-1 if part[0].ndim == 1 else 1)
+            for part in zip(*kept, strict=True)
+        )
         order = np.argsort(begin)
         self.begin: Array = begin[order]
-        self.end: Array = np.concatenate([part[1] for part in kept])[order]
-        parts = np.concatenate([part[2] for part in kept], axis=1)[:, order]
-        self._parts = np.ascontiguousarray(np.moveaxis(parts, -1, 0))  # (size, functions, panels)
-        self._waves = np.tensordot(basis.to_chebyshev, self._parts, 1)
-
-    @property
-    def edges(self) -> Array:
-        """Edges of the panels, shape (panels + 1,)."""
-        return np.append(self.begin, self.end[-1])
-
-    @property
-    def widths(self) -> Array:
-        return self.end - self.begin
-
-    @property
-    def tails(self) -> Array:
-        """The larger of the last two coefficients of any function, shape (panels,)."""
-        return np.asarray(np.abs(self._parts[-2:]).max(axis=(0, 1)))
+        self.end: Array = end[order]
+        self.edges: Array = np.append(self.begin, self.end[-1])
+        self.widths: Array = self.end - self.begin
+        self._parts = np.ascontiguousarray(
+            parts[:, order].transpose(2, 0, 1)
+        )  # (size, functions, n)
+        self.tails: Array = np.abs(self._parts[-2:]).max(axis=(0, 1))
 
     def __call__(self, x: Array) -> Array:
         """Values of the functions, shape (functions, *x.shape)."""
-        panel = np.searchsorted(self.begin, x, "right") - 1
-        panel = np.clip(panel, 0, self.begin.size - 1)
-        z = (2.0 * x - self.begin[panel] - self.end[panel]) / self.widths[panel]
+        panel = np.maximum(np.searchsorted(self.begin, x, "right") - 1, 0)
         inside = x < self.end[-1]
-        return self._summed(np.where(inside, z, 0.0), panel) * inside
-
-    def _summed(self, z: Array, panel: npt.NDArray[np.intp]) -> Array:
-        """The polynomials at z in [-1, 1] on panels of the same shape; shape (functions, *shape).
-
-        Clenshaw's rule for Chebyshev polynomials, in place, since much of the run time is spent here.
-        """
-        twice = 2.0 * z
-        last = self._waves[-1].take(panel, axis=1)
-        before, spare = np.zeros_like(last), np.empty_like(last)
-        for row in self._waves[-2:0:-1]:
-            np.multiply(twice, last, out=spare)
-            spare -= before
-            spare += row.take(panel, axis=1)
-            before, last, spare = last, spare, before
-        return np.asarray(self._waves[0].take(panel, axis=1) + z * last - before)
+        z = (
+            2.0 * (np.where(inside, x, self.begin[-1]) - self.begin[panel]) / self.widths[panel]
+            - 1.0
+        )
+        return np.asarray(
+            legendre.legval(z, self._parts.take(panel, axis=2), tensor=False) * inside
+        )
 
     def integrals(self) -> Array:
         """Integral of each function over all panels, shape (functions,)."""

@@ -65,8 +65,6 @@ class Points:
     shape : tuple of int
     rows : array of shape (4, n)
         Speed, temperature, rate and delay, flattened; 0 for a law that the contacts do not have.
-    told : dict
-        The fields of `Along` that hold the four quantities.
 
     Raises InputError for values that are not finite or too small, for shapes that do not broadcast,
     and for a temperature or a rate of contacts without that law.
@@ -81,63 +79,60 @@ class Points:
         delay: npt.ArrayLike | None,
     ) -> None:
         """Broadcast what is given along the curve; InputError for what these contacts do not have."""
-        thermal, ageing, wait = contacts.thermal, contacts.ageing, contacts.delay
+        self._began, self._contacts = time.perf_counter(), contacts
+        # a rate law of the user's own has no temperature
+        thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
+        ageing, wait = contacts.ageing, contacts.delay
         if temperature is not None and thermal is None:
             raise InputError(
                 "temperature: these contacts have no law for it; give them thermal = "
-                'Thermal("soft", 0.1)'
-            )
-        if temperature is not None and isinstance(thermal, GivenRates):
-            raise InputError(
-                f'temperature: the rate law "{thermal.law}" of these contacts has none to go '
-                "along; give them the law at each temperature by contacts.replace(thermal=...)"
+                'Thermal("soft", 0.1), or a rate law of your own at each temperature, one after '
+                "the other, by contacts.replace(thermal=...)"
             )
         if rate is not None and ageing is None:
             raise InputError(
                 "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
             )
-        asked: dict[str, npt.ArrayLike | None] = {
+        own = {
             "velocity": velocity,
-            "temperature": thermal.temperature
-            if isinstance(thermal, Thermal) and temperature is None
-            else temperature,
-            "rate": ageing.rate if ageing is not None and rate is None else rate,
-            "delay": wait.time if wait is not None and delay is None else delay,
+            "temperature": thermal.temperature if thermal else None,
+            "rate": ageing.rate if ageing else None,
+            "delay": wait.time if wait else None,
         }
-        given = {name: _numbers(name, value) for name, value in asked.items() if value is not None}
+        asked = dict(zip(own, (velocity, temperature, rate, delay), strict=True))
+        given = {name: own[name] if value is None else value for name, value in asked.items()}
+        numbers = {
+            name: _numbers(name, value) for name, value in given.items() if value is not None
+        }
         try:
-            arrays = dict(zip(given, np.broadcast_arrays(*given.values()), strict=True))
+            arrays = np.broadcast_arrays(*numbers.values())
         except ValueError as error:
-            shapes = ", ".join(f"{name} {value.shape}" for name, value in given.items())
-            raise InputError(
-                f"{', '.join(given)}: have shapes that do not fit together: {shapes}"
-            ) from error
-        self.told: dict[str, Any] = {name: arrays.get(name) for name in asked}
-        self.shape = arrays["velocity"].shape
-        self.rows = np.stack([np.ravel(arrays.get(name, np.zeros(self.shape))) for name in asked])
-        self._began, self._contacts = time.perf_counter(), contacts
-        self._hot = contacts.grains is not None or (thermal is not None and temperature is None)
+            shapes = ", ".join(f"{name} {value.shape}" for name, value in numbers.items())
+            told = f"{', '.join(numbers)}: have shapes that do not fit together: {shapes}"
+            raise InputError(told) from error
+        self.shape, found = arrays[0].shape, dict(zip(numbers, arrays, strict=True))
+        self._fields: dict[str, Any] = {name: found.get(name) for name in own}
+        self.rows = np.stack([np.ravel(found.get(name, np.zeros(self.shape))) for name in own])
 
     def distinct(self, waits: bool) -> tuple[Array, npt.NDArray[np.intp]]:
         """Rows of speed, temperature, rate and delay, each once, of shape (m, 4), and the row of each
         point. The speed is 1 where it does not matter, the delay 0 unless asked for (`waits`)."""
-        speeds, heat, spread, wait = self.rows
-        wait = wait * waits
-        matters = self._hot | (heat > 0.0) | (spread > 0.0) | (wait > 0.0)
-        columns = np.stack([np.where(matters, speeds, 1.0), heat, spread, wait], axis=1)
+        columns = self.rows.T * [1.0, 1.0, 1.0, float(waits)]
+        if self._contacts.grains is None and not isinstance(self._contacts.thermal, GivenRates):
+            columns[(columns[:, 1:] == 0.0).all(axis=1), 0] = 1.0
         cases, which = np.unique(columns, axis=0, return_inverse=True)
         return cases, which.ravel()
 
     def outcome(self, success: npt.NDArray[np.bool_], message: str) -> dict[str, Any]:
         """All fields of `Along`."""
         run_time = time.perf_counter() - self._began
-        return {**self.told, "run_time": run_time, "success": success, "message": message}
+        return {**self._fields, "run_time": run_time, "success": success, "message": message}
 
     def contacts(self, case: Array, start: object = None) -> Contacts:
         """The contacts at the temperature, rate and delay of one row (0: none), with another start."""
         _, temperature, rate, delay = (float(value) for value in case)
         thermal, ageing = self._contacts.thermal, self._contacts.ageing
-        if isinstance(thermal, Thermal):  # a rate law of the user's own has no temperature
+        if isinstance(thermal, Thermal):
             thermal = replace(thermal, temperature=temperature) if temperature > 0.0 else None
         return self._contacts.replace(
             start=start,
@@ -155,14 +150,11 @@ def _numbers(name: str, value: npt.ArrayLike) -> Array:
         refuse(name, value, "must be a number or an array of numbers")
     if not numbers.size:
         refuse(name, numbers, "must not be empty")
-    bad = ~np.isfinite(numbers) | (numbers < 0.0) | ((numbers == 0.0) & (name == "velocity"))
+    moving = name == "velocity"
+    bad = ~np.isfinite(numbers) | (numbers < 0.0) | (moving & (numbers == 0.0))
     if bad.any():
-        rule = (
-            "must be finite and above zero"
-            if name == "velocity"
-            else "must be finite and zero or above"
-        )
-        refuse(name, float(numbers[bad][0]), rule)
+        least = "above zero" if moving else "zero or above"
+        refuse(name, float(numbers[bad][0]), f"must be finite and {least}")
     return numbers
 
 
@@ -241,15 +233,12 @@ def kinetic_curve(
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed without delay, shape (4, n)."""
     check_finite(contacts)
-    out = np.full((4, speeds.size), np.nan)
-    thermal = contacts.thermal
-    by_heat = thermal is not None and thermal.closure == "exact"
+    out, unit = np.full((4, speeds.size), np.nan), contacts.mean_threshold
+    by_heat = contacts.thermal is not None and contacts.thermal.closure == "exact"
     if by_heat and not {"ageing", "grains", "reforming"}.intersection(contacts.laws):
-        sums = summed(contacts, speeds)
-        force = sums.area / sums.length
-        off = (sums.area_error + force * sums.length_error) / sums.length
-        out = np.stack([force, off, sums.length, sums.length_error])
-    unit = contacts.mean_threshold
+        out[2:], area = summed(contacts, speeds)
+        out[0] = area[0] / out[2]
+        out[1] = (area[1] + out[0] * out[3]) / out[2]
     # points not known well enough from the sums over all speeds are solved individually
     for i in np.flatnonzero(~(out[1] < 1e-9 * out[0])):
         one = steady_state(contacts, velocity=float(speeds[i]))

@@ -10,8 +10,6 @@ of u, so that the same stretches serve all speeds:
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
@@ -40,45 +38,36 @@ ACCURACY, SHORTEST = 1e-9, 1e-13
 TAIL = 1e-80
 
 
-class Sums(NamedTuple):
-    """At each speed, arrays of shape (n,): C (a length), the integral of the force over a cycle (a
-    length squared), and their errors."""
-
-    length: Array
-    length_error: Array
-    area: Array
-    area_error: Array
-
-
-def summed(contacts: Contacts, speeds: Array) -> Sums:
-    """C and the force over a cycle at speeds (length per time) of shape (n,).
+def summed(contacts: Contacts, speeds: Array) -> Array:
+    """C (lengths) and the integral of the force over a cycle (lengths squared), each with its error.
 
     contacts : with heat (closure "exact"), born relaxed
+    speeds : array of shape (n,), length per time
+
+    Returns an array of shape (2, 2, n): C and its error, the integral and its error.
     """
-    law, breaks = contacts.thresholds, _Breaks(contacts, speeds)
+    law, unit, breaks = contacts.thresholds, contacts.mean_threshold, _Breaks(contacts, speeds)
     positions, shares = law.atoms
-    total, off = np.zeros((2, speeds.size)), np.zeros((2, speeds.size))
+    total, off = np.zeros((2, 2, speeds.size))
     if positions.size:
         total += np.einsum("a,kas->ks", shares, breaks(positions))
     if float(shares.sum()) < 1.0 - 1e-14:
         edges = panel_edges(law, tail=TAIL)
-        at_edges = breaks(np.maximum(edges, SHORTEST * contacts.mean_threshold))
-        mass = -np.diff(law.sf(edges))
-        about = np.einsum("e,kes->ks", mass, 0.5 * (at_edges[:, 1:] + at_edges[:, :-1]))
-        typical = np.maximum(total + about, np.finfo(float).tiny)
+        at_edges = breaks(np.maximum(edges, SHORTEST * unit))
+        middle = 0.5 * (at_edges[:, 1:] + at_edges[:, :-1])
+        about = total + np.einsum("e,kes->ks", -np.diff(law.sf(edges)), middle)
+        scale = np.maximum(about, np.finfo(float).tiny) / unit
 
         def integrand(xi: Array) -> Array:
-            found = breaks(xi.ravel()).transpose(0, 2, 1) / typical[..., None]
-            density = contacts.mean_threshold * finite_density(law, xi)
-            return found.reshape(-1, *xi.shape) * density
+            found = breaks(xi.ravel()).transpose(0, 2, 1) / scale[..., None]
+            return found.reshape(-1, *xi.shape) * finite_density(law, xi)
 
-        table = Table(integrand, edges, ACCURACY, SHORTEST * contacts.mean_threshold)
-        scale = typical / contacts.mean_threshold
+        table = Table(integrand, edges, ACCURACY, SHORTEST * unit)
         total += table.integrals().reshape(2, -1) * scale
         off += table.missed().reshape(2, -1) * scale
         off += thresholds_beyond(contacts, float(edges[-1]))[:, None]
     off += ROUND_OFF * total
-    return Sums(total[0], off[0], 0.5 * total[1], 0.5 * off[1])
+    return np.stack([total, off], axis=1) * np.array([1.0, 0.5])[:, None, None]
 
 
 class _Breaks:
