@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.cold import NONE_LEFT
-from master.lives.straight import bends_of
+from master.lives.life import NONE_LEFT, bends_of
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, Pieces, Rows

@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.heat.thermal import ThermalLife
-from master.lives.life import Life
-from master.lives.straight import bends_of
+from master.lives.life import Life, bends_of
 from master.motion.motion import Motion
 from master.renewal.table import Table
 from origins import Contacts, InputError
