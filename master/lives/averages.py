@@ -121,6 +121,34 @@ def integrals(
     return Integrals(total, missed, pieces)
 
 
+def integrals_above(
+    integrand: Integrand,
+    least: Array,
+    ends: Array,
+    felt: npt.NDArray[np.bool_] | bool,
+    accuracy: Array | float,
+) -> Integrals:
+    """Integrals of functions over y above `least`, where they may be series in (y - least)^(1/2).
+
+    That root is the variable of integration; the accuracy is that of the first function without its
+    weight, which is 0 at `least`.
+
+    least : array of shape (n,)
+    ends : array of shape (k + 1,) or (n, k + 1), sorted, between which functions are smooth
+    felt : of shape (n, k), where they count
+    """
+    roots = np.sqrt(np.maximum(ends, least[:, None]) - least[:, None])
+    row, piece = np.nonzero(felt & (np.diff(roots, axis=1) > 0.0))
+
+    def of_root(row: Rows, root: Array) -> Array:
+        values = 2.0 * integrand(row, least[row, None] + root * root)
+        return np.concatenate([values[:1] * root.max(axis=1, keepdims=True), values * root])
+
+    pieces = Pieces(row, roots[row, piece], roots[row, piece + 1])
+    value, missed, fine = integrals(of_root, pieces, least.size, accuracy)
+    return Integrals(value[1:], missed[1:], fine)
+
+
 class StretchRule(NamedTuple):
     """Stretches that represent a law of stretches, and their weights.
 

@@ -43,40 +43,26 @@ class ColdLife(LawLife):
         self._linked: Table | None = None
         if contacts.stiffness == "linked":
             shortest = 1e-9 * self._mean
-            self._linked = Table(lambda x: self._smooth(x)[None], self.marks, 1e-12, shortest)
+            self._linked = Table(lambda x: self.held(x, np.inf)[None], self.marks, 1e-12, shortest)
 
-    def _smooth(self, m: Array) -> Array:
-        """Survival at m without the exact thresholds."""
-        out = np.asarray(self.law.sf(m), dtype=float)
+    def _borne(self, m: Array, side: Array, held: Array) -> Array:
+        """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
+        if not self._linked:
+            return held
+        smooth = self.held(m, np.inf)
+        # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
+        most = np.maximum(self.reach - m, 0.0) * smooth
+        out = m * smooth + np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)
         for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            out = out - weight * (m < position)
-        return np.maximum(out, 0.0)
-
-    def _held(self, m: Array, side: Array) -> Array:
-        """Survival at m, and with linked stiffness also <x_s; x_s > m>/<x_s>; shape (1 or 2, n).
-
-        Exact thresholds below `side` are broken.
-        """
-        # contacts with m <= quiet all hold: the law need not be evaluated there
-        some, smooth = m > self.quiet, np.ones(m.shape)
-        if self.atoms.size or self._linked:
-            some = np.ones(m.shape, dtype=bool)
-        smooth[some] = self._smooth(m[some])
-        out = smooth[None]
-        if self._linked:
-            # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
-            most = np.maximum(self.reach - m, 0.0) * smooth
-            beyond = np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)
-            out = np.stack([smooth, (m * smooth + beyond) / self._mean])
-        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            stiff = np.array([1.0, position / self._mean])[: out.shape[0], None]
-            out = out + stiff * weight * (side < position * (1.0 - TIE))
-        return out
+            out = out + position * weight * (side < position * (1.0 - TIE))
+        return np.asarray(out / self._mean)
 
     def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
         """See Life."""
-        first = np.abs(born)
-        whole = self._held(first, first)[0]
-        held = self._held(moves.largest(pair, born), side)
-        held = np.divide(held, whole, out=np.zeros_like(held), where=whole > 0.0)
-        return np.stack([held[0], held[-1] * (born + moves.now[pair])])
+        first, m = np.abs(born), moves.largest(pair, born)
+        whole, held = self.held(first, first), np.ones(m.shape)
+        # contacts with m <= quiet all hold: the law need not be evaluated there
+        some = m > self.quiet * (1.0 - 2.0 * TIE)
+        held[some] = self.held(m[some], side[some])
+        out = np.stack([held, self._borne(m, side, held) * (born + moves.now[pair])])
+        return np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)

@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Pieces, integrals
+from master.lives.averages import Pieces, integrals, integrals_above
 from master.lives.life import MARGIN, Life, Moves
 from master.motion.motion import History
 from origins import Contacts, GrainContact
@@ -33,9 +33,9 @@ Rows = npt.NDArray[np.intp]
 
 # H above which the survival e^-H, below 1e-17, counts as 0.
 GONE = 39.2
-# Sums over quantiles have the variable (η - H_worst)^(1/2): edges of their first pieces; and last
-# coefficients, of these sums and of ln A over time, below which pieces are not halved.
-ROOTS, RESOLVED = np.array([0.0, 0.5, 2.0, GONE**0.5]), 1e-6
+# Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients, of these
+# sums and of ln A over time, below which pieces are not halved.
+HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 
 
 class GrainLife(Life):
@@ -121,17 +121,13 @@ class WarmGrainLife(GrainLife):
     def _unbroken(self, stretch: Array, since: Array, worst: Array) -> Array:
         """See GrainLife."""
 
-        def held(row: Rows, roots: Array) -> Array:
-            hazard = worst[row, None] + roots * roots
+        def held(row: Rows, hazard: Array) -> Array:
             spent = self._spent(hazard, stretch[row], since[row])
-            share = 2.0 * np.exp(-roots * roots - spent)
-            # the weight is 0 at H_worst; halving is decided by the integrand without it
-            return np.stack([share * roots.max(axis=1, keepdims=True), share * roots])
+            return np.exp(worst[row, None] - hazard - spent)[None]
 
-        pieces = Pieces.between(np.tile(ROOTS, (worst.size, 1)))
-        found = integrals(held, pieces, worst.size, RESOLVED)
-        self.error = max(self.error, MARGIN * float(found.missed[1]))
-        return found.value[1]
+        found = integrals_above(held, worst, worst[:, None] + HAZARDS, True, RESOLVED)
+        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        return found.value[0]
 
     def _spent(self, hazard: Array, stretch: Array, since: Array) -> Array:
         """A of contacts whose quantiles have these hazards (n, k), with moves (n, 2); shape (n, k)."""

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
 from master.lives.averages import Integrals
-from master.lives.heat.above import RESOLVED as ACCURACY
-from master.lives.heat.above import over_thresholds
-from master.lives.heat.replay import rates_of
-from master.lives.heat.thermal import RESOLVED
-from master.lives.life import TIE, LawLife, Moves
+from master.lives.heat.thermal import RESOLVED, rates_of
+from master.lives.life import LawLife, Moves
 from master.renewal.table import Table
 from origins import Contacts
 
@@ -21,6 +16,8 @@ Rows = npt.NDArray[np.intp]
 
 # Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35
+# Relative last coefficients of H below which panels of its table are not halved.
+_ACCURACY = 1e-13
 _EPSILON = float(np.finfo(float).eps)
 # Rounding of the distance between two lengths, relative to these lengths.
 _ROUNDING = 1e-14
@@ -52,20 +49,42 @@ class MeanRateLife(LawLife):
         super().__init__(contacts)
         self.resolved, self.birth_reach, self._rates = resolved, self.reach, rates_of(contacts)
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self.panels]))
-        edges, scale = edges[edges <= self.reach], self._rates.scale
-        barrier = float(np.log(scale) - self._rates.log_rate(0.0, self.reach, 1.0))
-        # relative rounding of h per k_BT of the barrier; halving cannot reduce it
-        self.table = RateTable(self.mean_rate, edges, scale, 16.0 * _EPSILON * max(barrier, 1.0))
+        scale, far = self._rates.scale, self.reach
+        barrier = float(np.log(scale) - self._rates.log_rate(0.0, far, 1.0))
+        # relative rounding of h per k_BT of the barrier, over the accuracy; halving cannot reduce it
+        rounding = 16.0 * _EPSILON * max(barrier, 1.0) / _ACCURACY
+
+        def found(x: Array) -> Array:
+            return self.mean_rate(x.ravel()).reshape(1, *x.shape)
+
+        def felt(values: Array, widths: Array) -> Array:
+            most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
+            # near a bend panels get narrow and add little to L
+            return np.asarray(most / np.minimum(1.0, widths / (1e-3 * far)))
+
+        given = found, edges[edges <= far], _ACCURACY, 1e-13 * far
+        table = self._table = Table(*given, size=14, felt=felt, rounding=rounding)
         # the table is checked away from its nodes; an error of H counts by its part of L, the integral
         # of H, and one of ln L changes the survival e^-L by at most 1/e of it
-        at, widths = self.table.begin + 0.02 * self.table.widths, self.table.widths
-        right = self.mean_rate(at)
-        wrong = np.abs(self.table.rate(at) - right) * widths
+        at = table.begin + 0.02 * table.widths
+        wrong = np.abs(self.rate(at) - self.mean_rate(at))
         if self.panels.size:
-            wrong += [self._above(np.array([x])).missed[0] for x in at] * widths
-        grown = self.table.grown(self.table.edges[1:])
-        least = _NEVER * scale * self.reach
-        self.error = float((np.cumsum(wrong) / np.maximum(grown, least)).max(initial=0.0)) / np.e
+            wrong += [self._above(np.array([x])).missed[0] for x in at]
+        grown = np.maximum(self.grown(table.edges[1:]), _NEVER * scale * far)
+        self.error = float((np.cumsum(wrong * table.widths) / grown).max(initial=0.0)) / np.e
+
+    def rate(self, x: Array) -> Array:
+        """H at x >= 0, from the table; same shape."""
+        return np.asarray(self._table(x)[0])
+
+    def grown(self, x: Array) -> Array:
+        """L, the integral of H from 0 to x, of either sign; same shape."""
+        return np.sign(x) * self._table.before(np.abs(x))
+
+    def mean(self, near: Array, far: Array) -> Array:
+        """Mean of H over short ways from near to far on one side of 0, by Simpson's rule; same shape."""
+        near, far = np.abs(near), np.abs(far)
+        return (self.rate(near) + 4.0 * self.rate(0.5 * (near + far)) + self.rate(far)) / 6.0
 
     def mean_rate(self, x: Array) -> Array:
         """H at stretches x >= 0, shape (n,), by its definition (paper, Eq. temper3)."""
@@ -84,12 +103,11 @@ class MeanRateLife(LawLife):
         def breaking(row: Rows, threshold: Array) -> Array:
             return self._rates.rate(x[row, None], threshold, 1.0)[None]
 
-        everywhere = np.ones((x.size, self.panels.size - 1), dtype=bool)
         # right below an edge the distance of thresholds from x suffers from rounding
         edge = self.panels[np.searchsorted(self.panels[:-1], x, "right")]
-        relative = np.maximum(ACCURACY, _ROUNDING * x / np.maximum(edge - x, _ROUNDING * edge))
-        about = over_thresholds(self, x, everywhere, breaking, np.inf).value[0]
-        return over_thresholds(self, x, everywhere, breaking, relative * about)
+        relative = np.maximum(2e-12, _ROUNDING * x / np.maximum(edge - x, _ROUNDING * edge))
+        about = self.over_thresholds(breaking, x, accuracy=np.inf).value[0]
+        return self.over_thresholds(breaking, x, accuracy=relative * about)
 
     def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
         """See Life."""
@@ -99,64 +117,19 @@ class MeanRateLife(LawLife):
         for leg, speed in enumerate(speeds):
             lasts, before, x = duration[pair, leg], x, born + displacement[pair, leg + 1]
             if speed:
-                grown = self.table.grown(x) / speed
-                spent += np.abs(grown - self.table.grown(before) / speed)
+                grown = self.grown(x) / speed
+                spent += np.abs(grown - self.grown(before) / speed)
                 rounded += _EPSILON * np.abs(grown) * (lasts > 0.0)  # may exceed the difference
             else:
-                spent += lasts * self.table.rate(np.abs(x))
+                spent += lasts * self.rate(np.abs(x))
             # a way out through 0 begins at |r|; a way towards 0 has the factor 1
             begin = np.where(before * x < 0.0, first, np.maximum(np.abs(before), first))
-            held, whole = self._held(np.maximum(np.abs(x), begin), side), self._held(begin, side)
+            held, whole = (
+                # rounding may put a contact on the wrong side of an exact threshold
+                self.held(m, np.where(np.abs(m - side) <= 1e-9 * side, side, m))
+                for m in (np.maximum(np.abs(x), begin), begin)
+            )
             share *= np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
         share = np.minimum(share, 1.0) * np.exp(-spent)
         self.error = max(self.error, float((share * rounded).max(initial=0.0)))
         return np.stack([share, share * x])
-
-    def _held(self, x: Array, side: Array) -> Array:
-        """S(x), x of shape (n,); near exact thresholds those below `side` are broken."""
-        held = np.asarray(self.law.sf(x), dtype=float)
-        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            # rounding may put a contact on the wrong side
-            near = np.abs(x - position) <= 1e-9 * position
-            here = np.less(side, position * (1.0 - TIE)).astype(float)
-            held += np.where(near, weight * (here - np.less(x, position)), 0.0)
-        return held
-
-
-class RateTable(Table):
-    """H(x) at 0 <= x <= the last edge, polynomials on panels; 0 beyond.
-
-    function : takes x of shape (n,) and gives H, per time
-    edges : array of shape (n,), sorted; H may jump or bend there
-    scale : the attempt frequency, per time
-    rounding : relative error of H by rounding
-    """
-
-    def __init__(
-        self, function: Callable[[Array], Array], edges: Array, scale: float, rounding: float
-    ) -> None:
-        accuracy, span = 1e-13, float(edges[-1])
-
-        def found(x: Array) -> Array:
-            return function(x.ravel()).reshape(1, *x.shape)
-
-        def felt(values: Array, widths: Array) -> Array:
-            most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
-            # near a bend panels get narrow and add little to L
-            return np.asarray(most / np.minimum(1.0, widths / (1e-3 * span)))
-
-        given = found, edges, accuracy, 1e-13 * span
-        super().__init__(*given, size=14, felt=felt, rounding=rounding / accuracy)
-
-    def rate(self, x: Array) -> Array:
-        """H at x >= 0; same shape."""
-        return np.asarray(self(x)[0])
-
-    def grown(self, x: Array) -> Array:
-        """L, the integral of H from 0 to x, of either sign; same shape."""
-        return np.sign(x) * self.before(np.abs(x))
-
-    def mean(self, near: Array, far: Array) -> Array:
-        """Mean of H over short ways from near to far on one side of 0, by Simpson's rule; same shape."""
-        near, far = np.abs(near), np.abs(far)
-        return (self.rate(near) + 4.0 * self.rate(0.5 * (near + far)) + self.rate(far)) / 6.0

@@ -18,7 +18,7 @@ from scipy.special import exp1
 
 from master.lives.age.cells import narrowest
 from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.replay import Replay
+from master.lives.heat.thermal import Replay
 from master.lives.life import TIE
 from master.motion.motion import Legs
 from origins import Contacts
@@ -174,7 +174,7 @@ class MeanRateMemory(Memory):
     def __init__(self, contacts: Contacts) -> None:
         super().__init__(contacts, 0)
         life = MeanRateLife(contacts)
-        self._table, self.error = life.table, life.error + 1e-12
+        self._table, self.error = life, life.error + 1e-12
         self.width, self.starts = 2, 400
         self.scales = self.scales._replace(rate=float(self._table.rate(np.zeros(1))[0]))
 
