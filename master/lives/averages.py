@@ -66,19 +66,17 @@ class Pieces(NamedTuple):
         low, high = np.append(self.low, middle), np.append(middle, self.high)
         return Pieces(np.tile(self.owner, 2), low, high)
 
-    def values(self, integrand: Integrand) -> Array:
-        """The functions, times the pieces' lengths, at all places; shape (functions, n, SIZE + 2)."""
-        length = (self.high - self.low)[:, None]
-        at, found = self.low[:, None] + length * _AT, []
-        for begin in range(0, max(length.size, 1), TOGETHER):
+    def sums(self, integrand: Integrand) -> tuple[Array, Array]:
+        """Integral of each function over each piece, shape (functions, n), and the largest of the last
+        coefficients and errors at ends of the first function, shape (n,), as contributions to it."""
+        sums, tails = [], []
+        for begin in range(0, max(self.owner.size, 1), TOGETHER):
             some = slice(begin, begin + TOGETHER)
-            found.append(integrand(self.owner[some], at[some]) * length[some])
-        return np.concatenate(found, axis=1)
-
-    def summed(self, values: Array, ranges: int) -> Array:
-        """Integrals over each range; shape (functions, ranges)."""
-        sums = values @ _RULE
-        return np.stack([np.bincount(self.owner, row, minlength=ranges) for row in sums])
+            owner, low, high = self.owner[some], self.low[some], self.high[some]
+            values = integrand(owner, low[:, None] + (high - low)[:, None] * _AT)
+            sums.append(values @ _RULE * (high - low))
+            tails.append(np.abs(values[0] @ _TAIL).max(axis=1, initial=0.0) * (high - low))
+        return np.concatenate(sums, axis=1), np.concatenate(tails)
 
 
 class Integrals(NamedTuple):
@@ -103,20 +101,24 @@ def integrals(
     """
     done: list[Pieces] = []
     total, limit = np.zeros((1, ranges)), np.broadcast_to(accuracy, ranges)
+
+    def summed(owner: Rows, sums: Array) -> Array:
+        return np.stack([np.bincount(owner, row, minlength=ranges) for row in sums])
+
     for halving in range(HALVINGS + 1):
-        values = pieces.values(integrand)
-        rough = np.abs(values[0] @ _TAIL).max(axis=1, initial=0.0) > limit[pieces.owner]
+        sums, tails = pieces.sums(integrand)
         size = np.maximum(np.abs(pieces.low), np.abs(pieces.high))
-        rough &= (pieces.high - pieces.low > NARROWEST * size) & (halving < HALVINGS)
+        rough = (tails > limit[pieces.owner]) & (pieces.high - pieces.low > NARROWEST * size)
+        rough &= halving < HALVINGS
         done.append(pieces.pick(~rough))
-        total = total + done[-1].summed(values[:, ~rough], ranges)
+        total = total + summed(done[-1].owner, sums[:, ~rough])
         if not rough.any():
             break
         pieces = pieces.pick(rough).halves()
     pieces = Pieces(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
     looked = np.arange(ranges) % CHECKED == ranges // 2 % CHECKED
     halves = pieces.pick(looked[pieces.owner]).halves()
-    again = halves.summed(halves.values(integrand), ranges)
+    again = summed(halves.owner, halves.sums(integrand)[0])
     missed = np.abs(again - total)[:, looked].max(axis=1, initial=0.0)
     return Integrals(total, missed, pieces)
 

@@ -214,14 +214,13 @@ class LawLife(Life):
         self,
         summand: Integrand,
         least: Array,
-        felt: npt.NDArray[np.bool_] | bool = True,
-        accuracy: Array | float = 2e-12,
+        felt: npt.NDArray[np.bool_] | bool,
+        accuracy: Array | float,
     ) -> Integrals:
         """Integrals of P_c times functions over the thresholds above `least`, without exact ones.
 
-        least : array of shape (n,), lengths; felt : of shape (n, panels), where there is weight
-        accuracy : see integrals; with a larger one, tables of these sums would be refined to resolve
-            their errors
+        least : array of shape (n,), lengths; felt : of shape (n, panels), where there is weight;
+        accuracy : see integrals
         """
 
         def weighed(row: Rows, threshold: Array) -> Array:

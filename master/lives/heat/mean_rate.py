@@ -106,8 +106,8 @@ class MeanRateLife(LawLife):
         # right below an edge the distance of thresholds from x suffers from rounding
         edge = self.panels[np.searchsorted(self.panels[:-1], x, "right")]
         relative = np.maximum(2e-12, _ROUNDING * x / np.maximum(edge - x, _ROUNDING * edge))
-        about = self.over_thresholds(breaking, x, accuracy=np.inf).value[0]
-        return self.over_thresholds(breaking, x, accuracy=relative * about)
+        about = self.over_thresholds(breaking, x, True, np.inf).value[0]
+        return self.over_thresholds(breaking, x, True, relative * about)
 
     def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
         """See Life."""

@@ -58,14 +58,11 @@ class ThermalLife(LawLife):
         """Bounds of the errors of the integrals of E and K where few contacts hold; shape (2,).
 
         Rounding in sums over thresholds loses the last contacts, a share of 3e-14. Without heat, which
-        only breaks contacts earlier, they would add the integrals of S and x S over the tail; 60
-        decades of it are summed.
+        only breaks contacts earlier, they would add the integrals of S and x S over the tail.
         """
-        begin = min(self.reach, float(self.law.isf(3e-14)))
-        steps = np.linspace(0.0, 60.0 * np.log(10.0), 2001)
-        x = begin * np.exp(steps)
-        held = np.asarray(self.law.sf(x), dtype=float) * x
-        return np.trapezoid(np.stack([held, held * x]), steps, axis=1)
+        x = min(self.reach, float(self.law.isf(3e-14))) * np.geomspace(1.0, 1e60, 2001)
+        held = np.asarray(self.law.sf(x), dtype=float)
+        return np.trapezoid(np.stack([held, held * x]), x, axis=1)
 
     def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
         """See Life."""
@@ -78,25 +75,28 @@ class ThermalLife(LawLife):
         return np.stack([np.minimum(out[0], 1.0), out[1] * (born + moves.now[pair])])
 
     def _held(self, replay: Replay, weight: Array, side: Array) -> Array:
-        """Sums over thresholds of P_c e^-A, and of this times k_i/<k>; shape (2, n).
+        """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n).
 
         weight : array of shape (n,), the factor on P_c: 1 over the survival at birth
         """
-        every, stiffness = np.arange(weight.size), self._contacts.relative_stiffness
+        every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"
+        out = np.zeros((1 + linked, weight.size))
 
         def held(contact: Rows, threshold: Array) -> Array:
             level = np.minimum(replay.log_spent(contact, threshold), _DEAD)
-            share = weight[contact, None] * np.exp(-np.exp(level))
-            return np.stack([share, share * stiffness(threshold)])
+            share = (weight[contact, None] * np.exp(-np.exp(level)))[None]
+            stiff = share * self._contacts.relative_stiffness(threshold) if linked else share[:0]
+            return np.concatenate([share, stiff])
 
-        out = np.zeros((2, weight.size))
         if self.panels.size:
             least = np.maximum(replay.furthest, SMALLEST)[:, None]
             level = replay.log_spent(every, np.maximum(self.panels, least))
             felt = self._mass * weight[:, None] > _NO_WEIGHT
             # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
             felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-            out, missed, _ = self.over_thresholds(held, replay.furthest, felt)
+            # the error is about the square; if it were larger, tables of these sums would resolve it
+            accuracy = max(0.1 * self.resolved, 2e-12)
+            out, missed, _ = self.over_thresholds(held, replay.furthest, felt, accuracy)
             self.error = max(self.error, MARGIN * float(missed.max()))
         for position, share in zip(self.atoms, self.atom_weights, strict=True):
             each = held(every, np.full((every.size, 1), position))[..., 0]
