@@ -43,13 +43,20 @@ class ColdLife(LawLife):
         self._linked: Table | None = None
         if contacts.stiffness == "linked":
             shortest = 1e-9 * self._mean
-            self._linked = Table(lambda x: self.held(x, np.inf)[None], self.marks, 1e-12, shortest)
+            self._linked = Table(lambda x: self._smooth(x)[None], self.marks, 1e-12, shortest)
+
+    def _smooth(self, m: Array) -> Array:
+        """Survival at m without the exact thresholds."""
+        out = np.asarray(self.law.sf(m), dtype=float)
+        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
+            out = out - weight * (m < position)
+        return np.maximum(out, 0.0)
 
     def _borne(self, m: Array, side: Array, held: Array) -> Array:
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
         if not self._linked:
             return held
-        smooth = self.held(m, np.inf)
+        smooth = self._smooth(m)
         # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
         most = np.maximum(self.reach - m, 0.0) * smooth
         out = m * smooth + np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)

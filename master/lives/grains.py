@@ -35,11 +35,11 @@ Rows = npt.NDArray[np.intp]
 GONE = 39.2
 # Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients, of these
 # sums and of ln A over time, below which pieces are not halved.
-HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
+HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-8
 
 
 class GrainLife(Life):
-    """Life (see master.lives.life) of contacts with growing grains, without heat.
+    """Life (see master.lives.life) of contacts with growing grains; with heat, on one leg only.
 
     Parameters
     ----------
@@ -64,7 +64,10 @@ class GrainLife(Life):
         self.reach = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
         # no contact of the start is stretched beyond the largest threshold at t = 0
         self.birth_reach = grains.at_start.support()[1]
-        self.grain = 0.25 * grains.at_start.std()
+        self.grain, self._thermal = 0.25 * grains.at_start.std(), contacts.thermal
+        if contacts.thermal is not None:
+            # with this `resolved` normal laws are summed to 1e-8
+            self.pair_work, self.resolved = 1000, 1e-5
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life."""
@@ -88,38 +91,15 @@ class GrainLife(Life):
         alive = np.flatnonzero(np.isfinite(hazards[:, 0]) & (worst - hazards[:, 0] < GONE))
         share = np.zeros(pair.size)
         share[alive] = np.exp(hazards[alive, 0] - worst[alive])
-        share[alive] *= self._unbroken(stretch[alive], since[alive], worst[alive])
+        if self._thermal is not None:
+            share[alive] *= self._unbroken(stretch[alive], since[alive], worst[alive])
         return np.stack([share, share * stretch[:, -1]])
 
     def _unbroken(self, stretch: Array, since: Array, worst: Array) -> Array:
         """Share that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,).
 
-        stretch, since : arrays of shape (n, legs + 1), stretches and times since pinning
+        stretch, since : arrays of shape (n, 2), stretches and times since pinning on one leg
         """
-        return np.ones(worst.size)
-
-
-class WarmGrainLife(GrainLife):
-    """Life (see master.lives.life) of contacts with growing grains and heat, on one leg.
-
-    Parameters
-    ----------
-    contacts : Contacts
-        With `grains` and `thermal`.
-    longest : float
-        See GrainLife.
-    """
-
-    # with this `resolved` normal laws are summed to 1e-8
-    pair_work, resolved = 1000, 1e-5
-
-    def __init__(self, contacts: Contacts, longest: float) -> None:
-        super().__init__(contacts, longest)
-        assert contacts.thermal is not None
-        self._accuracy, self._rates = 1e-11, contacts.thermal.rates
-
-    def _unbroken(self, stretch: Array, since: Array, worst: Array) -> Array:
-        """See GrainLife."""
 
         def held(row: Rows, hazard: Array) -> Array:
             spent = self._spent(hazard, stretch[row], since[row])
@@ -131,7 +111,8 @@ class WarmGrainLife(GrainLife):
 
     def _spent(self, hazard: Array, stretch: Array, since: Array) -> Array:
         """A of contacts whose quantiles have these hazards (n, k), with moves (n, 2); shape (n, k)."""
-        count, first, last = hazard.shape[1], stretch[:, 0], stretch[:, 1]
+        assert self._thermal is not None
+        law, count, (first, last) = self._thermal.rates, hazard.shape[1], stretch.T
         begin, end = since.T
         speed = np.divide(last - first, end - begin, out=np.zeros(end.size), where=end > begin)
         # the rate bends where x = 0
@@ -144,7 +125,7 @@ class WarmGrainLife(GrainLife):
             row, time = owner // count, unit * np.expm1(log_time)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
             limit = grown_threshold(self.grains, hazard.ravel()[owner, None], time)
-            rates = self._rates.rate(np.minimum(x, limit), limit, 1.0)
+            rates = law.rate(np.minimum(x, limit), limit, 1.0)
             return (rates * (unit + time))[None]
 
         pieces = Pieces.between(np.repeat(edges, count, axis=0))

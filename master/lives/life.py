@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Integrals, Integrand, Pieces, integrals, integrals_above
+from master.lives.averages import Pieces, integrals
 from master.motion.motion import History, Legs
 from origins import Contacts
 from origins.start import Start
@@ -202,32 +202,15 @@ class LawLife(Life):
         """See Life; an upper bound, as heat may break some before."""
         return float(self.atom_weights[self.atoms == atom].sum() / self.law.sf(abs(stretch)))
 
-    def held(self, m: Array, side: Array | float) -> Array:
-        """Survival at m, shape (n,); exact thresholds below `side` are broken, and no others."""
+    def held(self, m: Array, side: Array) -> Array:
+        """Survival at m, shape (n,); exact thresholds close to m are broken where they lie below `side`."""
         out = np.asarray(self.law.sf(m), dtype=float)
         for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            here = np.less(side, position * (1.0 - TIE)).astype(float)
+            # rounding may put m on the wrong side
+            furthest = np.where(np.abs(m - position) <= 1e-9 * position, side, m)
+            here = np.less(furthest, position * (1.0 - TIE)).astype(float)
             out = out + weight * (here - np.less(m, position))
-        return np.maximum(out, 0.0)
-
-    def over_thresholds(
-        self,
-        summand: Integrand,
-        least: Array,
-        felt: npt.NDArray[np.bool_] | bool,
-        accuracy: Array | float,
-    ) -> Integrals:
-        """Integrals of P_c times functions over the thresholds above `least`, without exact ones.
-
-        least : array of shape (n,), lengths; felt : of shape (n, panels), where there is weight;
-        accuracy : see integrals
-        """
-
-        def weighed(row: Rows, threshold: Array) -> Array:
-            return summand(row, threshold) * finite_density(self.law, threshold)
-
-        least = np.maximum(least, SMALLEST)
-        return integrals_above(weighed, least, self.panels, felt, accuracy)
+        return out
 
 
 def bends_of(life: Life, born: Start, speed: float, marks: Array | None = None) -> Array:

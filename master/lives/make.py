@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from master.lives.cold import ColdLife
-from master.lives.grains import GrainLife, WarmGrainLife
+from master.lives.grains import GrainLife
 from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.thermal import RESOLVED, ThermalLife
 from master.lives.life import Life
@@ -28,8 +28,7 @@ def life_of(
     """
     if contacts.grains is not None:
         assert motion is not None
-        of_grains = GrainLife if contacts.thermal is None else WarmGrainLife
-        return of_grains(contacts, float(motion.times[-1]))
+        return GrainLife(contacts, float(motion.times[-1]))
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Integrals
-from master.lives.heat.thermal import RESOLVED, rates_of
-from master.lives.life import LawLife, Moves
+from master.lives.averages import Integrals, integrals_above
+from master.lives.heat.thermal import RESOLVED
+from master.lives.life import SMALLEST, LawLife, Moves
 from master.renewal.table import Table
 from origins import Contacts
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -21,7 +22,6 @@ _ACCURACY = 1e-13
 _EPSILON = float(np.finfo(float).eps)
 # Rounding of the distance between two lengths, relative to these lengths.
 _ROUNDING = 1e-14
-_CHUNK = 400  # stretches at which H is summed at once
 
 
 class MeanRateLife(LawLife):
@@ -47,10 +47,12 @@ class MeanRateLife(LawLife):
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         """Tabulate the mean rate H and its integral."""
         super().__init__(contacts)
-        self.resolved, self.birth_reach, self._rates = resolved, self.reach, rates_of(contacts)
+        assert contacts.thermal is not None
+        self.resolved, self.birth_reach = resolved, self.reach
+        rates = self._rates = contacts.thermal.rates
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self.panels]))
-        scale, far = self._rates.scale, self.reach
-        barrier = float(np.log(scale) - self._rates.log_rate(0.0, far, 1.0))
+        scale, far = rates.scale, self.reach
+        barrier = float(np.log(scale) - rates.log_rate(0.0, far, 1.0))
         # relative rounding of h per k_BT of the barrier, over the accuracy; halving cannot reduce it
         rounding = 16.0 * _EPSILON * max(barrier, 1.0) / _ACCURACY
 
@@ -68,8 +70,7 @@ class MeanRateLife(LawLife):
         # of H, and one of ln L changes the survival e^-L by at most 1/e of it
         at = table.begin + 0.02 * table.widths
         wrong = np.abs(self.rate(at) - self.mean_rate(at))
-        if self.panels.size:
-            wrong += [self._above(np.array([x])).missed[0] for x in at]
+        wrong += [self._above(np.array([x])).missed[0] for x in at]
         grown = np.maximum(self.grown(table.edges[1:]), _NEVER * scale * far)
         self.error = float((np.cumsum(wrong * table.widths) / grown).max(initial=0.0)) / np.e
 
@@ -88,10 +89,7 @@ class MeanRateLife(LawLife):
 
     def mean_rate(self, x: Array) -> Array:
         """H at stretches x >= 0, shape (n,), by its definition (paper, Eq. temper3)."""
-        out = np.zeros(x.size)
-        for begin in range(0, x.size if self.panels.size else 0, _CHUNK):
-            some = slice(begin, begin + _CHUNK)
-            out[some] = self._above(x[some]).value[0]
+        out = self._above(x).value[0]
         for position, weight in zip(self.atoms, self.atom_weights, strict=True):
             below = x < position
             out[below] += weight * self._rates.rate(x[below], position, 1.0)
@@ -100,14 +98,16 @@ class MeanRateLife(LawLife):
     def _above(self, x: Array) -> Integrals:
         """h averaged over the thresholds above x, without exact ones; shape (1, n)."""
 
-        def breaking(row: Rows, threshold: Array) -> Array:
-            return self._rates.rate(x[row, None], threshold, 1.0)[None]
+        def breaking(row: Rows, xi: Array) -> Array:
+            return (self._rates.rate(x[row, None], xi, 1.0) * finite_density(self.law, xi))[None]
 
         # right below an edge the distance of thresholds from x suffers from rounding
-        edge = self.panels[np.searchsorted(self.panels[:-1], x, "right")]
-        relative = np.maximum(2e-12, _ROUNDING * x / np.maximum(edge - x, _ROUNDING * edge))
-        about = self.over_thresholds(breaking, x, True, np.inf).value[0]
-        return self.over_thresholds(breaking, x, True, relative * about)
+        edges = np.append(self.panels, np.inf)
+        edge = edges[np.searchsorted(self.panels, x, "right")]
+        relative = np.maximum(2e-12, _ROUNDING * x / np.maximum(edge - x, _ROUNDING * x))
+        given = breaking, np.maximum(x, SMALLEST), self.panels, True
+        about = integrals_above(*given, np.inf).value[0]
+        return integrals_above(*given, relative * about)
 
     def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
         """See Life."""
@@ -124,11 +124,7 @@ class MeanRateLife(LawLife):
                 spent += lasts * self.rate(np.abs(x))
             # a way out through 0 begins at |r|; a way towards 0 has the factor 1
             begin = np.where(before * x < 0.0, first, np.maximum(np.abs(before), first))
-            held, whole = (
-                # rounding may put a contact on the wrong side of an exact threshold
-                self.held(m, np.where(np.abs(m - side) <= 1e-9 * side, side, m))
-                for m in (np.maximum(np.abs(x), begin), begin)
-            )
+            held, whole = (self.held(m, side) for m in (np.maximum(np.abs(x), begin), begin))
             share *= np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
         share = np.minimum(share, 1.0) * np.exp(-spent)
         self.error = max(self.error, float((share * rounded).max(initial=0.0)))

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.averages import integrals_above
 from master.lives.life import MARGIN, SMALLEST, TIE, LawLife, Moves
 from master.motion.motion import Legs
 from origins import Contacts
-from origins.laws.rate_law import LARGEST_EXPONENT, RateLaw
+from origins.laws.rate_law import LARGEST_EXPONENT
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -80,7 +82,6 @@ class ThermalLife(LawLife):
         weight : array of shape (n,), the factor on P_c: 1 over the survival at birth
         """
         every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"
-        out = np.zeros((1 + linked, weight.size))
 
         def held(contact: Rows, threshold: Array) -> Array:
             level = np.minimum(replay.log_spent(contact, threshold), _DEAD)
@@ -88,16 +89,18 @@ class ThermalLife(LawLife):
             stiff = share * self._contacts.relative_stiffness(threshold) if linked else share[:0]
             return np.concatenate([share, stiff])
 
-        if self.panels.size:
-            least = np.maximum(replay.furthest, SMALLEST)[:, None]
-            level = replay.log_spent(every, np.maximum(self.panels, least))
-            felt = self._mass * weight[:, None] > _NO_WEIGHT
-            # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
-            felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-            # the error is about the square; if it were larger, tables of these sums would resolve it
-            accuracy = max(0.1 * self.resolved, 2e-12)
-            out, missed, _ = self.over_thresholds(held, replay.furthest, felt, accuracy)
-            self.error = max(self.error, MARGIN * float(missed.max()))
+        def held_by_density(contact: Rows, threshold: Array) -> Array:
+            return held(contact, threshold) * finite_density(self.law, threshold)
+
+        least = np.maximum(replay.furthest, SMALLEST)
+        level = replay.log_spent(every, np.maximum(self.panels, least[:, None]))
+        felt = self._mass * weight[:, None] > _NO_WEIGHT
+        # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
+        felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
+        # the error is about the square; if it were larger, tables of these sums would resolve it
+        accuracy = max(0.1 * self.resolved, 2e-12)
+        out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)
+        self.error = max(self.error, MARGIN * float(missed.max()))
         for position, share in zip(self.atoms, self.atom_weights, strict=True):
             each = held(every, np.full((every.size, 1), position))[..., 0]
             out += share * each * (side < position * (1.0 - TIE))
@@ -123,7 +126,8 @@ class Replay:
     """
 
     def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
-        self._rates, self._stiffness = rates_of(contacts), contacts.relative_stiffness
+        assert contacts.thermal is not None
+        self._rates, self._stiffness = contacts.thermal.rates, contacts.relative_stiffness
         self._stretch = born[:, None] + legs.displacement
         self._duration = legs.duration
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
@@ -176,9 +180,3 @@ class Replay:
         """Integral of h over stretches from low to high; all of one shape."""
         log_passed = self._rates.log_passed(low, high, threshold, stiffness)
         return np.exp(np.minimum(log_passed, LARGEST_EXPONENT))
-
-
-def rates_of(contacts: Contacts) -> RateLaw:
-    """The law by which contacts break below their thresholds."""
-    assert contacts.thermal is not None
-    return contacts.thermal.rates
