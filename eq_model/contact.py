@@ -1,7 +1,7 @@
 """Compiled functions of one contact: its break under laws that do not change its threshold, and its sums.
 
-The loops select a law by the type of its settings: LIVES holds the function that breaks a contact, SEEN the
-one that returns its threshold at a later moment.
+The loops select a law by the type of its settings: BREAKS holds the function that breaks a contact, AGED the one that
+returns its threshold at a later moment.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ class Contact(NamedTuple):
     leg: np.int64
     stretch: np.int64
     threshold: np.int64
-    exposure: float  # ln of the integral of its rate at which it breaks
+    log_exposure: float  # ln of the integral of its rate at which it breaks
     stiffness: float  # over the mean one
     fresh: bool  # False for contacts of the start
     lane: np.int64
@@ -55,7 +55,7 @@ class Work(NamedTuple):
     way: Way
     mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
-    bears: bool  # whether the law needs exposures
+    needs_exposure: bool  # whether the law breaks contacts at a rate, or at a hazard
     linked: bool  # whether stiffness is proportional to the threshold
     measured: bool  # whether squares are summed for the variance
 
@@ -89,14 +89,14 @@ def by_law(choose: Callable[[type], Any]) -> Any:
     return function
 
 
-LIVES: dict[type, Callable[..., Any]] = {}
-SEEN: dict[type, Callable[..., Any]] = {}
+BREAKS: dict[type, Callable[..., Any]] = {}
+AGED: dict[type, Callable[..., Any]] = {}
 # by the class of their law; arguments are those of CompiledRates
 RATES: dict[type, CompiledRates] = {}
-# life(law, contact, way, counts): the break of a contact
-life = by_law(LIVES.__getitem__)
-# seen(law, contact, way, moment): its threshold at a later moment; below 0 if `life` counts it itself
-seen = by_law(SEEN.__getitem__)
+# break_of(law, contact, way, counts): the break of a contact
+break_of = by_law(BREAKS.__getitem__)
+# aged_threshold(law, contact, way, moment): its threshold at a later moment; below 0 if `break_of` counts it itself
+aged_threshold = by_law(AGED.__getitem__)
 rate = by_law(lambda law: RATES[law].rate)
 passed = by_law(lambda law: RATES[law].passed)
 reached = by_law(lambda law: RATES[law].reached)
@@ -141,20 +141,21 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     """Add to bin j a contact that is born (sign 1) or breaks (-1).
 
     birth : the slider's position at which the contact is relaxed
-    sums : (bins + 1, 6), of the number, k y and k, in measured blocks also of k² y², k² y and k², where
-    y = -(stretch at the bin's end). Stiffnesses of 1 are not summed. Ignore the last row: breaks beyond the path.
+    sums : (bins + 1, 6), of the number, k y, in measured blocks k² y², k, and in measured blocks k² y and k², where
+    y = -(stretch at the bin's end). The last three columns are missing where all k are 1. Ignore the last row: breaks
+    beyond the path.
     """
     j = unsigned(j)
     y, k, square = birth - work.way.places[j], stiffness * stiffness, work.way.square
     exact = real(y)
     sums[j, 0] += sign
     if work.measured:
-        sums[j, 3] += sign * whole(np.floor(k * exact * exact * square + 0.5))
+        sums[j, 2] += sign * whole(np.floor(k * exact * exact * square + 0.5))
     if not work.linked:
         sums[j, 1] += sign * y
         return
     sums[j, 1] += sign * whole(np.floor(stiffness * exact + 0.5))
-    sums[j, 2] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
+    sums[j, 3] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
     if work.measured:
         sums[j, 4] += sign * whole(np.floor(k * exact + 0.5))
         sums[j, 5] += sign * whole(np.floor(k * STIFFNESS_UNIT + 0.5))
@@ -197,23 +198,23 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     rates, unit, per, legs = law.rates, law.unit, 1.0 / law.unit, way.directions.size
     threshold = real(contact.threshold) * unit
     # the integral at x, and the remaining exposure (-1: not computed yet)
-    here, bears = 0.0, -1.0
+    here, remaining = 0.0, -1.0
     if x != 0:
         here = np.copysign(passed(rates, min(abs(real(x)) * unit, threshold), threshold, k), x)
     while leg < legs:
         room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
-        log_goal, sign = contact.exposure - law.log_slow[leg], 1.0
-        if bears < 0.0 and (d == 0 or here != 0.0):
-            bears = np.exp(contact.exposure)
+        log_goal, sign = contact.log_exposure - law.log_slow[leg], 1.0
+        if remaining < 0.0 and (d == 0 or here != 0.0):
+            remaining = np.exp(contact.log_exposure)
         if d == 0:
             hazard = rate(rates, abs(real(x)) * unit, threshold, k) * pace
-            if hazard * room >= bears:
-                return Break(clock + min(whole(bears / hazard), room), leg, contact.drawn, True)
-            bears -= hazard * room
+            if hazard * room >= remaining:
+                return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn, True)
+            remaining -= hazard * room
         else:
             slow = max(pace * per, _NOTHING)  # time for a length
-            if bears >= 0.0:
-                goal = d * here + bears / slow
+            if remaining >= 0.0:
+                goal = d * here + remaining / slow
                 log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
             place = sign * min(reached(rates, log_goal, threshold, k), threshold)
             moved = max(whole(np.floor(place * per + 0.5)) - d * x, whole(0))
@@ -223,8 +224,8 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
             x += d * room
             far = min(abs(real(x)) * unit, threshold)
             there = np.copysign(passed(rates, far, threshold, k), real(x))
-            bears = np.exp(contact.exposure) if bears < 0.0 else bears
-            bears = max(bears - d * (there - here) * slow, 0.0)
+            remaining = np.exp(contact.log_exposure) if remaining < 0.0 else remaining
+            remaining = max(remaining - d * (there - here) * slow, 0.0)
             here = there
         leg += 1
         clock = way.begins[leg]
@@ -244,7 +245,7 @@ def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
         x[i] = max(whole(np.floor(place * per + 0.5)), r[i])
 
 
-LIVES |= {Cold: _at_threshold, Warm: _by_rate}
-SEEN |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: real(contact.threshold))
+BREAKS |= {Cold: _at_threshold, Warm: _by_rate}
+AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: real(contact.threshold))
 # break_row(law, n, x, e, r): breaks in steady forward motion; cold contacts break at their thresholds x
 break_row = by_law({Cold: lambda law, n, x, e, r: None, Warm: _row_by_rates}.__getitem__)

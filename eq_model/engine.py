@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.histogram import BINS, chosen_points, histogram, make_edges, no_counts
-from eq_model.lattice import COLUMNS, STIFFNESS_UNIT, TIE, make_way
+from eq_model.lattice import STIFFNESS_UNIT, TIE, make_way
 from eq_model.layout import Blocks, is_measured
 from eq_model.physics import Reach, law_of, seconds_of
 from eq_model.state import State
@@ -86,7 +86,7 @@ class Engine:
             way=way.watched(own[self._order], *per),
             mean=scale / unit,
             wait=contacts.waiting_time,
-            bears=contacts.thermal is not None or contacts.grains is not None,
+            needs_exposure=contacts.thermal is not None or contacts.grains is not None,
             linked=linked,
             measured=False,
         )
@@ -98,9 +98,9 @@ class Engine:
 
     @property
     def _shape(self) -> tuple[int, ...]:
-        """Shape of the sums: limbs; kinds (all blocks, measured ones, with ageing coarser steps); bins; columns."""
+        """Shape of the sums: limbs; kinds (all, measured, with ageing coarser steps); bins; columns of count_event."""
         kinds = 2 if self.contacts.ageing is None else 3
-        return 2, kinds, self._work.way.points.size, COLUMNS
+        return 2, kinds, self._work.way.points.size, 6 if self._work.linked else 3
 
     def follow(self, blocks: Blocks, block: int) -> State:
         """Follow a block of contacts to the drive's end; -1 only compiles."""
@@ -112,7 +112,7 @@ class Engine:
         out, kernel = np.zeros(self._shape, np.int64), forward if self._plain else follow_lives
         work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)
         # column by column, so that the column that is used most stays in the L1 cache
-        sums = np.zeros((self._shape[2] + 1, COLUMNS), np.int64, order="F")
+        sums = np.zeros((self._shape[2] + 1, self._shape[3]), np.int64, order="F")
         breaks, steps = kernel(work, count, sums, counts)
         out[:, 0] = _split(sums[:-1])
         if measured:
@@ -151,9 +151,8 @@ class Engine:
         """
         way, part, unit = self._work.way, int(STIFFNESS_UNIT), self._work.way.unit
         whole = limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)
-        count, ky, k, square, kky, kk = whole.reshape(-1, COLUMNS).T
-        if self.contacts.stiffness != "linked":
-            k, kky, kk = count * part, ky, count * part
+        count, ky, square, *rest = whole.reshape(-1, self._shape[3]).T
+        k, kky, kk = rest or (count * part, ky, count * part)
         places, per_square = way.places.astype(object), round(1.0 / way.square)
         far = square * (per_square * part) + places * (2 * part * kky + kk * places)
         born, squares_born = ky * part + k * places, kky * part + kk * places

@@ -4,8 +4,8 @@ forward : steady forward motion, cold or warm. A contact that breaks at the stre
 x1, x1 + x2, ... of the slider; the released stretches are summed in the bins of the breaks. The stages are loops over
 the lanes, most of which the compiler turns into vector code.
 
-follow_lives : any laws, on any path in time. A contact holds until its law breaks it (`life`, selected by the type of
-the law's settings), is out for the delay if there is one, and is drawn again. The loop is compiled for each type of
+follow_lives : any laws, on any path in time. A contact holds until its law breaks it (`break_of`, selected by the type
+of the law's settings), is out for the delay if there is one, and is drawn again. The loop is compiled for each type of
 law, so that other laws cost nothing, and cached on disk, which closures cannot be.
 """
 
@@ -17,14 +17,14 @@ import numpy.typing as npt
 from eq_model.compiling import bare, compiled, inlined, real, unsigned, whole
 from eq_model.contact import (
     Contact,
+    aged_threshold,
     bin_of,
+    break_of,
     break_row,
     count_event,
     later,
-    life,
     look_at,
     place_of,
-    seen,
 )
 from eq_model.draws.births import LEVEL_UNIT, draw_round, form_all, form_row
 from eq_model.draws.quantiles import draw_values, make_room
@@ -63,7 +63,7 @@ def _advance(n, x, birth, at, since, drawn, work, found, change, sums, counts): 
         y = birth[i] - way.places[min(whole(found[i]), last)]
         change[i] = np.floor(0.5 + real(x[i]) * real(2 * y + x[i]) * way.square)
     for i in range(unsigned(n) if measured else unsigned(0)):
-        sums[unsigned(found[i]), 3] += whole(change[i])
+        sums[unsigned(found[i]), 2] += whole(change[i])
     for i in range(n if counts.shape[0] else 0):
         if since[i] <= end:
             for k in range(way.before[bin_of(since[i], way)], way.before[found[i]]):
@@ -95,7 +95,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
     x, at, birth = np.empty(LANES, whole), np.empty(LANES, whole), np.empty(LANES, whole)
     zeros, found, change = np.zeros(LANES, whole), np.empty(LANES, np.int32), room.place
     # all contacts up to their first break; those that break before the end continue in the lanes
-    warm, table = work.bears, work.exposures
+    warm, table = work.needs_exposure, work.exposures
     e, words = np.zeros(LANES, whole), np.empty(4 * ROW, np.uint32)
     begun, breaks = form_all(count, stream, work.starts, room), whole(0)
     firsts, many = np.full(count + 1, end + 1), 0
@@ -116,7 +116,7 @@ def forward(work, count, sums, counts):  # type: ignore[no-untyped-def]
             square += whole(np.floor(0.5 + real(y) * real(y) * way.square))
         sums[0, 0] += n
         sums[0, 1] += total
-        sums[0, 3] += square
+        sums[0, 2] += square
         breaks += _advance(n, x, birth, at, zeros, own[0], work, found, change, sums, counts)
         for i in range(n):
             firsts[many] = at[i]
@@ -185,7 +185,7 @@ def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[n
             work.stream,
         )
         birth = place_of(contact.clock, contact.leg, way) - stretch
-        found = life(law, contact, way, counts)
+        found = break_of(law, contact, way, counts)
         clock, leg, over = found.clock, found.leg, found.clock > way.end
         if found.held:
             born, broken = bin_of(contact.clock, way), way.points.size
@@ -196,7 +196,7 @@ def _follow_row(n, x, r, e, first, work, lanes, sums, counts):  # type: ignore[n
                 breaks += 1
             if counts.shape[0]:
                 for k in range(way.before[born], way.before[broken]):
-                    threshold_then = seen(law, contact, way, way.moments[k])
+                    threshold_then = aged_threshold(law, contact, way, way.moments[k])
                     if threshold_then >= 0.0:
                         look_at(k, birth, threshold_then, way, counts)
         if not over and wait > 0.0:
@@ -223,11 +223,11 @@ def follow_lives(work, count, sums, counts):  # type: ignore[no-untyped-def]
     breaks, steps, turn = whole(0), whole(0), whole(0)
     while n > 0:
         draw_round(n, turn, stream, work.again, room)
-        if work.bears:
+        if work.needs_exposure:
             draw(n, turn, stream, EXPOSURES, more)
         for row in range(whole(4)):
             form_row(n, row, turn, stream, work.again, room, x, r)
-            if work.bears:
+            if work.needs_exposure:
                 table = work.exposures
                 draw_values(n, row, turn, stream, EXPOSURES, more, table, room, e)
             broke, stepped = _follow_row(n, x, r, e, first, work, lanes, sums, counts)

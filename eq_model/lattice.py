@@ -21,7 +21,6 @@ Whole = npt.NDArray[np.int64]
 # rounding may have moved them as far after some 1e6 breaks.
 TIE = 1 << 10
 
-COLUMNS = 6  # of sums in each bin, see contact.count_event
 STIFFNESS_UNIT = 2.0**36  # k and k² are summed as whole multiples of 1/STIFFNESS_UNIT
 SUM_BITS = 61  # of a block's sum in one bin, which leaves the sign and a spare bit
 _PATH_BITS = 57  # of the clock, so that positions beyond the end plus a threshold stay in 64 bits
@@ -89,6 +88,7 @@ def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
             f"path[-1] = {drive.path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble "
             "follows contacts along a path of at most 8e9 of them"
         )
+    spacing *= spacing >= scale * 2.0**-bits  # points closer than a unit share bins
     width = spacing or max(length / (4 * points.size), scale * _FINEST)
     shift = max(int(np.floor(np.log2(width / scale))) + bits, 0)
     unit = width * 2.0**-shift if spacing else scale * 2.0**-bits

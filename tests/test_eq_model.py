@@ -299,3 +299,11 @@ run = eq_model.simulate(origins.Contacts(origins.gaussian(1.0, 0.05)), 2.0, n_co
 print(run.breaks > 0, run.compile_time, run.run_time)
 """)
     assert done.stdout.split() == ["True", "1.0", "0.0"], (done.stdout, done.stderr)
+
+
+def test_points_closer_than_the_unit_of_whole_lengths() -> None:
+    """A path of 1e-29 of a threshold, on which nothing breaks."""
+    path = np.linspace(0.0, 5.0, 11)
+    found = eq_model.simulate(Contacts(origins.identical(1e30)), path, n_contacts=10)
+    np.testing.assert_allclose(found.force, path, rtol=1e-12)
+    assert found.breaks == 0

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, real, whole
-from eq_model.contact import LIVES, SEEN, Break, look_at, place_of, rate
+from eq_model.contact import AGED, BREAKS, Break, look_at, place_of, rate
 from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
 from eq_model.laws.ageing_tables import DriftTable
 
@@ -187,7 +187,7 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
     lane, stream, place = contact.lane, contact.stream, contact.drawn
     at, leg, wall = contact.clock, contact.leg, law.table.low
     legs, y, stretch = way.directions.size, real(contact.threshold), contact.stretch
-    bears, seen, moments = np.exp(contact.exposure), whole(0), way.moments
+    remaining, seen, moments = np.exp(contact.log_exposure), whole(0), way.moments
     many = moments.size if counts.shape[0] else 0
     known, lost, width = -1.0, 0.0, 0.0
     while seen < many and moments[seen] < at:
@@ -243,10 +243,10 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
                 ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
                 mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
                 spent = mean * time * part * (1.0 + min(spread * spread, 1.0) / 12.0)
-                if spent >= bears:
-                    part *= bears / spent
+                if spent >= remaining:
+                    part *= remaining / spent
                     broken = True
-                bears -= spent
+                remaining -= spent
             gone = min(whole(np.floor(passed + part * ticks + 0.5)), end - at)
             until = at + gone if broken else at + whole(passed + ticks + 0.5) + 1
             while seen < many and moments[seen] < until and moments[seen] <= end:
@@ -273,6 +273,6 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
     return Break(way.begins[legs] + 1, leg, place, True)
 
 
-LIVES[Ageing] = grow_old
+BREAKS[Ageing] = grow_old
 # grow_old itself counts contacts at watched points, as it knows their thresholds
-SEEN[Ageing] = lambda law, contact, way, moment: -1.0
+AGED[Ageing] = lambda law, contact, way, moment: -1.0

@@ -10,15 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, real, whole
-from eq_model.contact import LIVES, SEEN, Break, most, rate
+from eq_model.contact import AGED, BREAKS, Break, most, rate
 from eq_model.draws.streams import STEPS, uniform, words_at
 
 _SMALL = 0.4  # grain size over the largest below which psi is integrated: its closed form cancels
 _NODES, _WEIGHTS = (tuple(part.tolist()) for part in np.polynomial.legendre.leggauss(10))
-_STEPS, _MISS = (
-    60,
-    1e-5,
-)  # of Halley's method: most, and the relative one that is the last: its cube is the error
+_STEPS = 60  # most of Halley's method
+_MISS = 1e-5  # its relative step that is the last: its cube is the error
 _SPLITS = 200
 # largest ratio of the bound to the rate; not required where the bound's integral is below _LITTLE
 _RISE, _LITTLE = 3.0, 0.05
@@ -89,41 +87,42 @@ def quantile(goal, age, root):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _past(ticks, near, pace, age, goal, root):  # type: ignore[no-untyped-def]
-    """Logarithm of the ratio of the hazard after `ticks` to the contact's own."""
-    now = hazard(near + ticks, age + ticks * pace, root)
-    return min(max(np.log(now / goal), -700.0), 700.0)
+def _rise(stretch, age, pace, root):  # type: ignore[no-untyped-def]
+    """Change of the hazard per tick of a steady motion, in which the age changes by `pace` a tick."""
+    s, largest = root * stretch, np.exp(np.log1p(age) / 3.0)
+    size = np.hypot(1.0, s)
+    y, first, growth = size / largest, 1.0 / largest, pace / (3.0 * (1.0 + age))
+    at_y = 3.0 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
+    at_first = 3.0 * first * first / ((2.0 + first) * (1.0 - first) ** 2)
+    return at_y * (root * s / (size * largest) - y * growth) + at_first * first * growth
 
 
 @bare
 def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
     """Ticks after which a contact reaches its threshold, which is beyond it at 0 ticks and not at `room`.
 
-    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Chandrupatla's
-    method: bisection or inverse quadratic interpolation.
+    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Newton's method for
+    the logarithms of ticks and hazard, within a bracket.
     """
-    a, b = room, 0.0
-    at_a, at_b = _past(a, near, pace, age, goal, root), _past(b, near, pace, age, goal, root)
-    c, at_c, share = a, at_a, 0.5
+    low, high = 0.0, room
+    at = min(room, 1.0 / root)
     for _ in range(_SPLITS):
-        x = a + share * (b - a)
-        at_x = _past(x, near, pace, age, goal, root)
-        if (at_x > 0.0) == (at_a > 0.0):
-            c, at_c = a, at_a
+        now = hazard(near + at, age + at * pace, root)
+        if now < goal:
+            low = at
         else:
-            c, b, at_c, at_b = b, a, at_b, at_a
-        a, at_a = x, at_x
-        width = abs(b - a)
-        if width <= 0.25 or at_a == 0.0:
-            return a
-        xi, phi = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
-        share = 0.5
-        if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
-            share = at_a / (at_b - at_a) * at_c / (at_b - at_c)
-            share += (c - a) / (b - a) * at_a / (at_c - at_a) * at_b / (at_c - at_b)
-        least = 0.125 / width
-        share = min(max(share, least), 1.0 - least)
-    return a
+            high = at
+        then = -1.0
+        if 0.0 < now < np.inf:
+            rise = _rise(near + at, age + at * pace, pace, root)
+            if rise > 0.0:
+                then = at * np.exp(min(max(np.log(goal / now) * now / (rise * at), -2.0), 2.0))
+        if not low <= then <= high:
+            then = 0.5 * (low + high) if low > 0.0 else 0.25 * high
+        if abs(then - at) <= max(1e-6 * at, 0.25):  # the error is the square of the last step
+            return then
+        at = then
+    return at
 
 
 @bare
@@ -173,7 +172,7 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
     draws, step, end = contact.drawn, 1.0, way.begins[way.directions.size]
     words = words_at(contact.lane, draws, contact.stream, STEPS)
     draws += 1
-    bears = -np.log(uniform(words[0], words[1]))
+    remaining = -np.log(uniform(words[0], words[1]))
     y = quantile(goal, age, root)
     while leg < way.directions.size and clock < until:
         d, pace = way.directions[leg], way.paces[leg] / law.first
@@ -190,14 +189,14 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
             if spent > _LITTLE and bound > _RISE * _rate(abs(here), y, law):
                 step = 0.5 * lasts
                 continue
-            if spent < bears:
-                bears -= spent
+            if spent < remaining:
+                remaining -= spent
                 passed += ticks
                 age += lasts
                 y = later
                 step = 2.0 * lasts
                 continue
-            share = bears / spent
+            share = remaining / spent
             passed += share * ticks
             age += share * lasts
             y = quantile(goal, age, root)
@@ -206,7 +205,7 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
             stretch = abs(real(x) + d * passed)
             if uniform(words[0], words[1]) * bound < _rate(stretch, y, law):
                 return Break(clock + min(whole(passed + 0.5), whole(room)), leg, draws, True)
-            bears = -np.log(uniform(words[2], words[3]))
+            remaining = -np.log(uniform(words[2], words[3]))
         x += d * whole(room)
         clock += whole(room)
         leg += 1
@@ -217,7 +216,7 @@ def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def
 def _pinned(contact, law):  # type: ignore[no-untyped-def]
     """Age and hazard of a contact that forms: e^exposure, or in the start that of its threshold."""
     if contact.fresh:
-        return 0.0, np.exp(contact.exposure)
+        return 0.0, np.exp(contact.log_exposure)
     return law.age, hazard(real(contact.threshold), law.age, law.root)
 
 
@@ -250,5 +249,5 @@ def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
     return quantile(goal, age + (moment - clock) * (way.paces[leg] / law.first), law.root)
 
 
-LIVES[Growing] = keep_hazard
-SEEN[Growing] = _aged
+BREAKS[Growing] = keep_hazard
+AGED[Growing] = _aged
