@@ -88,10 +88,10 @@ class GrainLife(Life):
             birth = np.where(on_a_leg, np.argmax(lived > 0.0, axis=1), speed.size - 1)
             worst = np.maximum(worst, lost[birth])
         # contacts with |x| above the largest threshold at t = 0 never hold
-        alive = np.flatnonzero(np.isfinite(hazards[:, 0]) & (worst - hazards[:, 0] < GONE))
-        share = np.zeros(pair.size)
-        share[alive] = np.exp(hazards[alive, 0] - worst[alive])
+        began = np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf)
+        share = np.exp(began - worst)
         if self._thermal is not None:
+            alive = share > 0.0
             share[alive] *= self._unbroken(stretch[alive], since[alive], worst[alive])
         return np.stack([share, share * stretch[:, -1]])
 
