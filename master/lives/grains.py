@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Pieces, integrals, integrals_above
+from master.lives.averages import integrals_above
 from master.lives.life import MARGIN, Life, Moves
 from master.motion.motion import History
 from origins import Contacts, GrainContact
@@ -35,7 +35,7 @@ Rows = npt.NDArray[np.intp]
 GONE = 39.2
 # Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients, of these
 # sums and of ln A over time, below which pieces are not halved.
-HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-8
+HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 
 
 class GrainLife(Life):
@@ -117,26 +117,23 @@ class GrainLife(Life):
         speed = np.divide(last - first, end - begin, out=np.zeros(end.size), where=end > begin)
         # the rate bends where x = 0
         across = np.where(first * last < 0.0, begin - first / np.where(speed, speed, 1.0), end)
-        # grains grow in the logarithm of the time
+        # grains grow in the logarithm of the time; at the end the rate may vanish as a root
         unit = self.grains.growth.first_pinning_time
-        edges = np.log1p(np.stack([begin, across, end], axis=1) / unit)
+        log_times = np.log1p(np.stack([begin, across, end], axis=1) / unit)
+        earlier = np.repeat((log_times[:, -1:] - log_times)[:, ::-1], count, axis=0)
 
-        def rate(owner: Rows, log_time: Array) -> Array:
-            row, time = owner // count, unit * np.expm1(log_time)
+        def rate(owner: Rows, before_end: Array) -> Array:
+            row = owner // count
+            time = unit * np.expm1(log_times[row, -1:] - before_end)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
             limit = grown_threshold(self.grains, hazard.ravel()[owner, None], time)
             rates = law.rate(np.minimum(x, limit), limit, 1.0)
-            return (rates * (unit + time))[None]
+            return (rates * (unit + time) / most[owner, None])[None]
 
-        pieces = Pieces.between(np.repeat(edges, count, axis=0))
         # the share e^-A is as good as the relative error of A
-        most = np.maximum(integrals(rate, pieces, hazard.size, np.inf).value[0], 1.0)
-        found = integrals(
-            lambda owner, log_time: rate(owner, log_time) / most[owner, None],
-            pieces,
-            hazard.size,
-            RESOLVED,
-        )
+        most, least = np.ones(hazard.size), np.zeros(hazard.size)
+        most = np.maximum(integrals_above(rate, least, earlier, True, np.inf).value[0], 1.0)
+        found = integrals_above(rate, least, earlier, True, RESOLVED)
         self.error = max(self.error, MARGIN * float(found.missed[0]))
         return (most * found.value[0]).reshape(hazard.shape)
 
