@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 10317, 200, 255),
+    "master": Room(7500, 10315, 200, 255),
     "eq_model": Room(2200, 3754, 60, 130),
     "origins": Room(4500, 7941, 120, 176),
     "toolkit": Room(4000, 3994, 100, 65),
