@@ -1,7 +1,4 @@
-"""Averages over the stretches at birth, and other integrals over many ranges at once.
-
-Pieces of a range are halved until a polynomial fits the integrand on each.
-"""
+"""Integrals over many ranges at once: pieces are halved until a polynomial fits the integrand on each."""
 
 from __future__ import annotations
 
@@ -12,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.motion.motion import History
 from origins.start import Start
 from origins.thresholds.quadrature import finite_density
 
@@ -54,6 +50,12 @@ class Pieces(NamedTuple):
     low: Array
     high: Array
 
+    @classmethod
+    def between(cls, edges: Array, apart: float = 0.0) -> Pieces:
+        """Of ranges with sorted edges, a row for each; those not longer than `apart` are left out."""
+        owner, piece = np.nonzero(np.diff(edges, axis=1) > apart)
+        return cls(owner, edges[owner, piece], edges[owner, piece + 1])
+
     def pick(self, which: npt.NDArray[np.bool_]) -> Pieces:
         """Some of the pieces."""
         return Pieces(self.owner[which], self.low[which], self.high[which])
@@ -63,6 +65,18 @@ class Pieces(NamedTuple):
         middle = 0.5 * (self.low + self.high)
         low, high = np.append(self.low, middle), np.append(middle, self.high)
         return Pieces(np.tile(self.owner, 2), low, high)
+
+    def sums(self, integrand: Integrand) -> tuple[Array, Array]:
+        """Integral of each function over each piece, shape (functions, n), and the largest of the last
+        coefficients and errors at ends of the first function, shape (n,), as contributions to it."""
+        sums, tails = [], []
+        for begin in range(0, max(self.owner.size, 1), TOGETHER):
+            some = slice(begin, begin + TOGETHER)
+            owner, low, high = self.owner[some], self.low[some], self.high[some]
+            values = integrand(owner, low[:, None] + (high - low)[:, None] * _AT)
+            sums.append(values @ _RULE * (high - low))
+            tails.append(np.abs(values[0] @ _TAIL).max(axis=1, initial=0.0) * (high - low))
+        return np.concatenate(sums, axis=1), np.concatenate(tails)
 
 
 class Integrals(NamedTuple):
@@ -76,11 +90,7 @@ class Integrals(NamedTuple):
 
 
 def integrals(
-    integrand: Integrand,
-    pieces: Pieces,
-    ranges: int,
-    accuracy: Array | float,
-    relative: bool = False,
+    integrand: Integrand, pieces: Pieces, ranges: int, accuracy: Array | float
 ) -> Integrals:
     """Integrals of functions over ranges, of which each is cut into pieces.
 
@@ -88,109 +98,57 @@ def integrals(
     accuracy : last coefficients, as contributions to the integral, below which a piece is not halved,
         for all ranges or for each;
         the error of the Gauss sum is then about their square, or 1e-3 of them near an onset
-    relative : whether accuracy and error are relative to each range's integral of the last function
     """
     done: list[Pieces] = []
-    total, scale = np.zeros((1, ranges)), np.ones(ranges)
+    total, limit = np.zeros((1, ranges)), np.broadcast_to(accuracy, ranges)
+
+    def summed(owner: Rows, sums: Array) -> Array:
+        return np.stack([np.bincount(owner, row, minlength=ranges) for row in sums])
+
     for halving in range(HALVINGS + 1):
-        values = _values(integrand, pieces)
-        sums = _summed(values @ _RULE, pieces, ranges)
-        if relative:
-            scale = np.maximum(np.abs(total + sums)[-1], np.finfo(float).tiny)
-        limit = accuracy * scale
-        rough = np.abs(values[0] @ _TAIL).max(axis=1, initial=0.0) > limit[pieces.owner]
+        sums, tails = pieces.sums(integrand)
         size = np.maximum(np.abs(pieces.low), np.abs(pieces.high))
-        rough &= (pieces.high - pieces.low > NARROWEST * size) & (halving < HALVINGS)
-        total = total + _summed(values[:, ~rough] @ _RULE, pieces.pick(~rough), ranges)
+        rough = (tails > limit[pieces.owner]) & (pieces.high - pieces.low > NARROWEST * size)
+        rough &= halving < HALVINGS
         done.append(pieces.pick(~rough))
+        total = total + summed(done[-1].owner, sums[:, ~rough])
         if not rough.any():
             break
         pieces = pieces.pick(rough).halves()
     pieces = Pieces(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
     looked = np.arange(ranges) % CHECKED == ranges // 2 % CHECKED
     halves = pieces.pick(looked[pieces.owner]).halves()
-    again = _summed(_values(integrand, halves) @ _RULE, halves, ranges)
-    missed = np.abs((again - total)[:, looked]) / scale[looked]
-    return Integrals(total, missed.max(axis=1, initial=0.0), pieces)
+    again = summed(halves.owner, halves.sums(integrand)[0])
+    missed = np.abs(again - total)[:, looked].max(axis=1, initial=0.0)
+    return Integrals(total, missed, pieces)
 
 
-def _values(integrand: Integrand, pieces: Pieces) -> Array:
-    """The functions, times the pieces' lengths, at all places; shape (functions, n, SIZE + 2)."""
-    length = (pieces.high - pieces.low)[:, None]
-    at, found = pieces.low[:, None] + length * _AT, []
-    for begin in range(0, max(length.size, 1), TOGETHER):
-        some = slice(begin, begin + TOGETHER)
-        found.append(integrand(pieces.owner[some], at[some]) * length[some])
-    return np.concatenate(found, axis=1)
-
-
-def _summed(sums: Array, pieces: Pieces, ranges: int) -> Array:
-    """Sums over the pieces of each range; shape (functions, ranges)."""
-    return np.stack([np.bincount(pieces.owner, row, minlength=ranges) for row in sums])
-
-
-class Moves(NamedTuple):
-    """Motion of the slider between birth and a later moment, for many pairs of these two.
-
-    now, high, low : arrays of shape (n,), the slider's displacement, its largest and smallest value
-    """
-
-    now: Array
-    high: Array
-    low: Array
-
-    @classmethod
-    def of(cls, history: History) -> Moves:
-        """The moves of all rows and columns of a history, flattened."""
-        parts = np.broadcast_arrays(history.now, history.high, history.low)
-        return cls(*(part.ravel() for part in parts))
-
-    def largest(self, pair: Rows, born: Array) -> Array:
-        """Largest |x| of contacts born at `born`; shape (n,) or (n, k) as `born`."""
-        columns = (slice(None),) + (None,) * (born.ndim - 1)
-        high, low = self.high[pair][columns], self.low[pair][columns]
-        return np.maximum(np.abs(born), np.maximum(born + high, -(born + low)))
-
-
-def averaged(
-    law: Start,
-    moves: Moves,
-    reach: float,
-    bends: Array,
-    left: Integrand,
-    resolved: float,
-    pieces: int,
+def integrals_above(
+    integrand: Integrand,
+    least: Array,
+    ends: Array,
+    felt: npt.NDArray[np.bool_] | bool,
+    accuracy: Array | float,
 ) -> Integrals:
-    """Share and force averaged over the law's stretches, shape (2, pairs), and their errors.
+    """Integrals of functions over y above `least`, where they may be series in (y - least)^(1/2).
 
-    Pieces of the law end where x is 0, and where the largest |x| changes sides or meets a bend.
+    That root is the variable of integration; the accuracy is that of the first function without its
+    weight, which is 0 at `least`.
 
-    reach : length: no contact beyond it holds
-    bends : array of shape (n,), the largest |x| at which the survival has a bend
-    left : share and force of pairs, by their numbers (n,), born at stretches of shape (n, k), of
-        which each row lies within one smooth piece; (2, n, k)
-    resolved : last coefficients below which pieces are not halved
-    pieces : first number of pieces of the law's span
+    least : array of shape (n,)
+    ends : array of shape (k + 1,) or (n, k + 1), sorted, between which functions are smooth
+    felt : of shape (n, k), where they count
     """
-    # cut at the reach, beyond which no contact holds, as each piece is judged by its middle
-    bends = np.append(bends, reach)
-    first, last = max(law.span[0], -reach), min(law.span[1], reach)
-    even = np.linspace(first, last, pieces + 1)
-    fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
-    now, high, low = (part[:, None] for part in moves)
-    moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
-    cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
-    edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
-    # pieces narrower than 1e-13 of the span are left out
-    pair, piece = np.nonzero(np.diff(edges, axis=1) > 1e-13 * (last - first))
-    found = Pieces(pair, edges[pair, piece], edges[pair, piece + 1])
-    found = found.pick(moves.largest(pair, 0.5 * (found.low + found.high)) < reach)
-    kept = law.cdf(reach) - law.cdf(-reach)
+    roots = np.sqrt(np.maximum(ends, least[:, None]) - least[:, None])
+    row, piece = np.nonzero(felt & (np.diff(roots, axis=1) > 0.0))
 
-    def weighed(pair: Rows, born: Array) -> Array:
-        return left(pair, born) * (finite_density(law, born) / kept)
+    def of_root(row: Rows, root: Array) -> Array:
+        values = 2.0 * integrand(row, least[row, None] + root * root)
+        return np.concatenate([values[:1] * root.max(axis=1, keepdims=True), values * root])
 
-    return integrals(weighed, found, now.size, resolved)
+    pieces = Pieces(row, roots[row, piece], roots[row, piece + 1])
+    value, missed, fine = integrals(of_root, pieces, least.size, accuracy)
+    return Integrals(value[1:], missed[1:], fine)
 
 
 class StretchRule(NamedTuple):
@@ -212,20 +170,17 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     """
     if born.is_single:
         return StretchRule(np.array([born.mean()]), np.ones(1))
-    low, high = max(born.span[0], -most), min(born.span[1], most)
-    edges = np.append(np.linspace(low, high, 9), born.breakpoints)
-    edges = np.unique(np.clip(edges, low, high))
-    whole = Pieces(np.zeros(edges.size - 1, dtype=int), edges[:-1], edges[1:])
+    low, high = np.clip(born.span, -most, most)
+    edges = np.clip(np.append(np.linspace(low, high, 9), born.breakpoints), low, high)
+    whole = Pieces.between(np.sort(edges)[None])
     fine = integrals(lambda _, x: finite_density(born, x)[None], whole, 1, 1e-12).pieces
     half = 0.5 * (fine.high - fine.low)[:, None]
     nodes = (fine.low[:, None] + half * (_NODES + 1.0)).ravel()
     weights = (half * _WEIGHTS).ravel() * finite_density(born, nodes)
     nodes, weights = nodes[weights > 0.0], weights[weights > 0.0] / weights.sum()
-    if nodes.size <= count:
-        return StretchRule(nodes, weights)
     # orthogonal polynomials on the nodes: their Jacobi matrix has the rule's nodes as eigenvalues
     middle, scale = 0.5 * (nodes.min() + nodes.max()), 0.5 * np.ptp(nodes)
     at, root = (nodes - middle) / scale, np.sqrt(weights)
-    basis = np.linalg.qr(root[:, None] * legendre.legvander(at, count - 1))[0]
+    basis = np.linalg.qr(root[:, None] * legendre.legvander(at, min(count, nodes.size) - 1))[0]
     values, vectors = np.linalg.eigh(basis.T @ (at[:, None] * basis))
     return StretchRule(middle + scale * values, (root @ basis @ vectors) ** 2)

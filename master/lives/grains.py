@@ -7,6 +7,13 @@ of thresholds at its age reaches that of its quantile, so that of the contacts t
 
 H_0 being H at t = 0 of contacts that are stretched then. On a straight leg H first falls, while the
 contact relaxes or its threshold outgrows the stretch, and then rises: it is largest at an end.
+
+With heat a contact whose quantile has the hazard η, and so the threshold x_s(η; age), may break
+early. Then
+
+    share that holds = integral over η > H_worst of e^{-(η - H_0)} e^{-A(η)},
+
+A(η) being the integral over time of the rate h(|x|; x_s).
 """
 
 from __future__ import annotations
@@ -14,23 +21,25 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Pieces, integrals
-from master.lives.life import Life
-from master.motion.motion import History, Legs
+from master.lives.averages import integrals_above
+from master.lives.life import MARGIN, Life, Moves
+from master.motion.motion import History
 from origins import Contacts, GrainContact
-from origins.grains.lifshitz_slyozov import hazard_beyond
+from origins.grains.lifshitz_slyozov import hazard_beyond, invert_beyond
 from origins.start import Start
-from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 # H above which the survival e^-H, below 1e-17, counts as 0.
 GONE = 39.2
+# Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients, of these
+# sums and of ln A over time, below which pieces are not halved.
+HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 
 
 class GrainLife(Life):
-    """Life (see master.lives.life) of contacts with growing grains, without heat.
+    """Life (see master.lives.life) of contacts with growing grains; with heat, on one leg only.
 
     Parameters
     ----------
@@ -39,103 +48,94 @@ class GrainLife(Life):
     longest : float
         The latest time > 0 at which `left` is called.
 
-    Contacts born with the law `contacts.start`, the same object, are those of t = 0 and have the
-    grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
+    Contacts born with the law `contacts.start`, the same object, or at single stretches other than 0
+    are those of t = 0 and have the grains' starting age; all others pin at birth, at the stretch 0
+    and the age tau_m.
     """
 
     error = 5e-14  # the share's error by that of the hazards
-    # first number of pieces of a start, and last coefficients below which they are not halved
-    pieces, resolved = 8, 1e-12
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         self.grains: GrainContact = grains
-        self.start = contacts.start
+        self.start, self._began = contacts.start, False
         self.start_since = grains.age - grains.growth.first_pinning_time
         self.reach = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
         # no contact of the start is stretched beyond the largest threshold at t = 0
-        self.start_reach = grains.at_start.support()[1]
-        self.grain = 0.25 * grains.at_start.std()
+        self.birth_reach = grains.at_start.support()[1]
+        self.grain, self._thermal = 0.25 * grains.at_start.std(), contacts.thermal
+        if contacts.thermal is not None:
+            # with this `resolved` normal laws are summed to 1e-8
+            self.pair_work, self.resolved = 1000, 1e-5
 
     def left(self, born: Start | Array, history: History) -> Array:
-        """Share of contacts that hold, and their force per contact born; see Life.left."""
-        return self._told(born, history.legs())
+        """See Life."""
+        self._began = born is self.start if isinstance(born, Start) else bool(np.any(born))
+        return super().left(born, history)
 
-    def _told(self, born: Start | Array, legs: Legs) -> Array:
-        """Share and force, shape (2, rows, columns)."""
-        shape, knots = legs.displacement.shape[:-1], legs.displacement.shape[-1]
-        moves = Legs(
-            legs.displacement.reshape(-1, knots), legs.duration.reshape(-1, knots - 1), legs.speed
-        )
-        every = np.arange(moves.displacement.shape[0])
-        if isinstance(born, Start) and born is self.start and not born.is_single:
-            return self._of_spread(moves).reshape(2, *shape)
-        since, lost, nodes = self.start_since, np.zeros(1), np.zeros((every.size, 1))
-        if not isinstance(born, Start) and np.any(born):
-            nodes = np.broadcast_to(born, shape).reshape(-1, 1)
-        elif born is not self.start:  # births are at 0
-            since, lost = 0.0, np.broadcast_to(self._lost(legs), shape).ravel()
-        else:
-            nodes = np.full(nodes.shape, self.start.mean())
-        return self._holding(every, nodes, moves, since, lost).reshape(2, *shape)
-
-    def _of_spread(self, moves: Legs) -> Array:
-        """Share and force of the start; the share has a kink where another moment has the largest H."""
-        start, count = self.start, moves.displacement.shape[0]
-        edges = np.concatenate(
-            [np.linspace(*start.span, self.pieces + 1), start.breakpoints, [0.0]]
-        )
-        edges = np.clip(edges, *np.clip(start.span, -self.start_reach, self.start_reach))
-        edges = np.unique(edges)
-        row, low = np.divmod(np.arange(count * (edges.size - 1)), edges.size - 1)
-
-        def weighed(row: Rows, nodes: Array) -> Array:
-            density = finite_density(start, nodes)
-            found = self._holding(row, nodes, moves, self.start_since, np.zeros(1))
-            return np.concatenate([density * found, density[None]])
-
-        found = integrals(weighed, Pieces(row, edges[low], edges[low + 1]), count, self.resolved)
-        # only some of the sums are measured
-        self.error = max(self.error, 2.0 * float(found.missed[0]))
-        return found.value[:2] / found.value[2]
-
-    def _holding(self, row: Rows, nodes: Array, moves: Legs, since: float, lost: Array) -> Array:
-        """Share and force of contacts born at `nodes` (n, k), with the moves of the rows (n,).
-
-        since : time between pinning and the moves; lost : lower bound of H_worst, from birth
-        """
-        stretch = nodes[..., None] + moves.displacement[row][:, None]
-        stretch = stretch.reshape(-1, stretch.shape[-1])
-        own = Legs(stretch, np.repeat(moves.duration[row], nodes.shape[1], axis=0), moves.speed)
-        elapsed = np.cumsum(own.duration, axis=-1)
-        times = since + np.concatenate([np.zeros((elapsed.shape[0], 1)), elapsed], axis=-1)
-        hazards = pinned_hazard(self.grains, stretch, times)
+    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+        """See Life."""
+        displacement, duration, speed = moves.legs
+        lived, stretch = duration[pair], born[:, None] + displacement[pair]
+        since = np.cumsum(np.insert(lived, 0, self.start_since * self._began, axis=1), axis=1)
+        hazards = pinned_hazard(self.grains, stretch, since)
+        worst = hazards.max(axis=1)
+        if not self._began:
+            # right after pinning some are stretched faster than their thresholds grow
+            lost = np.array([self.grains.lost_hazard(abs(float(v))) for v in speed])
+            on_a_leg = lived.any(axis=1)
+            birth = np.where(on_a_leg, np.argmax(lived > 0.0, axis=1), speed.size - 1)
+            worst = np.maximum(worst, lost[birth])
         # contacts with |x| above the largest threshold at t = 0 never hold
-        met = ~np.isfinite(hazards[:, 0])
-        before = np.where(met, 0.0, hazards[:, 0])
-        worst = np.where(met, np.inf, np.maximum(hazards.max(axis=-1), lost))
-        hold = self._share(own, since, worst, before)
-        return np.stack([hold, hold * stretch[:, -1]]).reshape(2, *nodes.shape)
+        began = np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf)
+        share = np.exp(began - worst)
+        if self._thermal is not None:
+            alive = share > 0.0
+            share[alive] *= self._unbroken(stretch[alive], since[alive], worst[alive])
+        return np.stack([share, share * stretch[:, -1]])
 
-    def _share(self, moves: Legs, since: float, worst: Array, before: Array) -> Array:
-        """Share that holds of contacts with these moves (their stretches), array (n,).
+    def _unbroken(self, stretch: Array, since: Array, worst: Array) -> Array:
+        """Share that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,).
 
-        since : time between pinning and the first of them
-        worst, before : arrays (n,), H_worst and H_0
+        stretch, since : arrays of shape (n, 2), stretches and times since pinning on one leg
         """
-        return np.exp(before - worst)
 
-    def _lost(self, legs: Legs) -> Array:
-        """H_worst right after pinning: some contacts are stretched faster than their thresholds grow.
+        def held(row: Rows, hazard: Array) -> Array:
+            spent = self._spent(hazard, stretch[row], since[row])
+            return np.exp(worst[row, None] - hazard - spent)[None]
 
-        Array of shape (rows, 1): all births of a row lie on one leg.
-        """
-        rows, columns = legs.duration.shape[:2]
-        lived = legs.duration[:, columns // 2] > 0.0
-        birth = np.where(lived.any(axis=-1), np.argmax(lived, axis=-1), legs.speed.size - 1)
-        hazard = [self.grains.lost_hazard(abs(float(speed))) for speed in legs.speed]
-        return np.array(hazard)[birth].reshape(rows, 1)
+        found = integrals_above(held, worst, worst[:, None] + HAZARDS, True, RESOLVED)
+        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        return found.value[0]
+
+    def _spent(self, hazard: Array, stretch: Array, since: Array) -> Array:
+        """A of contacts whose quantiles have these hazards (n, k), with moves (n, 2); shape (n, k)."""
+        assert self._thermal is not None
+        law, count, (first, last) = self._thermal.rates, hazard.shape[1], stretch.T
+        begin, end = since.T
+        speed = np.divide(last - first, end - begin, out=np.zeros(end.size), where=end > begin)
+        # the rate bends where x = 0
+        across = np.where(first * last < 0.0, begin - first / np.where(speed, speed, 1.0), end)
+        # grains grow in the logarithm of the time; at the end the rate may vanish as a root
+        unit = self.grains.growth.first_pinning_time
+        log_times = np.log1p(np.stack([begin, across, end], axis=1) / unit)
+        earlier = np.repeat((log_times[:, -1:] - log_times)[:, ::-1], count, axis=0)
+
+        def rate(owner: Rows, before_end: Array) -> Array:
+            row = owner // count
+            time = unit * np.expm1(log_times[row, -1:] - before_end)
+            x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
+            limit = grown_threshold(self.grains, hazard.ravel()[owner, None], time)
+            rates = law.rate(np.minimum(x, limit), limit, 1.0)
+            return (rates * (unit + time) / most[owner, None])[None]
+
+        # the share e^-A is as good as the relative error of A
+        most, least = np.ones(hazard.size), np.zeros(hazard.size)
+        most = np.maximum(integrals_above(rate, least, earlier, True, np.inf).value[0], 1.0)
+        found = integrals_above(rate, least, earlier, True, RESOLVED)
+        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        return (most * found.value[0]).reshape(hazard.shape)
 
 
 def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:
@@ -155,3 +155,16 @@ def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:
     q = over[held] / excess[held] * (largest / room[held])
     out[held] = hazard_beyond(q, 1.0 / largest, excess[held] / largest)
     return out
+
+
+def grown_threshold(grains: GrainContact, hazard: Array, since: Array) -> Array:
+    """x_s (lengths) of quantiles with these hazards, `since` > 0 after they pinned; both broadcast.
+
+    The inverse of pinned_hazard.
+    """
+    hazard, since = np.broadcast_arrays(hazard, since)
+    excess = np.expm1(np.log1p(since / grains.growth.first_pinning_time) / 3.0)
+    largest = 1.0 + excess
+    q = invert_beyond(hazard, 1.0 / largest, excess / largest)
+    gap = excess * (q * excess / (largest + q * excess))
+    return np.sqrt(gap * (gap + 2.0) / grains.growth.B)

@@ -2,13 +2,60 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import numpy.typing as npt
 
-from master.motion.motion import History
+from master.lives.averages import Pieces, integrals
+from master.motion.motion import History, Legs
+from origins import Contacts
 from origins.start import Start
+from origins.thresholds.quadrature import finite_density, panel_edges
 
 Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+# Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of the
+# sums that contain them.
+NONE_LEFT = 1e-18
+# An exact threshold within this relative distance above |x| counts as met: a turning point placed
+# exactly at it may be off by rounding.
+TIE = 1e-12
+# Factor on the largest measured error of an integral: near a root halving shows only two thirds of
+# the error, and only some integrals are measured.
+MARGIN = 4.0
+SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
+
+
+class Moves:
+    """The slider's moves between birth and a later moment of n contacts, a history's rows and columns.
+
+    Attributes
+    ----------
+    now, high, low : arrays of shape (n,)
+        The slider's displacement, its largest and its smallest value.
+    """
+
+    def __init__(self, history: History) -> None:
+        self._history = history
+        self.now, self.high, self.low = (
+            history.now.ravel(),
+            history.high.ravel(),
+            history.low.ravel(),
+        )
+
+    @cached_property
+    def legs(self) -> Legs:
+        """The same moves leg by leg."""
+        displacement, duration, speed = self._history.legs()
+        count = speed.size
+        return Legs(displacement.reshape(-1, count + 1), duration.reshape(-1, count), speed)
+
+    def largest(self, pair: Rows, born: Array) -> Array:
+        """Largest |x| of contacts with these moves, born at stretches of the same shape (n,)."""
+        highest, lowest = born + self.high[pair], born + self.low[pair]
+        return np.maximum(np.abs(born), np.maximum(highest, -lowest))
 
 
 class Life:
@@ -26,6 +73,8 @@ class Life:
     quiet : float
         Length: a contact whose |x| has never been beyond it still holds (its survival is 1 to rounding);
         0 where there is no such length.
+    birth_reach : float
+        Length: stretches of the start beyond it are left out.
     atoms : array of shape (n,)
         Exact thresholds (lengths), at which finite shares of contacts break together.
     bends : array of shape (n,)
@@ -43,6 +92,8 @@ class Life:
         Whether the survival depends only on the way, and not on the time that it took.
     error : float
         Bound on the error of the share that `left` returns, which finer panels do not reduce.
+    resolved : float
+        Last coefficients below which pieces of the stretches at birth are not halved.
     has_strands : bool
         Whether births of earlier legs have to be followed, since `left` does not know them.
     """
@@ -50,7 +101,7 @@ class Life:
     reach: float
     grain: float
     quiet, quick, timeless, has_strands = 0.0, False, False, False
-    pair_work, error = 1, 0.0
+    pair_work, error, resolved, birth_reach = 1, 0.0, 1e-12, np.inf
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
     marks: Array = np.empty(0)
@@ -70,4 +121,93 @@ class Life:
         Returns an array of shape (2, rows, columns): the share, between 0 and 1, and the force in
         units of <k>, a length.
         """
+        moves, shape = Moves(history), history.now.shape
+        if isinstance(born, Start) and not born.is_single:
+            return self._averaged(born, moves).reshape(2, *shape)
+        single = born.mean() if isinstance(born, Start) else born
+        stretch, every = np.broadcast_to(single, shape).ravel(), np.arange(moves.now.size)
+        middle = every // shape[1] * shape[1] + shape[1] // 2
+        side = moves.largest(middle, stretch)
+        return self.survivors(every, stretch, side, moves).reshape(2, *shape)
+
+    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+        """Share and force of contacts with the moves `pair`, born at these stretches; shape (2, n).
+
+        side : array of shape (n,), the largest |x| that decides which exact thresholds are passed
+        """
         raise NotImplementedError
+
+    def _averaged(self, law: Start, moves: Moves) -> Array:
+        """Share and force averaged over the law's stretches, shape (2, pairs).
+
+        Pieces of the law end where x is 0, and where the largest |x| changes sides or meets a bend.
+        """
+        reach = max(self.reach, self.birth_reach)
+        bends = np.append(self.bends, reach)
+        first, last = np.clip(law.span, -self.birth_reach, self.birth_reach)
+        # survivals that take long are smoother, too
+        even = np.linspace(first, last, 17 if self.quick else 5)
+        fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
+        now, high, low = (part[:, None] for part in (moves.now, moves.high, moves.low))
+        moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
+        cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
+        edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
+        # pieces narrower than 1e-13 of the span are left out
+        pieces = Pieces.between(edges, 1e-13 * (last - first))
+        middle = 0.5 * (pieces.low + pieces.high)
+        pieces = pieces.pick(moves.largest(pieces.owner, middle) < reach)
+        kept = law.cdf(self.birth_reach) - law.cdf(-self.birth_reach)
+
+        def weighed(pair: Rows, born: Array) -> Array:
+            nodes = born.shape[1]
+            side = np.repeat(moves.largest(pair, born[:, nodes // 2]), nodes)
+            found = self.survivors(np.repeat(pair, nodes), born.ravel(), side, moves)
+            return found.reshape(2, *born.shape) * (finite_density(law, born) / kept)
+
+        found = integrals(weighed, pieces, now.size, self.resolved)
+        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        return found.value
+
+
+class LawLife(Life):
+    """A Life of contacts whose thresholds stay as P_c gave them.
+
+    Attributes
+    ----------
+    law : Thresholds
+    atom_weights : array of shape (n,), of the exact thresholds `atoms`
+    panels : array of shape (n,)
+        Edges of panels on which 8 nodes sum P_c and x_s P_c; none where there are only atoms.
+    """
+
+    def __init__(self, contacts: Contacts) -> None:
+        law = self.law = contacts.thresholds
+        self.atoms, self.atom_weights = law.atoms
+        # a contact born in the far tail has a threshold even farther out
+        births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
+        least = float(law.sf(max(abs(end) for born in births for end in born.span)))
+        reach = float(law.isf(NONE_LEFT * max(least, 1e-280)))
+        self.reach = max([min(float(law.support()[1]), reach), *self.atoms])
+        marks = np.concatenate([law.breakpoints, self.atoms])
+        self.bends = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
+        spread = float(self.atom_weights.sum()) < 1.0 - 1e-14
+        self.panels: Array = panel_edges(law, tail=1e-30) if spread else np.empty(0)
+        self.panels = np.maximum(self.panels, SMALLEST)
+        inner = self.panels[self.panels < self.reach]
+        broken = -np.diff(law.sf(inner))
+        many = broken.sum() > 0.0
+        self.grain = float(np.diff(inner) @ broken / broken.sum()) if many else self.reach
+
+    def atom_share(self, atom: float, stretch: float) -> float:
+        """See Life; an upper bound, as heat may break some before."""
+        return float(self.atom_weights[self.atoms == atom].sum() / self.law.sf(abs(stretch)))
+
+    def held(self, m: Array, side: Array) -> Array:
+        """Survival at m, shape (n,); exact thresholds close to m are broken where they lie below `side`."""
+        out = np.asarray(self.law.sf(m), dtype=float)
+        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
+            # rounding may put m on the wrong side
+            furthest = np.where(np.abs(m - position) <= 1e-9 * position, side, m)
+            here = np.less(furthest, position * (1.0 - TIE)).astype(float)
+            out = out + weight * (here - np.less(m, position))
+        return out

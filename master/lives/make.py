@@ -10,7 +10,7 @@ from master.lives.heat.mean_rate import MeanRateLife
 from master.lives.heat.thermal import RESOLVED, ThermalLife
 from master.lives.life import Life
 from master.motion.motion import Motion
-from origins import Contacts, GrainContact, InputError
+from origins import Contacts, InputError
 from origins.errors import refuse
 
 
@@ -28,12 +28,7 @@ def life_of(
     """
     if contacts.grains is not None:
         assert motion is not None
-        if contacts.thermal is None:
-            return GrainLife(contacts, float(motion.times[-1]))
-        from master.lives.warm_grains import WarmGrainLife
-
-        accuracy = float(np.clip(0.02 * tolerance, 1e-11, 1e-6))
-        return WarmGrainLife(contacts, float(motion.times[-1]), accuracy)
+        return GrainLife(contacts, float(motion.times[-1]))
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)
@@ -54,42 +49,32 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
     Raises InputError for closures in which single contacts have no law, and where no pinned contact holds.
     """
-    ageing, stepped = contacts.ageing, False
-    if contacts.grains is not None:
-        _check_some_hold(contacts.grains, velocity)
-        longest = _outlived(contacts, velocity)
+    grains, ageing, tolerance = contacts.grains, contacts.ageing, 0.0
+    if grains is not None:
+        grains.check_speed(velocity)
+        if (
+            lost := grains.lost_hazard(velocity)
+        ) > 300.0:  # a share of e^-300 is close to underflow
+            few = f"none holds but a fraction exp(-{lost:.4g})"
+            why = "they are stretched before their grains have grown"
+            rule = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
+            refuse("velocity", velocity, rule)
+        assert grains.age is not None
+        # until even the strongest contacts of the start are broken
+        longest, behind = grains.growth.first_pinning_time, max(-contacts.start.span[0], 0.0)
+        while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - behind:
+            longest *= 1.5
     elif ageing is not None:
         from master.lives.age.ageing import LONGEST
 
         laws = contacts.thresholds, ageing.final
         longest = LONGEST * max(float(law.isf(1e-17)) for law in laws) / velocity
-        stepped = ageing.normal is None or contacts.thermal is not None
+        if ageing.normal is None or contacts.thermal is not None:
+            tolerance = 5e-7  # where strands are followed, smaller errors take too long
     else:
         return life_of(contacts)
     motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * velocity]))
-    # where strands are followed, smaller errors take too long
-    return life_of(contacts, 5e-7 if stepped else 0.0, motion)
-
-
-def _check_some_hold(grains: GrainContact, velocity: float) -> None:
-    """Refuse speeds at which so few of the contacts that pin ever hold that their survival underflows."""
-    grains.check_speed(velocity)
-    lost = grains.lost_hazard(velocity)
-    if lost > 300.0:  # a share of e^-300 holds, close to underflow
-        few = f"none holds but a fraction exp(-{lost:.4g})"
-        why = "they are stretched before their grains have grown"
-        rule = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
-        refuse("velocity", velocity, rule)
-
-
-def _outlived(contacts: Contacts, velocity: float) -> float:
-    """A time after which even the strongest contacts of the start, whose grains grow, are broken."""
-    grains = contacts.grains
-    assert grains is not None and grains.age is not None
-    longest, behind = grains.growth.first_pinning_time, max(-contacts.start.span[0], 0.0)
-    while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - behind:
-        longest *= 1.5
-    return longest
+    return life_of(contacts, tolerance, motion)
 
 
 def check_ageing(contacts: Contacts) -> None:

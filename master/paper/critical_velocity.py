@@ -12,7 +12,6 @@ from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.lives.make import steady_life
@@ -21,8 +20,6 @@ from master.stick_slip.extremes import Fall, births_table, extremes
 from origins import Contacts, InputError
 from origins.contacts import check_contacts
 from origins.errors import positive
-
-Array = npt.NDArray[np.float64]
 
 CLOSE = 1e-7  # tolerance of ln v_c, and of K* with closure "exact" in units of 0.1 (1 + K*)
 

@@ -144,7 +144,7 @@ def _stepped(
     x: Array = step * np.arange(-zero, int(np.ceil(span[1] / step)) + 2, dtype=float)
     fraction = broken_fraction(contacts.thresholds, x, step, breaking)
     if contacts.thermal is not None:
-        heat = MeanRateLife(contacts).table.rate(np.abs(x)) / velocity * step
+        heat = MeanRateLife(contacts).rate(np.abs(x)) / velocity * step
         warm = 1.0 - (1.0 - fraction) * np.exp(-heat)
         fraction = np.minimum(warm if breaking == "survival" else fraction + heat, 1.0)
     fraction[-1] = 1.0  # contacts that would leave the grid break at its end

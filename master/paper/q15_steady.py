@@ -22,6 +22,7 @@ from scipy.optimize import brentq
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.laws.diffusion import Diffusion
+from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
 
@@ -186,3 +187,7 @@ class TabulatedLaw(Thresholds):
 
     def _sf(self, x: Array) -> Array:
         return np.clip(self._above(x), 0.0, 1.0)
+
+    def _central_moment(self, n: float, centre: float) -> float:
+        nodes, weights = gauss(self._edges[:-1], self._edges[1:])
+        return float((weights * (nodes - centre) ** n * self._slope(nodes)).sum())

@@ -7,8 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.cold import NONE_LEFT
-from master.lives.life import Life
+from master.lives.life import NONE_LEFT, Life
 from master.motion.motion import Motion
 from master.renewal.table import Table, beside
 from origins.errors import refuse

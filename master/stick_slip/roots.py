@@ -8,13 +8,10 @@ grid for each root inside: Newton's method starts from these cells, and has to f
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from master.steady.travel import Travel
 from master.stick_slip.transform import NONE, Complex, Transform
 from origins import Contacts
-
-Array = npt.NDArray[np.float64]
 
 # Decay rates, per mean way from birth to birth: the first to which roots are searched, and the last,
 # at which a wave has vanished after one such way.

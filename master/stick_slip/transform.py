@@ -81,8 +81,9 @@ class Transform:
             if not travel.left(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0] > NONE:
                 break
             edges = np.append(edges, last * np.array([1.25, 1.5, 1.75, 2.0]))
-        # with heat and many stretches at birth each survival takes long, so the table is coarser
-        accuracy = 1e-13 if travel.born.is_single or life.quick else travel.accuracy
+        # where each survival takes long (many stretches at birth, warm grains) the table is coarser
+        short = life.quick or (travel.born.is_single and life.pair_work < 100)
+        accuracy = 1e-13 if short else travel.accuracy
 
         def size_on_panel(values: Array, _: Array) -> Array:
             """Relative to the panel's values, but for those 1e-4 times smaller than its largest."""

@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Moves
-from master.lives.cold import TIE
-from master.lives.heat.above import Above
-from master.lives.heat.replay import rates_of
-from master.lives.heat.thermal import RESOLVED, ReplayedLife
-from master.motion.motion import Legs
+from master.lives.averages import Integrals, integrals_above
+from master.lives.heat.thermal import RESOLVED
+from master.lives.life import SMALLEST, LawLife, Moves
 from master.renewal.table import Table
 from origins import Contacts
-from origins.thresholds.quadrature import gauss
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 # Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35
+# Relative last coefficients of H below which panels of its table are not halved.
+_ACCURACY = 1e-13
 _EPSILON = float(np.finfo(float).eps)
-_CHUNK = 400  # stretches at which H is summed at once
+# Rounding of the distance between two lengths, relative to these lengths.
+_ROUNDING = 1e-14
 
 
-class MeanRateLife(ReplayedLife):
+class MeanRateLife(LawLife):
     """The Life of contacts with P_T = P + H/v (paper, Eqs. temper2 and temper4).
 
     H(x), the integral of h(x; x_s) P_c(x_s) over x_s > |x|, is the rate of all contacts, and
@@ -41,129 +39,93 @@ class MeanRateLife(ReplayedLife):
     contacts : Contacts
         With thermal; independent stiffness.
     resolved : float
-        See ReplayedLife.
+        See Life.
     """
+
+    pair_work = 6
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         """Tabulate the mean rate H and its integral."""
-        rates = rates_of(contacts)
-        self._above = Above(contacts.thresholds, rates, None)
-        super().__init__(contacts.thresholds, self._above.edges, resolved)
-        edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self._above.edges]))
-        barrier = float(np.log(rates.scale) - rates.log_rate(0.0, self.reach, 1.0))
-        # relative rounding of h per k_BT of the barrier; halving cannot reduce it
-        rounding = 16.0 * _EPSILON * max(barrier, 1.0)
-        self.table = RateTable(self._mean_rate, edges[edges <= self.reach], rates.scale, rounding)
-        # the table is checked away from its nodes; an error of H counts by its part of L, the integral
-        # of H, and one of ln L changes the survival e^-L by at most 1/e of it
-        at = self.table.begin + 0.02 * self.table.widths
-        right = self._mean_rate(at)
-        missed = [min(self._above.mean_rate(np.array([x])).missed[0], 1.0) for x in at]
-        wrong = (np.abs(self.table.rate(at) - right) + right * missed) * self.table.widths
-        grown = self.table.grown(self.table.edges[1:])
-        least = _NEVER * rates.scale * self.reach
-        self.error = float((np.cumsum(wrong) / np.maximum(grown, least)).max(initial=0.0)) / np.e
-
-    def _mean_rate(self, x: Array) -> Array:
-        """H at stretches x >= 0, shape (n,), by its definition."""
-        out = np.zeros(x.size)
-        for begin in range(0, x.size, _CHUNK):
-            some = slice(begin, begin + _CHUNK)
-            out[some] = self._above.mean_rate(x[some]).value[0]
-        for position, weight in zip(self.atoms, self._weights, strict=True):
-            below = x < position
-            out[below] += weight * self._above.rates.rate(x[below], position, 1.0)
-        return out
-
-    def _of(self, pair: Rows, born: Array, side: Array, moves: Moves, legs: Legs) -> Array:
-        """See ReplayedLife."""
-        spent, rounded = np.zeros(pair.size), np.zeros(pair.size)
-        for leg, speed in enumerate(legs.speed):
-            on = np.flatnonzero(legs.duration[pair, leg] > 0.0)
-            near = (born + legs.displacement[pair, leg])[on]
-            if speed == 0.0:
-                spent[on] += legs.duration[pair[on], leg] * self.table.rate(np.abs(near))
-                continue
-            before, after = (
-                self.table.grown(x) / abs(speed)
-                for x in (near, (born + legs.displacement[pair, leg + 1])[on])
-            )
-            spent[on] += np.abs(after - before)
-            rounded[on] += _EPSILON * np.abs(after)  # may exceed their difference on short ways
-        share = np.clip(self._passed(pair, born, side, legs), 0.0, 1.0) * np.exp(-spent)
-        self.error = max(self.error, float((share * rounded).max(initial=0.0)))
-        return np.stack([share, share * (born + moves.now[pair])])
-
-    def _passed(self, pair: Rows, born: Array, side: Array, legs: Legs) -> Array:
-        """Product over all ways out of S(|x|) at the end over S(|x|) at the beginning."""
-        first = np.abs(born)  # no threshold lies below
-        share, begin, before = np.ones(pair.size), first, born
-        for leg in range(legs.speed.size):
-            x = born + legs.displacement[pair, leg + 1]
-            # a way out through 0 begins at |r|; a way towards 0 (`turned`) has the factor 1
-            begin = np.where(before * x < 0.0, first, begin)
-            end = np.maximum(np.abs(x), first)
-            turned = end < begin
-            begin_held = self._law.sf(begin)
-            out = np.where(turned, 1.0, self._held(end, side) / np.maximum(begin_held, 1e-300))
-            share = np.where(begin_held > 0.0, share * out, 0.0)
-            begin, before = end, x
-        return share
-
-    def _held(self, x: Array, side: Array) -> Array:
-        """S(x), x of shape (n,); near exact thresholds those below `side` are broken."""
-        held = np.asarray(self._law.sf(x), dtype=float)
-        for position, weight in zip(self.atoms, self._weights, strict=True):
-            # rounding may put a contact on the wrong side
-            near = np.abs(x - position) <= 1e-9 * position
-            here = np.less(side, position * (1.0 - TIE)).astype(float)
-            held += np.where(near, weight * (here - np.less(x, position)), 0.0)
-        return held
-
-
-class RateTable(Table):
-    """H(x) at 0 <= x <= the last edge, polynomials on panels; 0 beyond.
-
-    Parameters
-    ----------
-    function : takes x of shape (n,) and gives H, per time
-    edges : array of shape (n,)
-        Sorted; H may jump or bend there.
-    scale : float
-        The attempt frequency, per time.
-    rounding : float
-        Relative error of H by rounding.
-    """
-
-    def __init__(
-        self, function: Callable[[Array], Array], edges: Array, scale: float, rounding: float
-    ) -> None:
-        accuracy, span = 1e-13, float(edges[-1])
+        super().__init__(contacts)
+        assert contacts.thermal is not None
+        self.resolved, self.birth_reach = resolved, self.reach
+        rates = self._rates = contacts.thermal.rates
+        edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self.panels]))
+        scale, far = rates.scale, self.reach
+        barrier = float(np.log(scale) - rates.log_rate(0.0, far, 1.0))
+        # relative rounding of h per k_BT of the barrier, over the accuracy; halving cannot reduce it
+        rounding = 16.0 * _EPSILON * max(barrier, 1.0) / _ACCURACY
 
         def found(x: Array) -> Array:
-            return function(x.ravel()).reshape(1, *x.shape)
+            return self.mean_rate(x.ravel()).reshape(1, *x.shape)
 
         def felt(values: Array, widths: Array) -> Array:
             most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
             # near a bend panels get narrow and add little to L
-            return np.asarray(most / np.minimum(1.0, widths / (1e-3 * span)))
+            return np.asarray(most / np.minimum(1.0, widths / (1e-3 * far)))
 
-        given = found, edges, accuracy, 1e-13 * span
-        super().__init__(*given, size=14, felt=felt, rounding=rounding / accuracy)
+        given = found, edges[edges <= far], _ACCURACY, 1e-13 * far
+        table = self._table = Table(*given, size=14, felt=felt, rounding=rounding)
+        # the table is checked away from its nodes; an error of H counts by its part of L, the integral
+        # of H, and one of ln L changes the survival e^-L by at most 1/e of it
+        at = table.begin + 0.02 * table.widths
+        wrong = np.abs(self.rate(at) - self.mean_rate(at))
+        wrong += [self._above(np.array([x])).missed[0] for x in at]
+        grown = np.maximum(self.grown(table.edges[1:]), _NEVER * scale * far)
+        self.error = float((np.cumsum(wrong * table.widths) / grown).max(initial=0.0)) / np.e
 
     def rate(self, x: Array) -> Array:
-        """H at x >= 0; same shape."""
-        return np.asarray(self(x)[0])
+        """H at x >= 0, from the table; same shape."""
+        return np.asarray(self._table(x)[0])
 
     def grown(self, x: Array) -> Array:
         """L, the integral of H from 0 to x, of either sign; same shape."""
-        return np.sign(x) * self.before(np.abs(x))
+        return np.sign(x) * self._table.before(np.abs(x))
 
     def mean(self, near: Array, far: Array) -> Array:
-        """Mean of H over short ways from near to far on one side of 0; same shape."""
+        """Mean of H over short ways from near to far on one side of 0, by Simpson's rule; same shape."""
         near, far = np.abs(near), np.abs(far)
-        at, weights = gauss(np.minimum(near, far), np.maximum(near, far))
-        lengths = weights.sum(axis=-1)
-        standing = lengths == 0.0
-        sums = (weights * self.rate(at)).sum(axis=-1)
-        return np.where(standing, self.rate(near), sums / np.where(standing, 1.0, lengths))
+        return (self.rate(near) + 4.0 * self.rate(0.5 * (near + far)) + self.rate(far)) / 6.0
+
+    def mean_rate(self, x: Array) -> Array:
+        """H at stretches x >= 0, shape (n,), by its definition (paper, Eq. temper3)."""
+        out = self._above(x).value[0]
+        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
+            below = x < position
+            out[below] += weight * self._rates.rate(x[below], position, 1.0)
+        return out
+
+    def _above(self, x: Array) -> Integrals:
+        """h averaged over the thresholds above x, without exact ones; shape (1, n)."""
+
+        def breaking(row: Rows, xi: Array) -> Array:
+            return (self._rates.rate(x[row, None], xi, 1.0) * finite_density(self.law, xi))[None]
+
+        # right below an edge the distance of thresholds from x suffers from rounding
+        edges = np.append(self.panels, np.inf)
+        edge = edges[np.searchsorted(self.panels, x, "right")]
+        relative = np.maximum(2e-12, _ROUNDING * x / np.maximum(edge - x, _ROUNDING * x))
+        given = breaking, np.maximum(x, SMALLEST), self.panels, True
+        about = integrals_above(*given, np.inf).value[0]
+        return integrals_above(*given, relative * about)
+
+    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+        """See Life."""
+        displacement, duration, speeds = moves.legs
+        spent, rounded, share = np.zeros(pair.size), np.zeros(pair.size), np.ones(pair.size)
+        x, first = born, np.abs(born)  # no threshold lies below |r|
+        for leg, speed in enumerate(speeds):
+            lasts, before, x = duration[pair, leg], x, born + displacement[pair, leg + 1]
+            if speed:
+                grown = self.grown(x) / speed
+                spent += np.abs(grown - self.grown(before) / speed)
+                rounded += _EPSILON * np.abs(grown) * (lasts > 0.0)  # may exceed the difference
+            else:
+                spent += lasts * self.rate(np.abs(x))
+            # a way out through 0 begins at |r|; a way towards 0 has the factor 1
+            begin = np.where(before * x < 0.0, first, np.maximum(np.abs(before), first))
+            held, whole = (self.held(m, side) for m in (np.maximum(np.abs(x), begin), begin))
+            share *= np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
+        share = np.minimum(share, 1.0) * np.exp(-spent)
+        self.error = max(self.error, float((share * rounded).max(initial=0.0)))
+        return np.stack([share, share * x])

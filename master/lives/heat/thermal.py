@@ -5,93 +5,28 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Moves, averaged
-from master.lives.cold import NONE_LEFT, TIE
-from master.lives.heat.above import Above
-from master.lives.heat.replay import Replay, rates_of
-from master.lives.life import Life
-from master.motion.motion import History, Legs
+from master.lives.averages import integrals_above
+from master.lives.life import MARGIN, SMALLEST, TIE, LawLife, Moves
+from master.motion.motion import Legs
 from origins import Contacts
-from origins.start import Start
-from origins.thresholds.law import Thresholds
+from origins.laws.rate_law import LARGEST_EXPONENT
+from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Factor on the measured error: near a root halving shows only two thirds of the error, and only some
-# contacts are measured.
-MARGIN = 4.0
 # Last coefficients below which pieces of the stretches at birth are not halved.
 RESOLVED = 1e-9
 # Contacts replayed at once, whose panels are halved together.
 _AT_ONCE = 4000
+# ln A in place of -inf, where A = 0 or underflows.
+_NOTHING = -740.0
+# Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
+# taken as 0. Panels with a share of contacts below _NO_WEIGHT are left out.
+_GONE, _DEAD, _NO_WEIGHT = np.log(67.0), 7.0, 1e-18
 
 
-class ReplayedLife(Life):
-    """A Life computed from all legs since the birth; each closure defines its own `_of`.
-
-    Attributes as in Life. `left` measures `error` whenever it is called.
-
-    Parameters
-    ----------
-    law : Thresholds
-    edges : array of shape (n,)
-        Of panels on which the law is smooth; none where there are only atoms.
-    resolved : float
-        Last coefficients to which averages over the stretches at birth are resolved.
-    """
-
-    pair_work, error = 6, 0.0
-
-    def __init__(self, law: Thresholds, edges: Array, resolved: float = RESOLVED) -> None:
-        self._law, self._resolved = law, resolved
-        self.atoms, self._weights = law.atoms
-        self.reach = min(float(law.support()[1]), float(law.isf(NONE_LEFT)))
-        self.reach = max([self.reach, *self.atoms])
-        marks = np.concatenate([law.breakpoints, self.atoms])
-        self.bends: Array = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
-        edges = edges[edges < self.reach]
-        lost = -np.diff(law.sf(edges))
-        many = lost.sum() > 0.0
-        self.grain = float(np.diff(edges) @ lost / lost.sum()) if many else self.reach
-
-    def atom_share(self, atom: float, stretch: float) -> float:
-        """See Life; an upper bound, as heat may break some before."""
-        return float(self._weights[self.atoms == atom].sum() / self._law.sf(abs(stretch)))
-
-    def left(self, born: Start | Array, history: History) -> Array:
-        """See Life."""
-        moves, legs = Moves.of(history), history.legs()
-        shape, count = legs.duration.shape[:-1], legs.speed.size
-        displacement = legs.displacement.reshape(-1, count + 1)
-        legs = Legs(displacement, legs.duration.reshape(-1, count), legs.speed)
-
-        def inside(pair: Rows, stretch: Array) -> Array:
-            side = moves.largest(pair, stretch)[:, stretch.shape[1] // 2, None]
-            side = np.broadcast_to(side, stretch.shape).ravel()
-            pairs = np.repeat(pair, stretch.shape[1])
-            found = self._of(pairs, stretch.ravel(), side, moves, legs)
-            return found.reshape(2, *stretch.shape)
-
-        if not isinstance(born, Start) or born.is_single:
-            every = np.arange(moves.now.size)
-            single = born.mean() if isinstance(born, Start) else born
-            stretch = np.broadcast_to(np.asarray(single, dtype=float), shape).ravel()
-            side = moves.largest(every // shape[1] * shape[1] + shape[1] // 2, stretch)
-            return self._of(every, stretch, side, moves, legs).reshape(2, *shape)
-        found = averaged(born, moves, self.reach, self.bends, inside, self._resolved, pieces=4)
-        self.error = max(self.error, MARGIN * float(found.missed[0]))
-        return found.value.reshape(2, *shape)
-
-    def _of(self, pair: Rows, born: Array, side: Array, moves: Moves, legs: Legs) -> Array:
-        """Share and force of contacts of these pairs, born at these stretches; shape (2, n).
-
-        side : array of shape (n,), the largest |x| that decides which exact thresholds are passed
-        """
-        raise NotImplementedError
-
-
-class ThermalLife(ReplayedLife):
+class ThermalLife(LawLife):
     """The Life of contacts that break by heat, each at its own rate h(x; x_s).
 
     Born at r, a contact whose largest |x| was m still holds with the probability
@@ -105,52 +40,143 @@ class ThermalLife(ReplayedLife):
     contacts : Contacts
         With thermal, closure "exact"; independent or linked stiffness.
     resolved : float
-        See ReplayedLife.
+        See Life.
     """
 
+    pair_work = 6
     FEW = 1e-10  # a share that sums over thresholds still resolve
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
-        law, self._rates = contacts.thresholds, rates_of(contacts)
-        linked = contacts.stiffness == "linked"
-        self._stiffness = contacts.relative_stiffness if linked else None
-        self._above = Above(law, self._rates, self._stiffness)
-        super().__init__(law, self._above.edges, resolved)
+        super().__init__(contacts)
+        self.resolved, self.birth_reach, self._contacts = resolved, self.reach, contacts
+        self._mass = -np.diff(self.law.sf(self.panels))
 
     @property
     def few(self) -> float:
         """The |x| beyond which a share FEW of the thresholds lies."""
-        return float(self._law.isf(self.FEW))
+        return float(self.law.isf(self.FEW))
 
     def rounded_away(self) -> Array:
         """Bounds of the errors of the integrals of E and K where few contacts hold; shape (2,).
 
         Rounding in sums over thresholds loses the last contacts, a share of 3e-14. Without heat, which
-        only breaks contacts earlier, they would add the integrals of S and x S over the tail; 60
-        decades of it are summed.
+        only breaks contacts earlier, they would add the integrals of S and x S over the tail.
         """
-        begin = min(self.reach, float(self._law.isf(3e-14)))
-        steps = np.linspace(0.0, 60.0 * np.log(10.0), 2001)
-        x = begin * np.exp(steps)
-        held = np.asarray(self._law.sf(x), dtype=float) * x
-        return np.trapezoid(np.stack([held, held * x]), steps, axis=1)
+        x = min(self.reach, float(self.law.isf(3e-14))) * np.geomspace(1.0, 1e60, 2001)
+        held = np.asarray(self.law.sf(x), dtype=float)
+        return np.trapezoid(np.stack([held, held * x]), x, axis=1)
 
-    def _of(self, pair: Rows, born: Array, side: Array, moves: Moves, legs: Legs) -> Array:
-        """See ReplayedLife."""
-        out = np.zeros((2, pair.size))
+    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+        """See Life."""
+        out, (displacement, duration, speed) = np.zeros((2, pair.size)), moves.legs
         for begin in range(0, pair.size, _AT_ONCE):
             some = slice(begin, begin + _AT_ONCE)
-            at = pair[some]
-            own = Legs(legs.displacement[at], legs.duration[at], legs.speed)
-            replay = Replay(self._rates, self._stiffness, born[some], own)
-            share = 1.0 / self._law.sf(np.abs(born[some]))
-            out[:, some] = self._above.sums(replay, share)
-            for position, weight in zip(self.atoms, self._weights, strict=True):
-                spent = replay.spent(np.arange(at.size), np.full((at.size, 1), position))[:, 0]
-                held = share * weight * np.exp(-spent) * (side[some] < position * (1.0 - TIE))
-                stiffness = 1.0 if self._stiffness is None else self._stiffness(position)
-                out[:, some] += np.stack([held, held * stiffness])
-        self.error = max(self.error, MARGIN * self._above.missed)
-        out[0] = np.minimum(out[0], 1.0)
-        out[1] *= born + moves.now[pair]
+            legs = Legs(displacement[pair[some]], duration[pair[some]], speed)
+            replay = Replay(self._contacts, born[some], legs)
+            out[:, some] = self._held(replay, 1.0 / self.law.sf(np.abs(born[some])), side[some])
+        return np.stack([np.minimum(out[0], 1.0), out[1] * (born + moves.now[pair])])
+
+    def _held(self, replay: Replay, weight: Array, side: Array) -> Array:
+        """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n).
+
+        weight : array of shape (n,), the factor on P_c: 1 over the survival at birth
+        """
+        every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"
+
+        def held(contact: Rows, threshold: Array) -> Array:
+            level = np.minimum(replay.log_spent(contact, threshold), _DEAD)
+            share = (weight[contact, None] * np.exp(-np.exp(level)))[None]
+            stiff = share * self._contacts.relative_stiffness(threshold) if linked else share[:0]
+            return np.concatenate([share, stiff])
+
+        def held_by_density(contact: Rows, threshold: Array) -> Array:
+            return held(contact, threshold) * finite_density(self.law, threshold)
+
+        least = np.maximum(replay.furthest, SMALLEST)
+        level = replay.log_spent(every, np.maximum(self.panels, least[:, None]))
+        felt = self._mass * weight[:, None] > _NO_WEIGHT
+        # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
+        felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
+        # the error is about the square; if it were larger, tables of these sums would resolve it
+        accuracy = max(0.1 * self.resolved, 2e-12)
+        out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)
+        self.error = max(self.error, MARGIN * float(missed.max()))
+        for position, share in zip(self.atoms, self.atom_weights, strict=True):
+            each = held(every, np.full((every.size, 1), position))[..., 0]
+            out += share * each * (side < position * (1.0 - TIE))
         return out
+
+
+class Replay:
+    """The rate of n contacts, integrated leg by leg: the mean rate on each leg times the time there.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        With thermal, of whose rates A is the integral.
+    born : array of shape (n,)
+        Stretch of each contact at its birth.
+    legs : Legs
+        Of the n contacts.
+
+    Attributes
+    ----------
+    furthest : array of shape (n,)
+        Largest |x| of each contact: its threshold lies above.
+    """
+
+    def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
+        assert contacts.thermal is not None
+        self._rates, self._stiffness = contacts.thermal.rates, contacts.relative_stiffness
+        self._stretch = born[:, None] + legs.displacement
+        self._duration = legs.duration
+        self.furthest: Array = np.abs(self._stretch).max(axis=1)
+        self._offset: Array | None = None
+        if self._rates.separable and contacts.stiffness != "linked":
+            # A at one threshold gives A at all others
+            furthest, every = self.furthest[:, None], np.arange(born.size)
+            log_rate = self._rates.log_rate(0.0, furthest, 1.0)
+            self._offset = self.log_spent(every, furthest) - log_rate
+
+    def log_spent(self, row: Rows, threshold: Array) -> Array:
+        """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k); finite."""
+        if self._offset is not None:
+            level = self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row]
+        else:
+            with np.errstate(divide="ignore"):
+                level = np.log(self.spent(row, threshold))
+        return np.maximum(level, _NOTHING)
+
+    def spent(self, row: Rows, threshold: Array) -> Array:
+        """A of the contacts `row`, shape (n,), at thresholds of shape (n, k), which |x| has exceeded at
+        most by rounding."""
+        spent = np.zeros(threshold.shape)
+        for leg in range(self._duration.shape[1]):
+            some = np.flatnonzero(self._duration[row, leg] > 0.0)
+            if some.size:
+                own = row[some]
+                ends = self._stretch[own, leg : leg + 2, None]
+                mean = self._mean_rate(ends[:, 0], ends[:, 1], threshold[some])
+                spent[some] += mean * self._duration[own, leg, None]
+        return spent
+
+    def _mean_rate(self, near: Array, far: Array, threshold: Array) -> Array:
+        """Mean of h over straight moves, at thresholds of shape (n, k); ends of shape (n, 1)."""
+        stiffness, across = self._stiffness(threshold), near * far < 0.0
+        first, last = (np.minimum(np.abs(end), threshold) for end in (near, far))
+        low, high = np.minimum(first, last), np.maximum(first, last)
+        begin = np.where(across, 0.0, low)
+        passed, way = self._passed(begin, high, threshold, stiffness), high - begin
+        if across.any():
+            passed += across * self._passed(0.0 * low, low, threshold, stiffness)
+            way += across * low
+        # this mean hardly suffers from the rounding of the way's ends, unlike the integral
+        mean = np.divide(passed, way, out=np.zeros(way.shape), where=way > 0.0)
+        if not way.all():
+            mean = np.where(way > 0.0, mean, self._rates.rate(high, threshold, stiffness))
+        return mean
+
+    def _passed(self, low: Array, high: Array, threshold: Array, stiffness: Array) -> Array:
+        """Integral of h over stretches from low to high; all of one shape."""
+        log_passed = self._rates.log_passed(low, high, threshold, stiffness)
+        return np.exp(np.minimum(log_passed, LARGEST_EXPONENT))

@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
-from master.lives.grains import GrainLife, pinned_hazard
-from master.lives.warm_grains import GrowingThresholds
+from master.lives.grains import GrainLife, grown_threshold, pinned_hazard
 from master.soft.in_time.memory import Leg, Memory
 from origins import Contacts
 
@@ -38,7 +37,7 @@ class GrainMemory(Memory):
         assert grains is not None and grains.age is not None
         self._grains, self._first = grains, grains.growth.first_pinning_time
         life = GrainLife(contacts, LONGEST * self._first)
-        self._start_since, self.reach = life.start_since, life.start_reach
+        self._start_since, self.reach = life.start_since, life.birth_reach
         self.starts = 24 + 8 * level
         # births change over a length of some 2 narrowest widths of the laws of thresholds; the first
         # step of a hold is 0.05 pinning times
@@ -52,11 +51,12 @@ class GrainMemory(Memory):
         if contacts.thermal is not None:
             # the rate by which fresh contacts break is that of contacts without thresholds
             self.scales = self.scales._replace(rate=contacts.thermal.rates.scale, thin=False)
-            self._thresholds = GrowingThresholds(grains, LONGEST * self._first)
             # thresholds of fresh contacts as functions of the logarithm of the time since pinning
             times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
             since = self._first * np.exp(times)[:, None]
-            self._fresh = make_interp_spline(times, self._thresholds.at(self._hazards, since), k=1)
+            self._fresh = make_interp_spline(
+                times, grown_threshold(grains, self._hazards, since), k=1
+            )
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -86,7 +86,7 @@ class GrainMemory(Memory):
             # right after pinning, thresholds are proportional to the time
             limit *= np.exp(np.minimum(log_since - early, 0.0))[:, None]
             own = kept[~fresh, FIRST, None] + self._hazards
-            limit[~fresh] = self._thresholds.at(own, since[~fresh, None])
+            limit[~fresh] = grown_threshold(self._grains, own, since[~fresh, None])
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
             out[:, SPENT:] += self._spent(leg._replace(furthest=moved), limit)
         return out

@@ -17,9 +17,9 @@ import numpy.typing as npt
 from scipy.special import exp1
 
 from master.lives.age.cells import narrowest
-from master.lives.cold import TIE
 from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.replay import Replay, rates_of
+from master.lives.heat.thermal import Replay
+from master.lives.life import TIE
 from master.motion.motion import Legs
 from origins import Contacts
 
@@ -119,8 +119,7 @@ class Memory:
         way, count = leg.end - leg.begin, leg.end.size
         speed, duration = float(way[0]) / leg.duration, np.full((count, 1), leg.duration)
         legs = Legs(np.stack([np.zeros(count), way], axis=-1), duration, np.array([speed]))
-        stiffness = self._contacts.relative_stiffness if self._linked else None
-        replay = Replay(rates_of(self._contacts), stiffness, leg.begin, legs)
+        replay = Replay(self._contacts, leg.begin, legs)
         above = np.maximum(thresholds, leg.furthest[:, None])
         return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
 
@@ -175,7 +174,7 @@ class MeanRateMemory(Memory):
     def __init__(self, contacts: Contacts) -> None:
         super().__init__(contacts, 0)
         life = MeanRateLife(contacts)
-        self._table, self.error = life.table, life.error + 1e-12
+        self._table, self.error = life, life.error + 1e-12
         self.width, self.starts = 2, 400
         self.scales = self.scales._replace(rate=float(self._table.rate(np.zeros(1))[0]))
 
