@@ -26,8 +26,9 @@ FURTHEST = 1e100
 # The same for a path that turns round or changes its speed: stretches on later legs are differences
 # of positions, which lose digits to rounding far from 0, and each leg's births are followed on the next.
 FURTHEST_TURN, MOST_LIVES = 1e6, 1e7
-# Smallest tolerance of a panel: conservation itself is rounded at about 1e-15.
-FINEST = 1e-14
+# Smallest tolerance of a panel: conservation itself is rounded at about 1e-15, and the survival of a law of scipy at
+# some ten times as much.
+FINEST = 3e-14
 # First guess of a panel's width at a tolerance of 1e-8, in units of the life's grain (the length over
 # which the survival is resolved); the error grows with the width to the power DEGREE.
 GRAINS = 6.0
