@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 10315, 200, 230),
+    "master": Room(7500, 9686, 200, 200),
     "eq_model": Room(2200, 3754, 60, 130),
     "origins": Room(4500, 6932, 120, 97),
     "toolkit": Room(4000, 3992, 100, 65),

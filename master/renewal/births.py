@@ -32,8 +32,9 @@ Rows = npt.NDArray[np.intp]
 TINY = float(np.finfo(float).tiny)
 # Two places of birth nearer than this share of the whole range count as equal.
 CLOSE = 1e-13
-# Most pieces of births that are integrated, if quickly, before halving of panels ends: some 30 s.
-MOST_WORK = 15_000_000
+# Most pieces of births that are integrated, if quickly, before halving of panels ends: some 30 s, and two minutes with
+# heat on hundreds of legs.
+MOST_WORK = 25_000_000
 
 
 def reforming_law(contacts: Contacts) -> Start:

@@ -45,6 +45,13 @@ class Extremes(NamedTuple):
     static_error: float
 
 
+class Bounds(NamedTuple):
+    """The largest -dF/dX (no unit), and the largest F (a length)."""
+
+    slope: float
+    force: float
+
+
 def critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
     """K*/(N_c <k>) of contacts on a rigid slider that moves forward from their start, and its error."""
     travel = births_table(contacts, steady_life(contacts, velocity), velocity, tolerance)
@@ -75,12 +82,9 @@ def extremes(contacts: Contacts, travel: Travel, velocity: float, tolerance: flo
     kinetic = travel.area / (travel.length + velocity * contacts.waiting_time)
     static = max(static, kinetic)
     if not followed:
-        # Contacts that live longer than a quarter of the way bound what may come beyond it: F - F_k
-        # and F' are integrals of x E and x p over the rate of breaks, which differs from the steady
-        # one by their share. 10: for powers up to x^-5, whose x p is 5 E, and twice for safety.
-        beyond = 10.0 * float(travel.table.beyond(np.array(0.25 * horizon))) / travel.length
-        fall = fall._replace(error=max(fall.error, beyond - fall.steepest))
-        off = max(off, kinetic * (1.0 + beyond) - static)
+        steepest, highest = _beyond(travel, horizon)
+        fall = fall._replace(error=max(fall.error, steepest - fall.steepest))
+        off = max(off, highest - static)
     return Extremes(fall, static, off)
 
 
@@ -175,6 +179,22 @@ def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
     furthest = max(LIVES * unit, many + unit)
     horizon = min(furthest, MOST_LIVES * unit)
     return horizon - min(low, 0.0), bool(furthest <= horizon)
+
+
+def _beyond(travel: Travel, horizon: float) -> Bounds:
+    """Bounds of the slope -dF/dX and of F (a length) beyond the horizon.
+
+    From -dF/dX = integral of x p (u - 1), with u = C times the rate of breaks: u - 1 has an integral of about F_k, and
+    decays to the contribution of lives longer than the horizon. Both are taken twice for safety.
+    """
+    ways = np.append(0.5 * horizon, travel.table.end[travel.table.end > 0.5 * horizon])
+    middle = np.sqrt(ways[1:] * ways[:-1])
+    held, kinetic = travel.table(middle)[0], travel.area / travel.length
+    broken = np.maximum(-np.diff(travel.table(ways)[0]) / np.log(ways[1:] / ways[:-1]), 0.0)
+    older = float(held @ np.diff(ways)) / travel.length
+    steepest = kinetic / travel.length * float(broken.max(initial=0.0)) + older
+    excess = float((held * middle).max(initial=0.0)) / travel.length + older
+    return Bounds(2.0 * steepest, kinetic * (1.0 + 2.0 * excess))
 
 
 def _diverges(contacts: Contacts, life: Life) -> bool:
