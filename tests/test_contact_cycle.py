@@ -79,10 +79,8 @@ def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
         first = 1 / mills - z
         second = 1 - z * first
         expected = float(at + mpmath.mpf("0.1") * second / first)
-    assert (
-        found.success
-        and abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10
-    )
+    assert found.success
+    assert abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10
 
 
 def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:

@@ -56,10 +56,8 @@ def test_the_first_fall_of_the_force_in_closed_form() -> None:
         master.steady_state(contacts, velocity=velocity),
     )
     assert abs(told.critical_spring + steepest.fun) < max(1e-9, told.critical_spring_error) < 1e-7
-    assert (
-        abs(told.static_to_kinetic * kinetic.force + highest.fun) < 1e-9
-        and told.static_to_kinetic_error < 1e-7
-    )
+    assert abs(told.static_to_kinetic * kinetic.force + highest.fun) < 1e-9
+    assert told.static_to_kinetic_error < 1e-7
     line = master.phase_line(contacts, [velocity, 2.0], delay=[[2.5], [3.5]], tolerance=1e-8)
     assert line.critical_spring[0, 0] == pytest.approx(told.critical_spring, abs=1e-7)
     # later births than the fall are no matter, sooner ones make it less steep
@@ -130,9 +128,8 @@ def test_far_along_the_force_is_that_of_steady_sliding() -> None:
     contacts, velocity = Contacts(GRAINS, 0.05), 1.0
     steady = master.steady_state(contacts, velocity=velocity)
     far = master.solve(contacts, [12.0], 1e-3, time=[12.0 / velocity])
-    assert (
-        far.success and abs(far.force[0] - steady.force) < far.force_error * contacts.mean_threshold
-    )
+    error = far.force_error * contacts.mean_threshold
+    assert far.success and abs(far.force[0] - steady.force) < error
     assert far.holding[0] == pytest.approx(steady.holding, abs=3e-4)
     curve = master.kinetic_curve(contacts, [velocity, 2.0], delay=[[0.0], [0.3]])
     assert curve.force[0, 0] == steady.force and (np.diff(curve.holding) < 0.0).all()

@@ -141,9 +141,8 @@ def test_one_threshold_breaks_alike_under_both_closures_but_for_starts() -> None
         )
         for closure in ("exact", "paper")
     )
-    np.testing.assert_allclose(
-        exact.force, paper.force, atol=exact.force_error + paper.force_error + 1e-11
-    )
+    errors = exact.force_error + paper.force_error + 1e-11
+    np.testing.assert_allclose(exact.force, paper.force, atol=errors)
 
 
 def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> None:
@@ -151,13 +150,11 @@ def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> Non
         Contacts(gaussian(1.0, 0.1), -0.2, thermal=Thermal("soft", 0.1, 1.0)), PATH, 1e-9
     )
     fast = Contacts(gaussian(1.0, 0.1), -0.2, thermal=Thermal("soft", 0.1, 1e9))
-    np.testing.assert_allclose(
-        master.solve(fast, PATH, 1e-9, velocity=1e9).force, here.force, atol=1e-9
-    )
+    there = master.solve(fast, PATH, 1e-9, velocity=1e9).force
+    np.testing.assert_allclose(there, here.force, atol=1e-9)
     small = Contacts(gaussian(1e-9, 1e-10), -0.2e-9, thermal=Thermal("soft", 0.1e-18, 1.0))
-    np.testing.assert_allclose(
-        master.solve(small, PATH * 1e-9, 1e-9, velocity=1e-9).force * 1e9, here.force, atol=1e-9
-    )
+    tiny = master.solve(small, PATH * 1e-9, 1e-9, velocity=1e-9).force * 1e9
+    np.testing.assert_allclose(tiny, here.force, atol=1e-9)
 
 
 NARROW = gaussian(1.0, 0.05)

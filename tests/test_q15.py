@@ -119,28 +119,19 @@ def test_as_printed_without_ageing() -> None:
     contacts = Contacts(origins.gaussian(1.0, 0.2), start, ageing=Ageing(FINAL, 0.0, "paper"))
     printed = master.solve(contacts, [0.5, 1.0], 1e-5)
     known = master.solve(Contacts(contacts.thresholds, contacts.start), [0.5, 1.0], 1e-8)
-    assert (
-        printed.success
-        and abs(printed.force[1] - 0.59981) < 2e-5
-        and abs(known.force[1] - 0.4795) < 1e-4
-    )
+    assert printed.success and abs(printed.force[1] - 0.59981) < 2e-5
+    assert abs(known.force[1] - 0.4795) < 1e-4
 
 
 def test_defects_of_figure_a04() -> None:
     """Mass and sign are kept until contacts outrun P_c; from there on one of them is not, and every curve tells."""
     early = master.solve(figure_a04(), np.linspace(0.0, 0.7, 15), 1e-4)
-    assert (
-        early.success
-        and early.outrun == np.inf
-        and early.message.endswith("P_c kept its mass and its sign")
-    )
+    assert early.success and early.outrun == np.inf
+    assert early.message.endswith("P_c kept its mass and its sign")
     np.testing.assert_allclose(early.weights.sum(axis=1), 1.0, atol=1e-12)
     late = master.solve(figure_a04(), np.linspace(0.0, 1.5, 16), 1e-4)
-    assert (
-        0.75 < late.outrun < 0.9
-        and 0.05 < late.mass_defect[-1] < 0.1
-        and late.positivity_defect.max() == 0.0
-    )
+    assert 0.75 < late.outrun < 0.9 and 0.05 < late.mass_defect[-1] < 0.1
+    assert late.positivity_defect.max() == 0.0
     assert np.abs(late.mass_defect[late.path < 0.75]).max() < 1e-6 and (late.holding == 1.0).all()
     assert not late.success and "contacts outrun P_c" in late.message and late.force_error > 1e-4
     other = paper_transient(figure_a04(), np.linspace(0.0, 1.5, 16), 0.005, keep="mass")

@@ -139,9 +139,8 @@ def test_every_turning_point_is_a_point_of_the_path(turns: list[float], points: 
     place = [int(np.flatnonzero(path == turn)[0]) for turn in turns[:-1]] + [points - 1]
     ends = [0.0, *turns]
     for first, last, begin, end in zip([0, *place[:-1]], place, ends[:-1], ends[1:], strict=True):
-        np.testing.assert_allclose(
-            path[first : last + 1], np.linspace(begin, end, last - first + 1), atol=1e-15
-        )
+        leg = np.linspace(begin, end, last - first + 1)
+        np.testing.assert_allclose(path[first : last + 1], leg, atol=1e-15)
 
 
 def test_drives_in_time_begin_hold_and_change_speed() -> None:

@@ -40,10 +40,8 @@ def test_identical_thresholds_are_a_polygon(start):
 def test_turns_that_fall_on_breaks():
     path = np.array([0.0, 0.5, 1.0, 0.5, 0.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0])
     solution = master.solve(origins.Contacts(origins.identical(1.0)), path, 1e-9)
-    assert (
-        np.abs(solution.force - [0, 0.5, 0, -0.5, 0, 0, 0.5, 0, 0.5, 0, 0, 0, 0, 0, 0]).max()
-        <= 1e-12
-    )
+    expected = [0, 0.5, 0, -0.5, 0, 0, 0.5, 0, 0.5, 0, 0, 0, 0, 0, 0]
+    assert np.abs(solution.force - expected).max() <= 1e-12
 
 
 def test_rectangular_thresholds_after_one_turn():
