@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit, types
-from numba.extending import intrinsic
+from numba import njit
 
 # Types of numbers in kernels; an unsigned index needs no branch for those that count from an array's end.
 unsigned, whole, real = np.uint64, np.int64, np.float64
@@ -55,17 +54,7 @@ def sources() -> str:
     return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
-def _bitcast(source: Any, target: Any) -> Any:
-    @intrinsic
-    def cast(typing_context, value):  # type: ignore[no-untyped-def]
-        def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-            return builder.bitcast(arguments[0], context.get_value_type(target))
-
-        return target(source), generate
-
-    return cast
-
-
-bits_of = _bitcast(types.float64, types.int64)
-double_of = _bitcast(types.int64, types.float64)
-single_of = _bitcast(types.int32, types.float32)
+# the same bits as another type of number
+bits_of = inlined(lambda x: np.float64(x).view(np.int64))
+double_of = inlined(lambda x: np.int64(x).view(np.float64))
+single_of = inlined(lambda x: np.int32(x).view(np.float32))

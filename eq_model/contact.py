@@ -14,10 +14,8 @@ from eq_model.compiling import bare, inlined, real, unsigned, whole
 from eq_model.draws.births import LEVEL_UNIT, Births
 from eq_model.draws.streams import Stream
 from eq_model.draws.tables import Table
-from eq_model.lattice import STIFFNESS_UNIT, Way
+from eq_model.lattice import STIFFNESS_UNIT, WholeDrive
 from origins.laws.compiled import CompiledRates
-
-_NOTHING = 1e-300
 
 
 class Contact(NamedTuple):
@@ -52,7 +50,7 @@ class Work(NamedTuple):
     again: Births
     exposures: Table  # ln e, e of the exponential law of mean 1
     law: Any
-    way: Way
+    way: WholeDrive
     mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
     needs_exposure: bool  # whether the law breaks contacts at a rate, or at a hazard
@@ -104,12 +102,19 @@ most = by_law(lambda law: RATES[law].most)
 
 
 @inlined
+def rate_at(x, y, law, k):  # type: ignore[no-untyped-def]
+    """The rate of breaking at the stretch x >= 0 and threshold y (units), of which 0 counts as a tiny one."""
+    y = max(y, 1e-9)
+    return rate(law.rates, min(x, y) * law.unit, y * law.unit, k)
+
+
+@inlined
 def bin_of(clock, way):  # type: ignore[no-untyped-def]
     """Index of the first point at or after a moment of the clock; the moment is not after the end."""
     if way.even:
         return max((clock + way.offset) >> way.shift, whole(0))
     j = whole(way.first[unsigned(clock >> way.shift)])
-    while way.points[unsigned(j)] < clock:
+    while way.bin_ends[unsigned(j)] < clock:
         j += 1
     return j
 
@@ -146,7 +151,7 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     beyond the path.
     """
     j = unsigned(j)
-    y, k, square = birth - work.way.places[j], stiffness * stiffness, work.way.square
+    y, k, square = birth - work.way.bin_positions[j], stiffness * stiffness, work.way.square
     exact = real(y)
     sums[j, 0] += sign
     if work.measured:
@@ -189,44 +194,47 @@ def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
     return Break(way.begins[legs] + 1, leg, contact.drawn, True)
 
 
-def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact, where the integral of its rate over time reaches e^exposure.
+@inlined
+def _integral(law, x, threshold, k):  # type: ignore[no-untyped-def]
+    """The integral of the rate over the stretch from 0 to x (whole units), an odd function; threshold : a length."""
+    if x == 0:
+        return 0.0
+    return np.copysign(passed(law.rates, min(abs(real(x)) * law.unit, threshold), threshold, k), x)
 
-    On a leg the integral of the rate over the stretch from 0 on, an odd function, has to reach a goal.
-    """
-    clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
-    rates, unit, per, legs = law.rates, law.unit, 1.0 / law.unit, way.directions.size
-    threshold = real(contact.threshold) * unit
-    # the integral at x, and the remaining exposure (-1: not computed yet)
-    here, remaining = 0.0, -1.0
+
+@inlined
+def _break_at(law, x, begun, log_amount, threshold, k):  # type: ignore[no-untyped-def]
+    """The stretch >= x at which the integral of the rate, `begun` at x, is e^log_amount larger in forward motion."""
+    sign = 1.0
     if x != 0:
-        here = np.copysign(passed(rates, min(abs(real(x)) * unit, threshold), threshold, k), x)
+        goal = begun + np.exp(log_amount)
+        log_amount, sign = np.log(max(abs(goal), 1e-300)), np.copysign(1.0, goal)
+    far = sign * min(reached(law.rates, log_amount, threshold, k), threshold)
+    return max(whole(np.floor(far * (1.0 / law.unit) + 0.5)), x)
+
+
+def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
+    """The break of a contact, where the integral of its rate over time reaches e^exposure."""
+    clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
+    legs, threshold = way.directions.size, real(contact.threshold) * law.unit
+    log_remaining, here = contact.log_exposure, _integral(law, x, threshold, k)
     while leg < legs:
         room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
-        log_goal, sign = contact.log_exposure - law.log_slow[leg], 1.0
-        if remaining < 0.0 and (d == 0 or here != 0.0):
-            remaining = np.exp(contact.log_exposure)
         if d == 0:
-            hazard = rate(rates, abs(real(x)) * unit, threshold, k) * pace
-            if hazard * room >= remaining:
+            hazard = rate_at(abs(real(x)), real(contact.threshold), law, k) * pace
+            spent, remaining = hazard * room, np.exp(log_remaining)
+            if spent >= remaining:
                 return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn, True)
-            remaining -= hazard * room
         else:
-            slow = max(pace * per, _NOTHING)  # time for a length
-            if remaining >= 0.0:
-                goal = d * here + remaining / slow
-                log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
-            place = sign * min(reached(rates, log_goal, threshold, k), threshold)
-            moved = max(whole(np.floor(place * per + 0.5)) - d * x, whole(0))
+            log_amount = log_remaining - law.log_slow[leg]
+            moved = _break_at(law, d * x, d * here, log_amount, threshold, k) - d * x
             # on the last leg no test is made, as its branch could not be predicted
             if leg + 1 == legs or moved <= room:
                 return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
             x += d * room
-            far = min(abs(real(x)) * unit, threshold)
-            there = np.copysign(passed(rates, far, threshold, k), real(x))
-            remaining = np.exp(contact.log_exposure) if remaining < 0.0 else remaining
-            remaining = max(remaining - d * (there - here) * slow, 0.0)
-            here = there
+            there = _integral(law, x, threshold, k)
+            spent, here = d * (there - here) * np.exp(law.log_slow[leg]), there
+        log_remaining = np.log(max(np.exp(log_remaining) - spent, 1e-300))
         leg += 1
         clock = way.begins[leg]
     return Break(clock + 1, leg, contact.drawn, True)
@@ -234,15 +242,11 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
 
 def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
     """Replace the thresholds x of n contacts by the stretches at which they break, moving steadily forward from r."""
-    rates, unit, per, slow = law.rates, law.unit, 1.0 / law.unit, law.log_slow[0]
+    log_slow = law.log_slow[0]
     for i in range(unsigned(n)):
-        threshold, log_goal, sign = real(x[i]) * unit, real(e[i]) * LEVEL_UNIT - slow, 1.0
-        if r[i] != 0:
-            far = min(abs(real(r[i])) * unit, threshold)
-            goal = np.copysign(passed(rates, far, threshold, 1.0), r[i]) + np.exp(log_goal)
-            log_goal, sign = np.log(max(abs(goal), _NOTHING)), np.copysign(1.0, goal)
-        place = sign * min(reached(rates, log_goal, threshold, 1.0), threshold)
-        x[i] = max(whole(np.floor(place * per + 0.5)), r[i])
+        threshold, log_amount = real(x[i]) * law.unit, real(e[i]) * LEVEL_UNIT - log_slow
+        begun = _integral(law, r[i], threshold, 1.0)
+        x[i] = _break_at(law, r[i], begun, log_amount, threshold, 1.0)
 
 
 BREAKS |= {Cold: _at_threshold, Warm: _by_rate}

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.histogram import BINS, chosen_points, histogram, make_edges, no_counts
-from eq_model.lattice import STIFFNESS_UNIT, TIE, make_way
+from eq_model.histogram import BINS, chosen_points, histogram, make_edges
+from eq_model.lattice import STIFFNESS_UNIT, TIE, whole_drive
 from eq_model.layout import Blocks, is_measured
 from eq_model.physics import Reach, law_of, seconds_of
 from eq_model.state import State
@@ -17,14 +17,6 @@ from origins.errors import InputError
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
-_LIMB = 32  # bits of the low one of the two numbers that hold a sum of all blocks
-# with ageing, one in EACH contacts of a block is followed once more in steps COARSER times longer, to
-# estimate the error of the steps
-COARSER, EACH = 8, 8
-# expected number of contacts with a larger threshold than the largest that n contacts are assumed to have
-_RARE = 0.01
-_NEVER = 1e-9  # expected number of breaks that counts as none
-
 
 class Moments(NamedTuple):
     """At the points of the path: fraction that holds, mean force (a length), its variance between contacts."""
@@ -34,15 +26,12 @@ class Moments(NamedTuple):
     variance: Array
 
 
-def _split(sums: Whole) -> Whole:
-    """Whole sums as two limbs, high and low, shape (2, ...), which can be added over many blocks and ranks."""
-    return np.stack([sums >> _LIMB, sums & ((1 << _LIMB) - 1)])
-
-
 class Engine:
     """Follows the blocks of one ensemble; `seconds`: estimated time for one contact."""
 
     MOST = 1 << 37  # largest number of contacts of all replicas
+    # with ageing, one in so many contacts is followed once more in steps so many times longer, to estimate their error
+    COARSER = 8
 
     def __init__(
         self, contacts: Contacts, drive: Drive, seed: int, histograms: npt.ArrayLike, total: int
@@ -56,35 +45,35 @@ class Engine:
                 'contacts do not know; use closure = "exact"'
             )
         from eq_model.contact import Work
-        from eq_model.draws.births import LEVEL_UNIT, births_of, exposures
+        from eq_model.draws.births import births_of, exposures
+        from eq_model.lanes import Forward
 
-        self.contacts, self._seed, self._total = contacts, seed, total
+        self.contacts, self._seed, self._total, self._drive = contacts, seed, total, drive
         # the same law all along the path: without laws nothing depends on time
         steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
-        self._plain, scale = drive.forward and steady, contacts.mean_threshold
+        forward, scale = drive.forward and steady, contacts.mean_threshold
         self._reach = reach = Reach(contacts, drive)
         linked = contacts.stiffness == "linked"
         stiffest = max(reach.largest / scale, 1.0) if linked else 1.0
-        course = Drive(drive.path, drive.velocity) if self._plain else drive
+        course = Drive(drive.path, drive.velocity) if forward else drive
         exact = contacts.thresholds.atoms[0].size > 0
-        way = make_way(course, scale, 2.0 * reach.longest * stiffest, exact)
-        self._drive, unit = drive, way.unit
+        way = whole_drive(course, scale, 2.0 * reach.longest * stiffest, exact)
         law = law_of(contacts, way, TIE * exact)
         self.seconds = seconds_of(contacts, drive, law)
         # the points of histograms, in the order of the clock
-        self._points = chosen_points(histograms, drive.path.size)
-        own = way.place[self._points]
-        self._order = np.argsort(own, kind="stable")
-        furthest = float(reach.span[self._points].max(initial=0.0)) + reach.furthest
+        points = chosen_points(histograms, drive.path.size)
+        self._points, bins = points, way.bin_of_point[points]
+        self._order = np.argsort(bins, kind="stable")
+        furthest = float(reach.span[points].max(initial=0.0)) + reach.furthest
         self._edges = make_edges(furthest, reach.largest, contacts)
-        per = [unit / float(edges[2] - edges[1]) for edges in self._edges]
+        per = [way.unit / float(edges[2] - edges[1]) for edges in self._edges]
         self._work = Work(
             None,
-            *births_of(contacts, unit),
-            exposures=exposures().in_units(LEVEL_UNIT),
-            law=law,
-            way=way.watched(own[self._order], *per),
-            mean=scale / unit,
+            *births_of(contacts, way.unit),
+            exposures=exposures(),
+            law=Forward(law) if forward else law,
+            way=way.watched(bins[self._order], *per),
+            mean=scale / way.unit,
             wait=contacts.waiting_time,
             needs_exposure=contacts.thermal is not None or contacts.grains is not None,
             linked=linked,
@@ -93,77 +82,82 @@ class Engine:
 
     def nothing(self) -> State:
         """The state of no blocks."""
-        counts = no_counts(self._points.size, self._total)
-        return State(np.zeros(self._shape, np.int64).reshape(2, -1), counts)
+        sums, points = np.zeros(self._shape, np.int64), self._points.size
+        counts = np.zeros((points, 2, BINS), np.uint32 if self._total < 1 << 32 else np.uint64)
+        return State(sums.reshape(2, -1), counts)
 
     @property
     def _shape(self) -> tuple[int, ...]:
         """Shape of the sums: limbs; kinds (all, measured, with ageing coarser steps); bins; columns of count_event."""
         kinds = 2 if self.contacts.ageing is None else 3
-        return 2, kinds, self._work.way.points.size, 6 if self._work.linked else 3
+        return 2, kinds, self._work.way.bin_ends.size, 6 if self._work.linked else 3
 
     def follow(self, blocks: Blocks, block: int) -> State:
         """Follow a block of contacts to the drive's end; -1 only compiles."""
         from eq_model.draws.streams import make_stream
-        from eq_model.lanes import follow_lives, forward
+        from eq_model.lanes import follow
 
         count, measured = blocks.size(block) if block >= 0 else 0, is_measured(block)
-        counts = np.zeros((self._points.size, 2, BINS), np.uint32)
-        out, kernel = np.zeros(self._shape, np.int64), forward if self._plain else follow_lives
+        counts, out = (
+            np.zeros((self._points.size, 2, BINS), np.uint32),
+            np.zeros(self._shape, np.int64),
+        )
         work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)
         # column by column, so that the column that is used most stays in the L1 cache
         sums = np.zeros((self._shape[2] + 1, self._shape[3]), np.int64, order="F")
-        breaks, steps = kernel(work, count, sums, counts)
-        out[:, 0] = _split(sums[:-1])
+        breaks, steps = follow(work, count, sums, counts)
+        out[:, 0] = sums[:-1] >> 32, sums[:-1] & 0xFFFFFFFF
         if measured:
             out[:, 1] = out[:, 0]
         if self.contacts.ageing is not None:
-            work = work._replace(law=work.law.coarser(COARSER), measured=True)
+            work = work._replace(law=work.law.coarser(self.COARSER), measured=True)
             sums[:] = 0
-            kernel(work, -(-count // EACH), sums, counts[:0])
-            out[:, 2] = _split(sums[:-1])
+            follow(work, -(-count // self.COARSER), sums, counts[:0])
+            out[:, 2] = sums[:-1] >> 32, sums[:-1] & 0xFFFFFFFF
         return State(out.reshape(2, -1), counts, breaks=int(breaks), steps=int(steps))
 
-    def told(self, blocks: Blocks, state: State) -> dict[str, Any]:
+    def fields(self, blocks: Blocks, state: State) -> dict[str, Any]:
         """Fields of the result."""
-        n, sums = state.contacts, state.sums.reshape(self._shape)
-        found = self._all_moments(blocks, state.done, sums)
+        contacts, path, n = self.contacts, self._drive.path, state.contacts
+        measured, sums = blocks.measured(state.done), state.sums.reshape(self._shape)
+        found, variance = self._moments(n, sums[:, 0]), np.full(path.size, np.inf)
+        if measured > 1:
+            variance = self._with_unseen(self._moments(measured, sums[:, 1]).variance, n)
         # where contacts may be out, the error includes one that happened not to be
-        waits = self.contacts.delay is not None or self.contacts.grains is not None
+        waits = contacts.delay is not None or contacts.grains is not None
         varies = np.maximum(found.holding * (1.0 - found.holding), 1.0 / n if waits else 0.0)
         order = np.argsort(self._order)[: len(state.counts)]  # none where they are not wanted
         counts = zip(self._points.tolist(), state.counts[order], strict=False)
-        path = self._drive.path
         return {
             "force": found.force,
-            "force_standard_error": np.sqrt(found.variance / n),
+            "force_standard_error": np.sqrt(variance / n),
             "step_error": self._step_error(blocks, state.done, sums),
             "holding": found.holding,
             "holding_standard_error": np.sqrt(varies / n),
             "histograms": [histogram(k, float(path[k]), self._edges, own, n) for k, own in counts],
         }
 
-    def _moments(self, n: int, limbs: Whole) -> Moments:
-        """Moments of n contacts from limbs of their sums, in whole numbers, so that nothing is lost by cancellation.
+    def _moments(self, n: int, halves: Whole) -> Moments:
+        """Moments of n contacts from the high and low 32 bits of their sums, without loss by cancellation.
 
-        y is minus a contact's stretch at the end of its bin, at `places`; sums of k y are whole lengths,
+        y is minus a contact's stretch at the end of its bin; sums of k y are whole lengths,
         sums of k are in units of 1/STIFFNESS_UNIT.
         """
         way, part, unit = self._work.way, int(STIFFNESS_UNIT), self._work.way.unit
-        whole = limbs[0].astype(object) * (1 << _LIMB) + limbs[1].astype(object)
+        whole = halves[0].astype(object) * (1 << 32) + halves[1].astype(object)
         count, ky, square, *rest = whole.reshape(-1, self._shape[3]).T
         k, kky, kk = rest or (count * part, ky, count * part)
-        places, per_square = way.places.astype(object), round(1.0 / way.square)
+        places, per_square = way.bin_positions.astype(object), round(1.0 / way.square)
         far = square * (per_square * part) + places * (2 * part * kky + kk * places)
         born, squares_born = ky * part + k * places, kky * part + kk * places
         changes = np.cumsum([count, k, born, kk, squares_born, far], axis=1)
-        holds, held, born, squares, squares_born, far = changes[:, way.place]
+        holds, held, born, squares, squares_born, far = changes[:, way.bin_of_point]
         # the rounding of a single starting stretch is corrected as a displacement of the slider
         start = self.contacts.start
-        lost = (start.mean() - round(start.mean() / unit) * unit) * start.is_single
-        told = self._drive.path + lost
-        at = np.rint(told / unit).astype(np.int64)
-        beside, x = told - at * unit, at.astype(object)
+        rounded = start.is_single * (start.mean() - round(start.mean() / unit) * unit)
+        positions = self._drive.path + rounded
+        at = np.rint(positions / unit).astype(np.int64)
+        beside, x = positions - at * unit, at.astype(object)
         force = held * x - born
         spread = ((squares * x - 2 * squares_born) * x + far) * (part * n) - force * force
         mean = (force.astype(float) * unit + held.astype(float) * beside) / (part * n)
@@ -172,41 +166,27 @@ class Engine:
             variance = spread.astype(float) * (unit / part) ** 2 / n / (n - 1)
         return Moments(holds.astype(float) / n, mean, np.maximum(variance, 0.0))
 
-    def _all_moments(self, blocks: Blocks, done: list[range], sums: Whole) -> Moments:
-        """Moments of these blocks; the variance, from measured blocks, has a lower limit for unseen breaks."""
-        n, measured = blocks.contacts(done), blocks.measured(done)
-        mean = self._moments(n, sums[:, 0])
-        if measured < 2:
-            return mean._replace(variance=np.full(mean.force.size, np.inf))
-        seen = self._moments(measured, sums[:, 1]).variance
-        return mean._replace(variance=self._no_less(seen, n))
-
-    def _no_less(self, seen: Array, n: int) -> Array:
-        """The variance, at least that which one break more or less would make in n contacts."""
+    def _with_unseen(self, seen: Array, n: int) -> Array:
+        """The variance, at least what one break more or less would make in n contacts, where one may happen."""
         contacts, reach, start = self.contacts, self._reach, self.contacts.start
         stretch = np.minimum(reach.span + reach.furthest, reach.longest)
-        law, again, mean = contacts.thresholds, contacts.reforming, contacts.mean_threshold
+        law, again, share = contacts.thresholds, contacts.reforming, np.full(seen.size, 1.0 / n)
         constant = contacts.ageing is None and contacts.grains is None
-        cold = constant and contacts.thermal is None
-        alike = start.is_single and not np.diff(law.support())[0]
-        if cold and alike and (again is None or again.law.is_single):
-            return np.zeros(seen.size)  # all contacts do the same
-        # one break among n contacts, wherever breaks are possible
-        share = np.full(seen.size, 1.0 / n)
-        if cold:
+        if constant and contacts.thermal is None:
+            alike = start.is_single and not np.diff(law.support())[0]
+            if alike and (again is None or again.law.is_single):
+                return np.zeros(seen.size)  # all contacts do the same
+            # an expected number of 1e-9 breaks counts as none
             held = law.sf(abs(start.mean()) if start.is_single else 0.0)
-            broken = n * (held - law.sf(reach.begun)) > _NEVER * held
-            share *= broken & (reach.span > 0.0)
+            share *= (n * (held - law.sf(reach.begun)) > 1e-9 * held) & (reach.span > 0.0)
         if constant:
-            stretch = np.minimum(stretch, max(float(law.isf(_RARE / n)), reach.furthest))
-        linked = contacts.stiffness == "linked"
-        if linked:  # a contact's threshold is not below its stretch
-            stretch = stretch * np.maximum(stretch, float(np.sqrt(law.moment(2)))) / mean
-        least = stretch**2 * share
-        rounded = self._work.way.unit**2 / self._work.way.square  # rounding of squares of stretches
-        if linked or not start.is_single:
-            return np.maximum(seen, np.maximum(least, rounded))
-        return np.maximum(np.where(seen < rounded, 0.0, seen), least)
+            # one in a hundred ensembles has a contact with a larger threshold
+            stretch = np.minimum(stretch, max(float(law.isf(0.01 / n)), reach.furthest))
+        if contacts.stiffness == "linked":  # a contact's threshold is not below its stretch
+            typical = np.maximum(stretch, float(np.sqrt(law.moment(2))))
+            stretch = stretch * typical / contacts.mean_threshold
+        rounding = self._work.way.unit**2 / self._work.way.square  # of squares of stretches
+        return np.maximum(np.where(seen < rounding, 0.0, seen), stretch**2 * share)
 
     def _step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
         """Bound on the error of the force by the inner steps of ageing, at the points (a length); 0 without ageing.
@@ -216,9 +196,9 @@ class Engine:
         if sums.shape[1] == 2:
             return np.zeros(self._drive.path.size)
         n = blocks.measured(done)
-        some = sum(-(-blocks.size(block) // EACH) for part in done for block in part)
+        some = sum(-(-blocks.size(block) // self.COARSER) for part in done for block in part)
         if not some or not n:
             return np.full(self._drive.path.size, np.inf)
-        fine, other = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])
-        doubt = np.sqrt(fine.variance / n + other.variance / some)
-        return (np.abs(other.force - fine.force) + doubt) / (COARSER - 1.0)
+        fine, coarse = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])
+        doubt = np.sqrt(fine.variance / n + coarse.variance / some)
+        return (np.abs(coarse.force - fine.force) + doubt) / (self.COARSER - 1.0)

@@ -17,13 +17,10 @@ from eq_model import layout
 from eq_model.coupled.ensemble import Replicas
 from eq_model.engine import Engine
 from eq_model.result import CoupledResult, EnsembleResult
-from eq_model.state import NUMBERS, TABLES, State, stacked
+from eq_model.state import State
 from origins import Contacts, Drive
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import key_of
-
-_MOST_REPLICAS = 1 << 28
-_AT_ONCE = 8  # blocks that are handed to each thread before waiting for all of them
 
 
 class Ensemble:
@@ -73,8 +70,8 @@ class Ensemble:
         self.comm, self._threads, self._stopped = comm, whole("threads", threads, 1), False
         self.n_contacts = whole("n_contacts", n_contacts, 1)
         self.n_replicas = whole("n_replicas", n_replicas, 1)
-        if self.n_replicas >= _MOST_REPLICAS:
-            refuse("n_replicas", n_replicas, f"must be below {_MOST_REPLICAS}")
+        if self.n_replicas >= 1 << 28:
+            refuse("n_replicas", n_replicas, f"must be below {1 << 28}")
         self.total = self.expected = self.n_contacts * self.n_replicas
         self._wall_time = np.inf if wall_time is None else positive("wall_time", wall_time)
         small = "such as 1e-4"
@@ -121,9 +118,10 @@ class Ensemble:
         rank, ranks = layout.rank_and_size(self.comm)
         begun, done = self.clock(), 0
         for one_round in self.blocks.rounds(self._tolerance is not None):
-            mine = layout.share(layout.left(one_round, self._before), rank, ranks)
-            total, late, started = done + self.blocks.contacts(mine), False, self.clock()
-            for block, found in self._each([block for part in mine for block in part]):
+            mine = layout.share(layout.remaining(one_round, self._before), rank, ranks)
+            total, late = done + sum(map(self.blocks.size, mine)), False
+            started = self.clock()
+            for block, found in self._each(mine):
                 # a single assignment, so that after any interrupt the state is that of whole blocks
                 size = self.blocks.size(block)
                 found = replace(found, contacts=size, done=[range(block, block + 1)])
@@ -148,9 +146,10 @@ class Ensemble:
         if self._threads == 1:
             yield from ((block, follow(block)) for block in blocks)
             return
+        at_once = 8 * self._threads  # few, so that wall time and `stop` are heeded
         with ThreadPoolExecutor(self._threads) as pool:
-            for at in range(0, len(blocks), _AT_ONCE * self._threads):
-                some = blocks[at : at + _AT_ONCE * self._threads]
+            for first in range(0, len(blocks), at_once):
+                some = blocks[first : first + at_once]
                 yield from zip(some, pool.map(follow, some), strict=True)
 
     def stop(self) -> None:
@@ -186,30 +185,27 @@ class Ensemble:
         """The result, with or without histograms."""
         started, own, comm = self.clock(), self.state, self.comm
         sums, counts = own.sums, own.counts if histograms else own.counts[:0]
-        states = [own]
+        states = [own.without_sums()]
         if comm is not None:
-            states = comm.allgather(own if own.rows.size else own.without_sums())
+            states = comm.allgather(states[0])
             # sums of whole numbers do not depend on the order
             sums, counts = (_sum_over(comm, array) for array in (sums, counts))
-        rest: dict[str, Any] = {name: sum(getattr(one, name) for one in states) for name in NUMBERS}
-        rest |= {name: stacked([getattr(one, name) for one in states]) for name in TABLES}
-        done = layout.joined([part for one in states for part in one.done])
-        all_of_it = State(sums, counts, **rest, done=done)
-        if not all_of_it.contacts:
+        joined = replace(reduce(State.joined, states), sums=sums, counts=counts)
+        if not joined.contacts:
             rule = "no block of contacts is finished yet; iterate over it first, or give it more"
             raise InputError(f"ensemble: {rule} wall_time")
-        told = self._work.told(self.blocks, all_of_it)
-        run_time, waited = max(state.run_time for state in states), self.clock() - started
-        found = (CoupledResult if "slips" in told else EnsembleResult)(
+        fields = self._work.fields(self.blocks, joined)
+        waited = self.clock() - started
+        found = (CoupledResult if "slips" in fields else EnsembleResult)(
             path=self.drive.path,
-            contacts=all_of_it.contacts,
-            breaks=all_of_it.breaks,
+            contacts=joined.contacts,
+            breaks=joined.breaks,
             breaks_per_rank=[state.breaks for state in states],
-            run_time=run_time + (waited if comm is None else max(comm.allgather(waited))),
+            run_time=joined.run_time + (waited if comm is None else max(comm.allgather(waited))),
             compile_time=self.compile_time,
             success=False,
             message="",
-            **told,
+            **fields,
         )
         success, message = self._judge(found)
         return replace(found, success=success, message=message)
@@ -217,21 +213,21 @@ class Ensemble:
     def _judge(self, found: EnsembleResult) -> tuple[bool, str]:
         """Success and message of a result."""
         largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
-        told = f"largest standard error {largest:.2e} with {found.contacts} contacts"
+        says = f"largest standard error {largest:.2e} with {found.contacts} contacts"
         if self._tolerance is None:
             if found.contacts == self.total:
-                return True, told
+                return True, says
             many = self.n_replicas if self.drive.spring is not None else self.total
-            return False, f"{told}: stopped before all {many} were followed"
+            return False, f"{says}: stopped before all {many} were followed"
         if largest <= self._tolerance:
-            return True, f"{told}, within the tolerance {self._tolerance:.1e}"
+            return True, f"{says}, within the tolerance {self._tolerance:.1e}"
         more, most = self._wanted(found), float(Engine.MOST)
         needs = f"it takes about {more:.1e} contacts"
         if not np.isfinite(largest):
             needs = "take at least two"
         elif more > most:
             needs = f"it takes more than {most:.1e} contacts, the most there can be"
-        return False, f"{told}, above the tolerance {self._tolerance:.1e}; {needs}"
+        return False, f"{says}, above the tolerance {self._tolerance:.1e}; {needs}"
 
 
 def _sum_over(comm: Any, array: npt.NDArray[Any]) -> npt.NDArray[Any]:

@@ -10,11 +10,8 @@ from origins import Contacts, GrainContact
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
-Counts = npt.NDArray[np.unsignedinteger[Any]]
 
 BINS = 4096
-MOST = 2000  # largest number of points: their counts take 65 MB, and 131 MB from 2^32 contacts on
-_WIDE = 64.0  # typical lengths over which equal bins extend, each at most 1/32 of one wide
 
 
 @dataclass(frozen=True)
@@ -44,11 +41,6 @@ class Histogram:
     count: int
 
 
-def no_counts(points: int, contacts: int) -> Counts:
-    """Zeros, shape (points, 2, BINS), of a type that can count so many contacts."""
-    return np.zeros((points, 2, BINS), np.uint32 if contacts < 1 << 32 else np.uint64)
-
-
 def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     """Indices of points of a path of this size, checked; raises InputError, named histograms."""
     points = np.atleast_1d(np.asarray(histograms))
@@ -58,8 +50,8 @@ def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     if not whole or (points < -size).any() or (points >= size).any():
         rule = f"must be indices of points of the path, such as [0, {size - 1}]"
         refuse("histograms", histograms, rule)
-    if points.size > MOST:
-        refuse("histograms", f"{points.size} points", f"must be at most {MOST}, which take 65 MB")
+    if points.size > 2000:
+        refuse("histograms", f"{points.size} points", "must be at most 2000, which take 65 MB")
     return np.asarray(points % size, dtype=np.intp)
 
 
@@ -71,7 +63,8 @@ def make_edges(reach: float, largest: float, contacts: Contacts) -> tuple[Array,
         final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
         typical = max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
     # 1 % more, so that stretches of exactly `reach` lie within a bin, not at its edge
-    reach, wide = min(1.01 * reach, largest) or largest, _WIDE * typical
+    # equal bins extend over 64 typical lengths, so that each is at most 1/32 of one wide
+    reach, wide = min(1.01 * reach, largest) or largest, 64.0 * typical
     stretch = np.linspace(-min(reach, wide), min(reach, wide), BINS + 1)
     threshold = np.linspace(0.0, min(largest, wide), BINS + 1)
     stretch[0], stretch[-1], threshold[-1] = -reach, reach, largest
@@ -83,9 +76,9 @@ def histogram(
 ) -> Histogram:
     """The histogram with counts (2, bins) of n contacts."""
     held = int(counts[0].sum())
-    told: list[Any] = [point, position]
+    fields: list[Any] = [point, position]
     for own, seen, total in zip(edges, counts, (n, max(held, 1)), strict=True):
         share, width = seen / total, np.diff(own)
-        told += [own, share / width, np.sqrt(share * (1.0 - share) / total) / width]
-    told.append(held)
-    return Histogram(*told)
+        fields += [own, share / width, np.sqrt(share * (1.0 - share) / total) / width]
+    fields.append(held)
+    return Histogram(*fields)

@@ -22,74 +22,80 @@ Whole = npt.NDArray[np.int64]
 TIE = 1 << 10
 
 STIFFNESS_UNIT = 2.0**36  # k and k² are summed as whole multiples of 1/STIFFNESS_UNIT
-SUM_BITS = 61  # of a block's sum in one bin, which leaves the sign and a spare bit
-_PATH_BITS = 57  # of the clock, so that positions beyond the end plus a threshold stay in 64 bits
-_MOST_BITS, _LEAST_BITS = 44, 24  # of a mean threshold: finer than the tables; too coarse for them
-_FINEST = 2.0**-20  # shortest cell, in mean thresholds
-_LEAST_BINS = 1024  # of a long path: second moments, relative to the ends of bins, need short bins
-_SAME_SPEED = 1e-12  # relative difference of speeds below which two legs are merged
-_NOTHING = np.zeros(0, np.int64)
 
 
-class Way(NamedTuple):
-    """The drive in whole units, for kernels: m legs of one speed each, n points in the order of the clock, at each of
-    which a bin ends, and the points at which contacts are counted."""
+class WholeDrive(NamedTuple):
+    """The drive in whole units, for kernels: m legs of one speed each, n bins in the order of the clock, which end at
+    the points of the path and between, and the points at which contacts are counted."""
 
     unit: float  # a length
-    place: npt.NDArray[np.intp]  # bin of each point of the drive's path
+    bin_of_point: npt.NDArray[np.intp]  # of each point of the drive's path
     begins: Whole  # (m + 1,): clock at the ends of legs
     positions: Whole  # (m + 1,): the slider's position there
     directions: Whole  # (m,): of the motion, 0 in a hold
     paces: Array  # (m,): time that passes in one unit of the clock
-    points: Whole  # (n,): the last moment that belongs to each point's bin
-    places: Whole  # (n,): the slider's position there, to which stretches of the bin's events refer
-    first: npt.NDArray[np.int32]  # for each cell of the clock, the first point not before it
+    bin_ends: Whole  # (n,): the last moment that belongs to each bin
+    bin_positions: (
+        Whole  # (n,): the slider's position there, to which stretches of the bin's events refer
+    )
+    first: npt.NDArray[
+        np.int32
+    ]  # for each cell of the clock, the first bin that ends in it or later
     shift: np.int64  # cells are 2^shift long
-    even: bool  # each cell ends at a point
-    offset: np.int64  # so that (clock + offset) >> shift is the point, if even
+    even: bool  # each cell is a bin
+    offset: np.int64  # so that (clock + offset) >> shift is the bin, if even
     end: np.int64  # the last moment of the drive
     square: float  # whole second moments are this times unit^-2
-    before: Whole = _NOTHING  # (n + 2,): number of watched points before each point
-    moments: Whole = _NOTHING  # (k,): the last moments that belong to watched points
-    spots: Whole = _NOTHING  # (k,): the slider's positions there
+    before: Whole = np.zeros(0, np.int64)  # (n + 2,): number of watched points before each bin's
+    moments: Whole = np.zeros(0, np.int64)  # (k,): the last moments that belong to watched points
+    spots: Whole = np.zeros(0, np.int64)  # (k,): the slider's positions there
     per_stretch: float = 1.0  # histogram bins per unit of |x|
     per_threshold: float = 1.0
 
-    def watched(self, own: npt.NDArray[np.intp], per_stretch: float, per_threshold: float) -> "Way":
+    def watched(
+        self, bins: npt.NDArray[np.intp], per_stretch: float, per_threshold: float
+    ) -> "WholeDrive":
         """This way, with contacts counted at the ends of these bins, in their order."""
-        before = np.searchsorted(own, np.arange(self.points.size + 2))
-        moments, spots = self.points[own], self.places[own]
-        counted = self._replace(before=before, moments=moments, spots=spots)
-        return counted._replace(per_stretch=per_stretch, per_threshold=per_threshold)
+        return self._replace(
+            before=np.searchsorted(bins, np.arange(self.bin_ends.size + 2)),
+            moments=self.bin_ends[bins],
+            spots=self.bin_positions[bins],
+            per_stretch=per_stretch,
+            per_threshold=per_threshold,
+        )
 
 
-def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
-    """The way of a rigid slider.
+def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeDrive:
+    """The drive of a rigid slider in whole units.
 
     scale : the mean threshold; reach : the largest force of a contact over <k>, a length; exact : whether
     thresholds have exact values, so that breaks fall on points.
     Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^21 times.
     """
     legs, clock = _legs(drive, scale)
-    length = max(float(clock[-1]), scale * _FINEST)
-    points, spacing = _points(clock, max(scale, length / _LEAST_BINS))
+    shortest, bins = (
+        scale * 2.0**-20,
+        1024,
+    )  # of a cell; second moments relative to the ends of bins need short bins
+    length = max(float(clock[-1]), shortest)
+    points, spacing = _points(clock, max(scale, length / bins), 4 * clock.size + 4 * bins)
     widest = float(np.diff(points, prepend=0.0).max())
-    # a bin's sum over one block is at most BLOCK (widest + reach), its second moment the square of that
-    room = _bits((widest + reach) / scale)
-    most = SUM_BITS - _bits(BLOCK) - room
-    bits = min(_MOST_BITS, most, _PATH_BITS - _bits(length / scale))
-    if reach / scale > 2.0 ** (SUM_BITS - _bits(BLOCK) - _LEAST_BITS):
+    # a bin's sum over one block, in 61 bits, is at most BLOCK (widest + reach), its second moment the square of that
+    free, room = 61 - _bits(BLOCK), _bits((widest + reach) / scale)
+    # of a mean threshold: 44 are finer than the tables, 57 of the clock keep positions beyond the end in 64 bits
+    bits = min(44, free - room, 57 - _bits(length / scale))
+    if reach / scale > 2.0 ** (free - 24):
         raise InputError(
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted "
             "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail, or other units"
         )
-    if bits < _LEAST_BITS:
+    if bits < 24:
         raise InputError(
             f"path[-1] = {drive.path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble "
             "follows contacts along a path of at most 8e9 of them"
         )
     spacing *= spacing >= scale * 2.0**-bits  # points closer than a unit share bins
-    width = spacing or max(length / (4 * points.size), scale * _FINEST)
+    width = spacing or max(length / (4 * points.size), shortest)
     shift = max(int(np.floor(np.log2(width / scale))) + bits, 0)
     unit = width * 2.0**-shift if spacing else scale * 2.0**-bits
     positions = np.rint(np.append(0.0, np.cumsum(legs[0])) / unit).astype(np.int64)
@@ -99,32 +105,32 @@ def make_way(drive: Drive, scale: float, reach: float, exact: bool) -> Way:
     whole = np.rint(points / unit).astype(np.int64)
     if spacing:
         whole = whole[0] + np.arange(whole.size) * (1 << shift)
-    whole, found = np.unique(whole, return_inverse=True)
+    whole, bins_of = np.unique(whole, return_inverse=True)
     leg = np.clip(np.searchsorted(begins, whole, side="right") - 1, 0, moved.size - 1)
-    places = positions[leg] + directions[leg] * (whole - begins[leg])
-    whole = whole + (TIE if exact else 0)
-    beyond = max(whole[-1] - begins[-1], 0)
+    at_ends = positions[leg] + directions[leg] * (whole - begins[leg])
+    ends = whole + (TIE if exact else 0)
+    beyond = max(ends[-1] - begins[-1], 0)
     begins[-1] += beyond
     positions[-1] += directions[-1] * beyond
-    first = np.searchsorted(whole, np.arange((int(whole[-1]) >> shift) + 2) << shift)
-    place = np.searchsorted(points, clock)
+    first = np.searchsorted(ends, np.arange((int(ends[-1]) >> shift) + 2) << shift)
+    point = np.searchsorted(points, clock)
     if spacing:
-        place = np.rint((clock - points[0]) / spacing).astype(np.intp)
-    return Way(
+        point = np.rint((clock - points[0]) / spacing).astype(np.intp)
+    return WholeDrive(
         unit,
-        found.reshape(-1)[place],
+        bins_of.reshape(-1)[point],
         begins,
         positions,
         directions,
         paces=legs[1] / ticks,
-        points=whole,
-        places=places,
-        first=np.minimum(first, whole.size - 1).astype(np.int32),
+        bin_ends=ends,
+        bin_positions=at_ends,
+        first=np.minimum(first, ends.size - 1).astype(np.int32),
         shift=np.int64(shift),
         even=bool(spacing),
-        offset=np.int64((1 << shift) - 1 - whole[0]),
-        end=whole[-1],
-        square=2.0 ** min(SUM_BITS - _bits(BLOCK) - 2 * (room + bits), 0.0),
+        offset=np.int64((1 << shift) - 1 - ends[0]),
+        end=ends[-1],
+        square=2.0 ** min(free - 2 * (room + bits), 0.0),
     )
 
 
@@ -133,23 +139,21 @@ def _bits(number: float) -> int:
     return int(np.ceil(np.log2(min(max(number, 1e-300), 1e300))))
 
 
-def _points(clock: Array, widest: float) -> tuple[Array, float]:
+def _points(clock: Array, widest: float, most: int) -> tuple[Array, float]:
     """The ends of bins of the clock: all points of the path, and more in between where these are more than `widest`
-    apart (lengths); and their spacing if it is constant to rounding, else 0."""
+    apart (lengths); and their spacing if it is constant to rounding and there are at most `most`, else 0."""
     points = np.unique(clock)
-    end, apart = float(points[-1]), max(points.size - 1, 1)
-    spacing = float(end - points[0]) / apart if points.size > 1 else end
+    end = float(points[-1])
+    spacing = float(end - points[0]) / (points.size - 1) if points.size > 1 else end
     off = np.abs(points - (points[0] + spacing * np.arange(points.size))).max()
     if spacing > 0.0 and off <= 64.0 * np.finfo(float).eps * end:
         spacing /= 1 << max(_bits(spacing / widest), 0)
         before = int(points[0] / spacing)
         many = before + round((end - points[0]) / spacing) + 1
-        if many <= 4 * points.size + 4 * _LEAST_BINS:
+        if many <= most:
             return np.maximum(points[0] + spacing * (np.arange(many) - before), 0.0), spacing
-    if np.diff(points, prepend=0.0).max() > widest:
-        between = np.linspace(0.0, end, int(np.ceil(end / widest)) + 1)[1:]
-        points = np.union1d(points, between)
-    return points, 0.0
+    between = np.linspace(0.0, end, int(np.ceil(end / widest)) + 1)[1:]
+    return np.union1d(points, between), 0.0
 
 
 def durations(drive: Drive) -> Array:
@@ -167,7 +171,7 @@ def _legs(drive: Drive, stand: float) -> tuple[Array, Array]:
     step, lasts = np.diff(drive.path, prepend=0.0), durations(drive)
     taken = np.flatnonzero(lasts > 0.0)
     speed, new = step[taken] / lasts[taken], np.zeros(step.size, np.intp)
-    new[taken[1:]] = np.abs(np.diff(speed)) > _SAME_SPEED * np.abs(speed[:-1])
+    new[taken[1:]] = np.abs(np.diff(speed)) > 1e-12 * np.abs(speed[:-1])  # else one leg
     leg = np.cumsum(new)
     legs = np.array([np.bincount(leg, weights=each) for each in (step, lasts)])
     stands = np.bincount(leg, weights=np.abs(step)) == 0.0

@@ -5,41 +5,32 @@ and an estimate of the work, never from measured times, so that the same blocks 
 are run on any number of ranks and threads, and after a restart.
 """
 
-import time as clock
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, islice, pairwise
 from typing import Any
 
-BLOCK = 1 << 14  # most contacts of a block: their rows and sums stay in the cache
-_LONGEST = 0.25  # s, longest estimated time of a block
-_ALL_MEASURED, _EACH = 4, 8  # blocks measured for the variance: the first 4, then every eighth
-_NAP = 0.001  # s between two looks at whether all ranks have arrived
+BLOCK = 1 << 14  # most contacts of a block: also short runs have blocks for several threads
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """The division into blocks: n_replicas, each of n_contacts in `each` blocks."""
+    """The division into blocks: n_replicas, each of n_contacts in `per_replica` blocks."""
 
     n_contacts: int
     n_replicas: int
-    each: int
-
-    @property
-    def total(self) -> int:
-        """Blocks of all replicas."""
-        return self.each * self.n_replicas
+    per_replica: int
 
     def size(self, block: int) -> int:
         """Number of contacts of a block; within a replica they differ by one at most."""
-        whole, rest = divmod(self.n_contacts, self.each)
-        return whole + (block % self.each < rest)
+        return self.before(block + 1) - self.before(block)
 
     def before(self, block: int) -> int:
         """Contacts of all blocks before this one."""
-        replica, own = divmod(block, self.each)
-        whole, rest = divmod(self.n_contacts, self.each)
-        return replica * self.n_contacts + own * whole + min(own, rest)
+        replica, inside = divmod(block, self.per_replica)
+        least, larger = divmod(self.n_contacts, self.per_replica)
+        return replica * self.n_contacts + inside * least + min(inside, larger)
 
     def contacts(self, done: list[range]) -> int:
         """Contacts of these blocks."""
@@ -51,24 +42,24 @@ class Blocks:
 
     def rounds(self, several: bool) -> list[range]:
         """Rounds of blocks, each as many as all before it; a single round of all unless `several`."""
-        ends = [self.total]
+        ends = [self.per_replica * self.n_replicas]
         while several and ends[0] > 1:
             ends.insert(0, (ends[0] + 1) // 2)
         return [range(begin, end) for begin, end in pairwise([0, *ends])]
 
 
 def make_blocks(n_contacts: int, n_replicas: int, seconds: float = 0.0) -> Blocks:
-    """Blocks for contacts that take about `seconds` each."""
-    most = int(min(max(_LONGEST / max(seconds, 1e-12), 1.0), BLOCK))
+    """Blocks for contacts that take about `seconds` each: of at most 0.25 s, after which a run can be stopped."""
+    most = int(min(max(0.25 / max(seconds, 1e-12), 1.0), BLOCK))
     return Blocks(n_contacts, n_replicas, -(-n_contacts // most))
 
 
 def is_measured(block: int) -> bool:
-    """Whether a block's contacts are measured for the variance."""
-    return block < _ALL_MEASURED or block % _EACH == 0
+    """Whether a block's contacts are measured for the variance: the first 4, and every eighth."""
+    return block < 4 or block % 8 == 0
 
 
-def left(blocks: range, done: list[range]) -> list[range]:
+def remaining(blocks: range, done: list[range]) -> list[range]:
     """The part of `blocks` that is not done, in order."""
     inner = joined([part for part in done if part.stop > blocks.start and part.start < blocks.stop])
     begins = [blocks.start, *(part.stop for part in inner)]
@@ -86,15 +77,11 @@ def joined(done: list[range]) -> list[range]:
     return out
 
 
-def share(blocks: list[range], rank: int, size: int) -> list[range]:
+def share(blocks: list[range], rank: int, ranks: int) -> list[int]:
     """The blocks of one rank: shares follow one another and differ by at most one block."""
     total = sum(map(len, blocks))
-    begin, end = (-(-total * one // size) for one in (rank, rank + 1))
-    out = []
-    for part in blocks:
-        out.append(part[max(begin, 0) : max(end, 0)])
-        begin, end = begin - len(part), end - len(part)
-    return [part for part in out if len(part)]
+    begin, end = (-(-total * one // ranks) for one in (rank, rank + 1))
+    return list(islice(chain(*blocks), begin, end))
 
 
 def rank_and_size(comm: Any) -> tuple[int, int]:
@@ -120,5 +107,5 @@ def meeting(comm: Any) -> Iterator[None]:
     if rank_and_size(comm)[1] > 1:
         request = comm.Ibarrier()
         while not request.Test():
-            clock.sleep(_NAP)
+            time.sleep(0.001)
             yield

@@ -1,66 +1,43 @@
 """The law by which contacts break, as settings for the lane loop; their largest stretches; the time they take."""
 
+from functools import cache
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from eq_model.draws.tables import DEEPEST
-from eq_model.lattice import Way, durations
-from origins import Contacts, Drive, RateLaw, Thermal
+from eq_model.lattice import WholeDrive, durations
+from origins import Contacts, Drive, Thermal
 from origins.errors import InputError
 from origins.laws.compiled import CompiledRates, called
 
-# longest step, over the relaxation time of a normal final law: within a step diffusion is taken as free
-STEP = 0.04
-STEP_ELSE = 0.01  # with other final laws: variance of a step over the squared width of the law's middle half
-
-_SPREAD = 9.0  # standard deviations beyond which less than one threshold in 1e17 diffuses
-_MOST = 3e7  # most breaks or steps of one contact, which take some ten seconds without interruption
-_CALLED: WeakKeyDictionary[object, CompiledRates] = WeakKeyDictionary()
+called_once = cache(called)
 
 
-def _compiled(rates: RateLaw) -> CompiledRates:
-    """A law's own functions for compiled loops; for a law without any, calls of its methods, made once."""
-    own = getattr(rates, "compiled", None)
-    if own is not None:
-        return own()
-    if rates not in _CALLED:
-        _CALLED[rates] = called(rates)
-    return _CALLED[rates]
-
-
-def law_of(contacts: Contacts, way: Way, tie: int) -> Any:
+def law_of(contacts: Contacts, way: WholeDrive, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
     from eq_model import contact
 
     # without a thermal law, the rates of any law stand in: kernels do not use them then
-    found, unit = _compiled((contacts.thermal or Thermal("soft", 1.0)).rates), way.unit
+    rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
+    found: CompiledRates = getattr(rates, "compiled", lambda: called_once(rates))()
     contact.RATES.setdefault(type(found.law), found)
-    heat = contacts.thermal is not None, found.law, unit
+    heat = contacts.thermal is not None, found.law, way.unit
     grains, ageing = contacts.grains, contacts.ageing
     if ageing is not None:
-        from eq_model.laws.ageing_tables import NO_DRIFT, drift_table
-        from eq_model.laws.diffusing import Ageing
+        from eq_model.laws.diffusing import make_diffusing
 
-        normal, final, diffusion = ageing.normal, ageing.final, ageing.rate / unit**2
-        if normal is not None:
-            mean, width, longest = normal.mean / unit, normal.std / unit, STEP / normal.rate
-            return Ageing(True, mean, width, normal.rate, diffusion, NO_DRIFT, longest, 1.0, *heat)
-        table = drift_table(final, contacts.thresholds, unit)
-        longest = STEP_ELSE * float(final.isf(0.25) - final.ppf(0.25)) ** 2 / (2.0 * ageing.rate)
-        return Ageing(False, 0.0, 0.0, 0.0, diffusion, table, longest, 1.0, *heat)
+        return make_diffusing(ageing, contacts.thresholds, *heat)
     if grains is not None and grains.age is not None:
         from eq_model.laws.growing import Growing
 
         first = grains.growth.first_pinning_time
-        root = float(np.sqrt(grains.growth.B)) * unit
+        root = float(np.sqrt(grains.growth.B)) * way.unit
         return Growing(first, root, (grains.age - first) / first, *heat)
     if contacts.thermal is None:
         return contact.Cold(np.int64(tie))
     # in holds, where the value is not used, only the logarithm of 0 is avoided
-    log_slow = np.log(np.maximum(way.paces / unit, 1e-300))
-    return contact.Warm(found.law, unit, log_slow)
+    return contact.Warm(*heat[1:], np.log(np.maximum(way.paces / way.unit, 1e-300)))
 
 
 class Reach:
@@ -88,7 +65,8 @@ class Reach:
             oldest = grains.age + float(durations(drive).sum())
             self.largest = max(self.largest, float(grains.quantile(1.0, oldest)))
         elif ageing is not None and (normal := ageing.normal) is not None:
-            self.largest = max(self.largest, normal.mean) + _SPREAD * normal.std
+            # less than one threshold in 1e17 diffuses by more than 9 standard deviations
+            self.largest = max(self.largest, normal.mean) + 9.0 * normal.std
         elif ageing is not None:
             self.largest = max(self.largest, float(ageing.final.isf(DEEPEST)))
         self.longest = min(self.largest, float(self.span[-1]) + self.furthest)
@@ -124,13 +102,12 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
             holds = np.nan_to_num((growth.alpha * lasts / (np.sqrt(growth.B) * moved)) ** 1.5)
         often = max(often, float((lasts / (growth.first_pinning_time + holds)).sum()))
     what = "grains" if thermal is None else "thermal"
-    numbers = {"reforming": breaks * (again is not None), what: often, "ageing": steps}
-    for key, number in numbers.items():
-        if number > _MOST:
-            name = "ages in steps," if key == "ageing" else "breaks"
-            raise InputError(
-                f"{key}: each contact {name} about {number:.0e} times on the drive, which takes {total:.1g}; "
-                "take a shorter or faster drive, other units of time, or the master equation"
-            )
+    number, key = max((steps, "ageing"), (breaks * (again is not None), "reforming"), (often, what))
+    if number > 3e7:  # which take some ten seconds without interruption
+        name = "ages in steps," if key == "ageing" else "breaks"
+        raise InputError(
+            f"{key}: each contact {name} about {number:.0e} times on the drive, which takes {total:.1g}; "
+            "take a shorter or faster drive, other units of time, or the master equation"
+        )
     # seconds of a cold break, of one by heat, and of a step of ageing
     return 2e-8 * breaks + 1e-7 * often + 2e-7 * steps

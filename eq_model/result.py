@@ -16,8 +16,6 @@ Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
 SIZES = 40  # classes of avalanches: up to 2^40 breaks
-# columns of a replica's row before X, F and the share that holds: its number, breaks, X_T = F(0)/K, avalanches by class
-CURVES = 3 + SIZES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,18 +132,20 @@ def fields_of(rows: Array, slips: Array) -> dict[str, Any]:
     """Fields of a CoupledResult from the replicas' rows and the table of all slips."""
     slips = slips.reshape(-1, 8)
     rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in (rows, slips))
-    curves = rows[:, CURVES:].reshape(len(rows), 3, -1)
-    told: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
+    # a row: its replica's number, breaks, X_T = F(0)/K, avalanches by class; then X, F and the share that holds
+    numbers, avalanches, curves = np.split(rows, [3, 3 + SIZES], axis=1)
+    curves = curves.reshape(len(rows), 3, -1)
+    fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
     for k, name in enumerate(("position", "force", "holding")):
         table = curves[:, k]
         scatter = table.std(axis=0, ddof=1) if len(rows) > 1 else np.full(table.shape[1], np.inf)
-        told |= {name: table.mean(axis=0), f"{name}_standard_error": scatter / np.sqrt(len(rows))}
+        fields |= {name: table.mean(axis=0), f"{name}_standard_error": scatter / np.sqrt(len(rows))}
     columns: list[Any] = list(slips.T)
     for whole in (0, 1, 7):
         columns[whole] = columns[whole].astype(np.int64)
-    return told | {
+    return fields | {
         "slips": CoupledSlips(*columns),
-        "avalanches": rows[:, 3:CURVES].astype(np.int64),
-        "balance": float(rows[:, 2].mean()),
+        "avalanches": avalanches.astype(np.int64),
+        "balance": float(numbers[:, 2].mean()),
         "step_error": np.zeros(curves.shape[2]),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,7 @@ from origins.errors import InputError
 Whole = npt.NDArray[np.int64]
 Array = npt.NDArray[np.float64]
 
-NO_ROWS = np.empty((0, 0))
-TABLES, NUMBERS = ("rows", "slips"), ("contacts", "breaks", "steps")  # of a State
-
-
-def stacked(tables: list[Array]) -> Array:
-    """The rows of all tables in one table, which has no columns if there are no rows."""
-    return np.concatenate([table for table in tables if table.size] or [NO_ROWS])
+_NO_ROWS = np.zeros((0, 0))  # a single one, which messages between ranks contain once
 
 
 @dataclass(frozen=True)
@@ -35,8 +29,8 @@ class State:
 
     sums: Whole = field(default_factory=lambda: np.zeros((2, 0), np.int64))
     counts: npt.NDArray[Any] = field(default_factory=lambda: np.zeros((0, 2, 0), np.uint32))
-    rows: Array = field(default_factory=lambda: NO_ROWS)
-    slips: Array = field(default_factory=lambda: NO_ROWS)
+    rows: Array = field(default_factory=lambda: _NO_ROWS)
+    slips: Array = field(default_factory=lambda: _NO_ROWS)
     contacts: int = 0
     breaks: int = 0
     steps: int = 0
@@ -46,29 +40,31 @@ class State:
 
     def joined(self, other: State) -> State:
         """The state of both together; the run time is the longer one."""
-        courses = {self.course, other.course} - {0}
-        shapes = [(one.sums.shape, one.counts.shape) for one in (self, other)]
-        if len(courses) > 1 or shapes[0] != shapes[1]:
+        both = self, other
+        courses = {one.course for one in both} - {0}
+        if len(courses) > 1 or len({(one.sums.shape, one.counts.shape) for one in both}) > 1:
             rule = "was found on another path, or for other contacts; start anew"
             raise InputError(f"earlier: {rule}")
-        told: dict[str, Any] = {"course": max(courses, default=0)}
-        for name in ("sums", "counts", *NUMBERS):
-            told[name] = getattr(self, name) + getattr(other, name)
-        for name in TABLES:
-            told[name] = stacked([getattr(self, name), getattr(other, name)])
-        longest = max(self.run_time, other.run_time)
-        return State(**told, done=layout.joined(self.done + other.done), run_time=longest)
+        found: dict[str, Any] = {
+            name: getattr(self, name) + getattr(other, name)
+            for name in ("sums", "counts", "contacts", "breaks", "steps", "done")
+        }
+        found["done"] = layout.joined(found["done"])
+        for name in ("rows", "slips"):  # tables without rows have no columns
+            tables = [table for one in both if (table := getattr(one, name)).size]
+            found[name] = np.concatenate(tables) if tables else getattr(self, name)
+        longest = max(one.run_time for one in both)
+        return State(**found, run_time=longest, course=max(courses, default=0))
 
     def without_sums(self) -> State:
-        """This state with the numbers, blocks and run time only."""
-        rest = {name: getattr(self, name) for name in (*NUMBERS, "done", "run_time")}
-        return State(**rest)
+        """This state without its arrays of sums and counts."""
+        return replace(self, sums=State().sums, counts=State().counts)
 
     def arrays(self) -> dict[str, Any]:
         """All fields as arrays, for a file."""
-        done = np.array([(part.start, part.stop) for part in self.done], np.int64)
-        told = {name: np.asarray(value) for name, value in vars(self).items() if name != "done"}
-        return told | {"done": done.reshape(-1, 2)}
+        done = [(part.start, part.stop) for part in self.done]
+        fields = {name: np.asarray(value) for name, value in vars(self).items() if name != "done"}
+        return fields | {"done": np.array(done, np.int64).reshape(-1, 2)}
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> State:
@@ -77,5 +73,4 @@ class State:
         values: dict[str, Any] = {
             name: one if one.ndim else one.item() for name, one in found.items()
         }
-        values["done"] = [range(start, stop) for start, stop in arrays["done"].tolist()]
-        return cls(**values)
+        return cls(**values | {"done": [range(*ends) for ends in arrays["done"].tolist()]})

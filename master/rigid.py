@@ -10,9 +10,9 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.motion.motion import Motion
 from master.outcome import Progress, outcome
-from master.renewal import reading, rule
+from master.renewal import rule
 from master.renewal.births import Births, reforming_law
-from master.renewal.edges import edges
+from master.renewal.edges import CLOSE, edges
 from master.renewal.march import March
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
@@ -68,9 +68,9 @@ def solve_rigid(
     return Solution(
         path=drive.path[kept],
         time=times_of(drive)[kept],
-        force=reading.force(march, moments[kept]) if kept.any() else np.empty(0),
+        force=force_at(march, moments[kept]) if kept.any() else np.empty(0),
         force_error=error,
-        holding=reading.holding(march, moments[kept]) if kept.any() else np.empty(0),
+        holding=holding_at(march, moments[kept]) if kept.any() else np.empty(0),
         run_time=clock.perf_counter() - began,
         nodes=len(march.breaks) * rule.DEGREE,
         success=success,
@@ -155,14 +155,14 @@ def march_of(
     # a panel sums some hundred integrals over births
     accuracy = max(3e-3 * allowed, 1e-15)
     births = Births(life, again, motion, contacts.waiting_time, accuracy)
-    found = edges(motion, life, contacts.start, again, contacts.waiting_time, allowed)
-    if found.too_many_lumps:
+    plan = edges(motion, life, contacts.start, again, contacts.waiting_time, allowed)
+    if plan.too_many_jumps:
         raise InputError(
             "thresholds: exact values break together more often on this path than can be followed; "
             "give them a width, as in gaussian(mean, std), or shorten the path"
         )
     grain = GRAINS * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
-    return March(births, contacts.start, found.times, allowed, grain, stretch, until)
+    return March(births, contacts.start, plan.times, allowed, grain, stretch, until)
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
@@ -175,12 +175,44 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
 def error_of(march: March, mean: float) -> float:
     """Bound on the error of the force, in mean thresholds: panels, the life itself, round-off."""
     wrong = max(march.wrong, default=np.inf) + march.life_error
-    return float(wrong * march.stretch / mean + round_off(march.motion, mean, march.settled))
+    return float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
 
 
-def round_off(motion: Motion, mean: float, settled: float = np.inf) -> float:
+def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> float:
     """Round-off of the force, in mean thresholds; none is added once breaks are steady."""
     way = float(np.abs(np.diff(motion.positions)).sum())
-    if motion.one_leg and np.isfinite(settled):
-        way = settled * abs(float(motion.speeds[0]))
+    if np.isfinite(steady_since):
+        way = steady_since * abs(float(motion.speeds[0]))
     return ROUND_OFF * (1.0 + way / mean)
+
+
+def force_at(march: March, t: Array) -> Array:
+    """Force at times t, shape (n,) (paper, Eq. Q6); where it jumps, after the jump."""
+    return _read(march, np.array(march.force), np.minimum(t, march.steady_since))
+
+
+def holding_at(march: March, t: Array) -> Array:
+    """Share of the contacts that hold at times t: all but those that broke within the last delay."""
+    delay, t = march.births.delay, np.minimum(t, march.steady_since)
+    if not delay > 0.0:
+        return np.ones(t.size)
+    return 1.0 - breaks_until(march, t) + breaks_until(march, t - delay)
+
+
+def breaks_until(march: March, t: Array) -> Array:
+    """Breaks per contact up to times t, those of lumps included; 0 before t = 0."""
+    breaks = np.array(march.breaks)
+    before = np.append(0.0, np.cumsum(breaks[:-1, -1]))
+    out = _read(march, before[:, None] + breaks, np.maximum(t, 0.0))
+    for lump in march.lumps[1:]:
+        out = out + lump.weight * (t >= lump.time - march.births.delay)
+    return np.where(t < 0.0, 0.0, out)
+
+
+def _read(march: March, values: Array, t: Array) -> Array:
+    """At times t, polynomials with these values at the beginning and the nodes of each panel."""
+    begin, width = np.array(march.begin), np.array(march.width)
+    near = begin * (1.0 - CLOSE) - CLOSE * width.min()
+    panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
+    share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
+    return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))

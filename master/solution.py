@@ -9,8 +9,10 @@ import numpy.typing as npt
 
 from master.lives.grains import GrainLife
 from master.motion.motion import Motion
-from master.renewal import reading
+from master.renewal import rule
+from master.renewal.births import Panels
 from master.renewal.march import March
+from master.renewal.past import Past
 from origins import InputError
 from origins.brief import brief
 from origins.errors import finite, refuse
@@ -36,7 +38,7 @@ class StretchDistribution:
     def density(self, x: npt.ArrayLike) -> Array:
         """Q(x;X) per length at stretches x (lengths), without the deltas; same shape as x."""
         at = np.asarray(x, dtype=float)
-        return reading.density(self._march, self._time, at.ravel()).reshape(at.shape)[()]
+        return _density(self._march, self._time, at.ravel()).reshape(at.shape)[()]
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ class Solution:
                 "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
             )
         time = self._point(where) if self._by_index else self._passing(march.motion, where, leg)
-        found = reading.deltas(march, time)
+        found = _deltas(march, time)
         return StretchDistribution(np.array(list(found)), np.array([*found.values()]), march, time)
 
     def _point(self, point: float) -> float:
@@ -135,3 +137,64 @@ class Solution:
             told = f"is passed on legs {several}; say which, as in leg={legs[0]}"
             refuse("position", position, told)
         return float(times[0])
+
+
+def _density(march: March, t: float, x: Array) -> Array:
+    """Density of stretches x, shape (n,), at the time t; re-forming at one stretch r.
+
+    A contact born at s has the stretch x = r + X(t) - X(s), so that births at the rate dJ/ds (that of
+    the breaks one delay before) contribute the density E(t, s) (dJ/ds) / |dX/ds| at x.
+    """
+    motion, life, law, delay = march.motion, march.life, march.births.law, march.births.delay
+    t = min(t, march.steady_since)
+    now, start = float(motion.at(np.array(t))), march.lumps[0].law
+    at, out = np.full((1, 1), t), np.zeros(x.size)
+    if not start.is_single:
+        origin, (low, high) = x - now, start.span
+        inside = np.flatnonzero((np.abs(origin) < life.reach) & (origin > low) & (origin < high))
+        history = motion.history(at, np.zeros((inside.size, 1)))
+        held = life.left(origin[inside, None], history)[0, :, 0]
+        out[inside] = start.pdf(origin[inside]) * held
+    begin, width = np.array(march.begin), np.array(march.width)
+    slopes = np.array(march.breaks) @ rule.SLOPES.T
+    for leg in np.flatnonzero(motion.speeds):
+        first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
+        speed = float(motion.speeds[leg])
+        s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
+        here = np.flatnonzero((s > first) & (s <= last))
+        panel = np.maximum(np.searchsorted(begin, s[here] - delay) - 1, 0)
+        share = np.minimum((s[here] - delay - begin[panel]) / width[panel], 1.0)
+        rate = rule.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0] / width[panel]
+        held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
+        out[here] += held * rate / abs(speed)
+    return out
+
+
+def _deltas(march: March, t: float) -> dict[float, float]:
+    """Stretches (lengths) that a finite share of the contacts has at the time t, and these shares.
+
+    They are those of lumps, and of births in holds: contacts born in one hold share one stretch.
+    """
+    t, motion, law = min(t, march.steady_since), march.motion, march.births.law
+    at, found = np.full((1, 1), t), dict[float, float]()
+    for lump in march.lumps:
+        if lump.time <= t and lump.law.is_single:
+            history = motion.history(at, np.full((1, 1), lump.time))
+            stretch = float(lump.law.mean() + history.now[0, 0])
+            held = float(march.life.left(lump.law, history)[0, 0, 0])
+            found[stretch] = found.get(stretch, 0.0) + lump.weight * held
+    for leg in np.flatnonzero((motion.speeds == 0.0) & (motion.times[:-1] < t)):
+        stretch = float(law.mean() + motion.at(np.array(t)) - motion.positions[leg])
+        found[stretch] = found.get(stretch, 0.0) + _held(march, int(leg), t)
+    return {stretch: share for stretch, share in found.items() if share > 1e-18}
+
+
+def _held(march: March, leg: int, t: float) -> float:
+    """Share of all contacts that were born on a leg and hold at the time t."""
+    panels, motion = march.panels(0, int(np.searchsorted(march.begin, t))), march.motion
+    legs, now = motion.leg(panels.middle_of_births(march.births.delay)), int(motion.leg(t))
+    panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
+    past, x = Past(march.births, np.inf), np.array([[t - motion.times[now]]])
+    past.enter(now, panels)
+    own = march.on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
+    return float(past.sums(x)[0, 0, 0] + own[0, 0])

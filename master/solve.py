@@ -36,17 +36,20 @@ def solve(
 ) -> Solution | SoftSolution | AgeingTransient:
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
-    The equation is number conservation, written with survivals and solved panel by panel. The
-    modules in the order in which they work: `rigid` turns the drive into a motion (motion.motion) and
-    lives.make the contacts into a life (lives.cold, ...: the survival and force of contacts born
-    together); renewal.edges finds where panels end; renewal.march takes the panels one after the
-    other and solves the equation on each for a polynomial (renewal.rule), with what earlier births
-    (renewal.births) contribute: those on the present leg of the path by renewal.kernels (from
-    renewal.straight), those before and the start by renewal.past; renewal.reading evaluates force and
-    holding share.
+    The equation is number conservation, written with survivals and solved panel by panel; the paper's
+    own scheme is master.paper.explicit, and docs/equations.md derives one from the other.
+    The files that do the work on a rigid slider, in the order in which they begin:
+
+    `solve` checks what is asked, and `rigid` puts the pieces together: `motion.motion` is X(t);
+    `lives.make` chooses the life of the contacts' laws, `lives.life` gives survival and force of
+    contacts born together; `renewal.births` says what is born, `renewal.edges` finds where panels end;
+    `renewal.march` solves the equation on one panel after the other, with what earlier births
+    contribute: `renewal.kernels` those on the present leg of the path, `renewal.past` those on the
+    legs before and the contacts of the start; `renewal.rule` holds a panel's nodes and polynomials,
+    and `outcome` says whether the tolerance was met.
+
     Under a spring, soft.solution follows the same march from slip to slip, or soft.in_time steps in
-    time where the contacts' laws depend on time. docs/equations.md derives
-    the equation from (Q5a); the paper's own scheme is master.paper.explicit.
+    time where the contacts' laws depend on time.
 
     Parameters
     ----------
@@ -99,9 +102,9 @@ def solve(
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            from master.soft.in_time.refining import solve_given
+            from master.soft.in_time.refining import solve_stiff
 
-            return solve_given(contacts, drive, tolerance, progress, wall_time)
+            return solve_stiff(contacts, drive, tolerance, progress, wall_time)
         until = clock.monotonic() + (np.inf if wall_time is None else wall_time)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)

@@ -30,10 +30,11 @@ from origins.drive import Drive
 from origins.errors import InputError
 from origins.grains.contact import GrainContact, growing_grains
 from origins.grains.film import GrainGrowth, film_growth, grains
-from origins.laws import SoftRates, StiffRates
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
+from origins.laws.soft import SoftRates
+from origins.laws.stiff import StiffRates
 from origins.laws.thermal import Thermal
 from origins.roughness.from_surface import from_moments, from_topography, resolution_study
 from origins.roughness.greenwood_williamson import (
@@ -41,8 +42,8 @@ from origins.roughness.greenwood_williamson import (
     pressure_of_separation,
     separation_of_pressure,
 )
-from origins.roughness.interface import Interface
-from origins.roughness.material import (
+from origins.roughness.interface import (
+    Interface,
     Material,
     column_stiffness,
     mindlin_stiffness,
@@ -54,7 +55,6 @@ from origins.roughness.moments import (
     moments_of_summits,
     spectral_moments,
 )
-from origins.roughness.power_law import PowerLaw
 from origins.roughness.surface import self_affine_surface
 from origins.samples.from_samples import Bootstrapped, bootstrap, bootstrap_laws, from_samples
 from origins.start import Start, boltzmann_reforming, gaussian_start
@@ -69,6 +69,7 @@ from origins.thresholds.families import (
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import ThresholdLaw, Thresholds
 from origins.thresholds.mixture import continuous_mixture, mixture
+from origins.thresholds.powered import PowerLaw
 
 # the public names are all those imported above
 __all__ = [name for name, found in globals().items() if hasattr(found, "__qualname__")]

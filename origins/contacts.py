@@ -11,11 +11,10 @@ import numpy.typing as npt
 
 from origins.errors import InputError, one_of, refuse
 from origins.grains.contact import GrainContact
-from origins.laws import RATE_LAWS
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
-from origins.laws.thermal import GivenRates, Thermal, as_thermal
+from origins.laws.thermal import RATE_LAWS, GivenRates, Thermal, as_thermal
 from origins.start import Births, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
@@ -112,13 +111,10 @@ class Contacts:
             rule = "such contacts never hold, so leave them out and count them apart"
             raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
         self.mean_threshold = self.thresholds.mean()
-        if not np.isfinite(self.mean_threshold):
-            rule = "with an infinite mean contacts never reach a steady state"
-            raise InputError(f"thresholds: the mean threshold is {self.mean_threshold}; {rule}")
         if not 1e-150 < self.mean_threshold < 1e150:
-            rule = (
-                "powers of these lengths are beyond floating point; choose another unit of length"
-            )
+            rule = "powers of it are beyond floating point; choose another unit of length"
+            if not np.isfinite(self.mean_threshold):
+                rule = "with an infinite mean contacts never reach a steady state"
             raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {rule}")
         # a family whose survival is invalid is refused here, by name, and not in the middle of a solution
         self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
@@ -206,14 +202,13 @@ def check_contacts(
     if not isinstance(contacts, Contacts):
         such = "origins.Contacts(origins.gaussian(mean=1.0, std=0.05))"
         refuse("contacts", contacts, f"must be contacts, such as {such}")
-    for name in contacts.laws:
-        if name == "grains" and name not in takes:
+    for name in (law for law in contacts.laws if law not in takes):
+        if name == "grains":
             rule = "takes none that grow with age yet; use origins.grains(...)"
             raise InputError(f"contacts.thresholds: {solver} {rule}")
-        if name not in takes:
-            value = " = 'linked'" if name == "stiffness" else ""
-            rule = f"does not take it yet; leave {name} out of the contacts"
-            raise InputError(f"contacts.{name}{value}: {solver} {rule}")
+        value = " = 'linked'" if name == "stiffness" else ""
+        rule = f"does not take it yet; leave {name} out of the contacts"
+        raise InputError(f"contacts.{name}{value}: {solver} {rule}")
     if isinstance(contacts.thermal, GivenRates) and not own_rates:
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
         rule = f'does not take the rate law "{contacts.thermal.law}" yet; use {known}'
@@ -241,8 +236,10 @@ def too_cold(temperature: float, thresholds: Thresholds) -> str:
     mean, least = thresholds.mean(), 1e-20
     if not temperature < least * mean**2:
         return ""
-    ratio = f"is {temperature / mean**2:.1g} of <x_s>²;"
+    unit = ""
     if thresholds.interface is not None:
-        lengths = f"are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
-        ratio = f"k_BT/<k> = {temperature:.1g} m² {ratio} {lengths}"
-    return f"{ratio} below {least:g} of it contacts break at their thresholds: leave thermal out"
+        unit = f" are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
+    return (
+        f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit} below {least:g} of it contacts "
+        "break at their thresholds: leave thermal out"
+    )

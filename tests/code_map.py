@@ -56,7 +56,7 @@ QUESTIONS = {
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "ageing, and the paper's (Q15)": ("origins:Ageing", "master:solve_q15"),
     "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),
-    "Gaussian heights, in metres": ("origins:from_moments", "origins:compressions"),
+    "Gaussian heights, in metres": ("origins:from_moments", "origins:Summits"),
     "Persson's stresses and thresholds": ("origins:persson", "origins:from_moments"),
     "the barrier of an island": ("origins:barrier",),
     "the draw of a threshold in the ensemble": ("eq_model:draw_values",),

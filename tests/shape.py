@@ -32,9 +32,9 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 9686, 200, 200),
-    "eq_model": Room(2200, 3754, 60, 130),
-    "origins": Room(4500, 6932, 120, 97),
+    "master": Room(7500, 9032, 200, 154),
+    "eq_model": Room(2200, 3352, 60, 35),
+    "origins": Room(4500, 6692, 120, 76),
     "toolkit": Room(4000, 3992, 100, 65),
 }
 Graph = dict[str, set[str]]

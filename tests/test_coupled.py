@@ -124,14 +124,8 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
     rest = eq_model.CoupledEnsemble(contacts, path, **asked, earlier=[first.state])
     assert list(rest)[-1] == (4 * 500, 4 * 500)
     for other in (rest.result(), eq_model.simulate(contacts, path, **asked, threads=3)):
-        for name in (
-            "forces",
-            "positions",
-            "force",
-            "force_standard_error",
-            "avalanches",
-            "breaks",
-        ):
+        names = "forces positions force force_standard_error avalanches breaks"
+        for name in names.split():
             assert np.all(getattr(other, name) == getattr(whole, name))
         for name in ("replica", "number", "drive", "after", "breaks"):
             assert (getattr(other.slips, name) == getattr(whole.slips, name)).all()

@@ -10,6 +10,8 @@ from rate_laws import Tilted
 
 import master
 import origins
+from master.stick_slip.extremes import births_table
+from master.stick_slip.roots import Transform
 from origins import Contacts, Thermal, gaussian
 
 WIDE, WAIT = gaussian(1.0, 0.2), origins.Delay(0.3)
@@ -137,3 +139,28 @@ def test_exponential_thresholds_that_wait() -> None:
     amplitude = 2.0 / (1.0 + exact) ** 2 / (wait + 1.0 / (1.0 + exact))
     assert (np.abs(spectrum.amplitude - amplitude) <= spectrum.amplitude_error).all()
     assert spectrum.roots_error.max() < 1e-9
+
+
+def test_the_error_of_a_tail_that_only_old_contacts_make() -> None:
+    """X* hangs on survivals near 1e-12, which contacts that age have to 1e-13: two versions were 4e-5 apart, with
+    claims of 1e-9. The reference is commit ee6a1b9's, good to 8e-4."""
+    ageing = origins.Ageing(origins.gaussian(1.5, 0.2), rate=4.46e-4)
+    contacts = origins.Contacts(origins.gw_elastic(1.5), ageing=ageing, delay=origins.Delay(0.236))
+    found = master.propensity(contacts, 1e-3, velocity=0.665)
+    off = abs(found.decoherence_length - 0.3238)
+    assert found.decoherence_length_error > 1e-4 and off < found.decoherence_length_error
+
+
+def test_survivals_that_leave_out_thresholds_claim_it() -> None:
+    """The transform of E far left of the imaginary axis, where the last 1e-16 of warm contacts decide, against a
+    double quadrature."""
+    warm, decay = Contacts(WIDE, thermal=Thermal("soft", 0.05)), 20.0
+    found = Transform(births_table(warm, 1.0, 1e-9), 0.0)(np.array([complex(-decay)]))
+    node, weight = np.polynomial.legendre.leggauss(400)
+    node, weight, direct = 0.5 * node + 0.5, 0.5 * weight, 0.0
+    for way, width in zip(4.0 * node, 4.0 * weight, strict=True):
+        threshold = way + (5.0 - way) * node
+        spent = weight @ warm.thermal.rates.rate(way * node[:, None], threshold, 1.0) * way
+        held = weight @ (warm.thresholds.pdf(threshold) * np.exp(-spent)) * (5.0 - way)
+        direct += width * held * np.exp(decay * way)
+    assert found.held_error[0] / direct > 1e-8 and abs(found.held[0] - direct) <= found.held_error[0]

@@ -294,7 +294,7 @@ def test_compilation_is_not_in_the_run_time(python: Any) -> None:
     done = python("""
 import eq_model, origins
 from eq_model import lanes
-eq_model.Ensemble.clock = staticmethod(lambda: float(len(lanes.forward.signatures)))
+eq_model.Ensemble.clock = staticmethod(lambda: float(len(lanes.follow.signatures)))
 run = eq_model.simulate(origins.Contacts(origins.gaussian(1.0, 0.05)), 2.0, n_contacts=100)
 print(run.breaks > 0, run.compile_time, run.run_time)
 """)

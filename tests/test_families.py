@@ -319,6 +319,20 @@ def test_a_family_may_state_its_density_alone() -> None:
     assert law.std() == pytest.approx(closed.std(), rel=1e-12)
 
 
+def test_survival_is_finite_where_rounding_hides_the_tail() -> None:
+    """Its logarithm was once infinite there."""
+
+    class Difference(origins.Thresholds):
+        def support(self) -> tuple[float, float]:
+            return 0.0, np.inf
+
+        def _log_weight(self, x: np.ndarray) -> np.ndarray:
+            return 1000.0 * x - 1001.0 * x
+
+    x = np.geomspace(1e15, 1e18, 200)
+    np.testing.assert_allclose(Difference().logsf(x), -x, rtol=1e-11)
+
+
 class Triangle(origins.Thresholds):
     """A density that is a power of x up to its peak at 0.3, and falls to 0 at 1."""
 

@@ -27,20 +27,12 @@ def last_stretch(velocity: float) -> float:
 
 def test_the_first_fall_of_the_force_in_closed_form() -> None:
     """Before the wait is over none is born: F = X exp(-H), H being the hazard of the law at the age there."""
-    contacts, velocity, first = (
-        Contacts(GRAINS, delay=Delay(2.5)),
-        1.0,
-        GRAINS.growth.first_pinning_time,
-    )
+    contacts, velocity, first = (Contacts(GRAINS, delay=Delay(2.5)), 1.0, GRAINS.growth.first_pinning_time)
 
     def force(x: float) -> mp.mpf:
         largest = ((4 + mp.mpf(x) / velocity) / mp.mpf(first)) ** (mp.mpf(1) / 3)
         size = mp.sqrt(1 + mp.mpf(x) ** 2)
-        return (
-            mp.mpf(x) * mp.exp(psi(1 / largest) - psi(size / largest))
-            if size < largest
-            else mp.mpf(0)
-        )
+        return (mp.mpf(x) * mp.exp(psi(1 / largest) - psi(size / largest)) if size < largest else mp.mpf(0))
 
     path = np.linspace(0.0, 2.7, 16)[1:]
     solved = master.solve(contacts, path, 1e-10, velocity=velocity)

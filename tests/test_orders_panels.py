@@ -26,11 +26,11 @@ import scipy.stats
 
 import master.renewal
 master.renewal.rule = rule
-from master.lives.cold import ColdLife
+from master.lives.life import ColdLife
 from master.motion.motion import Motion
-from master.renewal import reading
 from master.renewal.births import Births
 from master.renewal.march import March
+from master.rigid import breaks_until
 from origins import Contacts
 from origins.start import SingleStart
 
@@ -45,7 +45,7 @@ for count in counts:
     assert len(march.width) == count
     at = (edges[:-1, None] + END / count * np.linspace(0.05, 0.95, 10)).ravel()
     exact = at - (1.0 - np.exp(-4.0 * at)) / 4.0
-    errors.append(np.abs(reading.broken(march, at) - exact).max())
+    errors.append(np.abs(breaks_until(march, at) - exact).max())
 print(json.dumps(errors))
 """
 

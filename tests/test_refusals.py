@@ -140,11 +140,9 @@ class Careless(origins.Thresholds):
     def _cdf(self, x: np.ndarray) -> np.ndarray:
         return -np.expm1(-x)
 
-    def _ppf(self, q: np.ndarray) -> np.ndarray:
-        return -np.log1p(-q) * (1.0 + 1e-4)
-
-    def _isf(self, q: np.ndarray) -> np.ndarray:
-        return -np.log(q)
+    def _quantiles(self, below: np.ndarray, above: np.ndarray) -> np.ndarray:
+        x = -np.log(above)
+        return np.where(below < above, x * (1.0 + 1e-4), x)
 
 
 def simulate(path: Any = (0.0, 1.0), law: Any = GAUSSIAN, laws: Any = None, **asked: Any) -> Any:
@@ -265,6 +263,7 @@ simulate(time=[0.0, -1.0])  time
 simulate(comm=3)  comm = 3: must be a communicator of mpi4py
 simulate(laws={"thermal": PAPER})  thermal
 simulate(laws={"ageing": Ageing(GAUSSIAN, 0.1, closure="paper")})  ageing
+simulate(law=origins.rectangular(0.6, 0.9), laws={"ageing": Ageing(BOX, 0.1)})  ageing: the final law ends at 0.5 and 1
 simulate(laws={"thermal": Thermal("soft", 1.0, 1e12)})  each contact breaks about 6e+11 times
 simulate(laws={"thermal": Thermal("soft", 1e-21)})  leave thermal out
 simulate(laws={"reforming": 8.5})  the survival of the thresholds is below 1e-290; use stretches

@@ -12,7 +12,6 @@ from scipy import stats
 import origins
 from origins import Contacts, Delay, InputError, Thermal, ThresholdLaw
 from origins.contacts import LAWS
-from origins.grains.lifshitz_slyozov import LifshitzSlyozov
 from origins.thresholds.quadrature import gauss, panel_edges
 
 GAUSSIAN = origins.gaussian(1.0, 0.2)
@@ -50,7 +49,6 @@ FAMILIES = {
     "persson, heavy": lambda: origins.persson(10.0, 1.0),
     "lubricated": lambda: origins.lubricated(1.0),
     "gamma": lambda: origins.lubricated(1.3, power=5.0, decay=4.0),
-    "sizes of grains": LifshitzSlyozov,
     "grains": lambda: origins.grains(2.0, B=1.0),
     "grains, printed": lambda: origins.grains(1.0, B=1.0, jacobian="paper"),
     "grains, pinning": lambda: GRAINS.at_start,

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -13,8 +17,6 @@ import origins
 
 SCENE = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
 PATH = np.linspace(0.0, 5.0, 501)
-
-
 CHAINS = {
     "exponential": hyper_erlang([1.0], [1], [2.0]),
     "erlang": hyper_erlang([1.0], [5], [5.0]),
@@ -141,40 +143,24 @@ def test_any_path(path):
 def test_a_tolerance_beyond_reach_is_said(law):
     contacts = origins.Contacts(law, 0.1)
     solution = master.solve(contacts, PATH[::20], 1e-17)
-    assert not solution.success
-    assert solution.force_error > 1e-17
+    assert not solution.success and solution.force_error > 1e-17
     assert "above the tolerance 1.0e-17" in solution.message
     assert np.isfinite(solution.force).all()
     off = solution.force - master.solve(contacts, PATH[::20], 1e-8).force
     assert np.abs(off).max() < 1e-8
 
 
-WIDE = origins.gaussian(1.0, 0.2)
+WIDE, LAW = origins.gaussian(1.0, 0.2), origins.gaussian(1.0, 0.05)
+MIXED = origins.mixture([origins.gaussian(1.0, 0.1), origins.identical(0.8)], [0.7, 0.3])
 CASES = {
-    "cold": (
-        origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.1, 0.025)),
-        1.0,
-    ),
+    "cold": (origins.Contacts(LAW, origins.gaussian_start(0.1, 0.025)), 1.0),
     "delay": (origins.Contacts(origins.rectangular(0.5, 1.5), 0.3, delay=origins.Delay(0.3)), 2.0),
     "linked, behind": (origins.Contacts(WIDE, -0.3, reforming=-0.2, stiffness="linked"), 1.0),
-    "an exact value": (
-        origins.Contacts(
-            origins.mixture([origins.gaussian(1.0, 0.1), origins.identical(0.8)], [0.7, 0.3])
-        ),
-        1.0,
-    ),
-    "warm": (
-        origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("stiff", 0.01, 10.0)),
-        1.0,
-    ),
-    "creep": (
-        origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", 0.1)),
-        1e-7,
-    ),
+    "an exact value": (origins.Contacts(MIXED), 1.0),
+    "warm": (origins.Contacts(LAW, thermal=origins.Thermal("stiff", 0.01, 10.0)), 1.0),
+    "creep": (origins.Contacts(LAW, thermal=origins.Thermal("soft", 0.1)), 1e-7),
     "creep, paper": (
-        origins.Contacts(
-            origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", 0.1, closure="paper")
-        ),
+        origins.Contacts(LAW, thermal=origins.Thermal("soft", 0.1, closure="paper")),
         1e-4,
     ),
 }
@@ -210,5 +196,19 @@ def test_narrow_rectangle_between_two_generations(width: float) -> None:
     path = np.array([0.0, 5.5, 20.5])
     found = master.solve(contacts, path, 1e-8)
     error = np.abs(found.force - (path - np.floor(path) * (1.0 + 0.5 * width))).max()
-    assert error <= found.force_error
-    assert found.success
+    assert found.success and error <= found.force_error
+
+
+def test_few_files_solve_the_gaussian_scene_and_the_docstring_names_them_in_order() -> None:
+    room, used = Path(master.__file__).parent, {}
+
+    def look(frame, event, _):
+        file = Path(frame.f_code.co_filename)
+        if event == "call" and room in file.parents:
+            used[".".join(file.relative_to(room).with_suffix("").parts)] = True
+
+    sys.setprofile(look)
+    master.solve(origins.Contacts(LAW), PATH, 1e-8)
+    sys.setprofile(None)
+    told = re.findall(r"`([a-z_.]+)`", master.solve.__doc__.partition("Parameters")[0])
+    assert len(used) <= 12 and list(used) == told

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import master
-from master.lives.cold import ColdLife
+from master.lives.life import ColdLife
 from master.outcome import unheard
 from master.rigid import solve_rigid
 from origins import (

@@ -68,14 +68,14 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         many, folder = ("+", "compare-output") if name == "compare" else (None, "NAME-output")
         scene = "a scene file, or the name of a shipped scene"
         own.add_argument("scene", metavar="SCENE", nargs=many, help=scene)
-        told = f"folder for what is written (default: ./{folder})"
-        own.add_argument("--out", metavar="DIR", help=told)
+        explained = f"folder for what is written (default: ./{folder})"
+        own.add_argument("--out", metavar="DIR", help=explained)
         if name == "run":
             kept = "how often a long ensemble writes what it has found into DIR, from which the same command goes on"
             seconds: Any = {"metavar": "SECONDS", "type": float, "default": 60.0}
             own.add_argument("--checkpoint", help=f"{kept} (default: 60)", **seconds)
-            told = "tell work, time and error by small pilots; write nothing"
-            own.add_argument("--dry-run", action="store_true", help=told)
+            explained = "tell work, time and error by small pilots; write nothing"
+            own.add_argument("--dry-run", action="store_true", help=explained)
     return parser.parse_args(words)
 
 

@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
         return 0
     # a folder that cannot be used is refused before the work
     with runner.open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
-        result, finished = runner.solve(scene, comm, kept=kept, told=first)
+        result, finished = runner.solve(scene, comm, kept=kept, show_progress=first)
         said_before = {f"note    {note}" for note in before}
         print("\n".join(line for line in report(result) if line not in said_before))
         runner.write(result, comm, kept, finished)
@@ -73,8 +73,8 @@ def report(result: Any) -> list[str]:
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
         period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
-        told = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
-        lines.append(f"regime  {solved.regime.verdict}{told}: {solved.regime.reason}")
+        period_text = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
+        lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
     if solved is not None and solved.outrun is not None:
         lines.append(
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
@@ -165,7 +165,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
         scenes[scene.name] = scene
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
-    verdicts = judge.compare(list(scenes.values()), comm, told=comm is None or comm.Get_rank() == 0)
+    verdicts = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
     lines, numbers = judge.table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
     draw = partial(pictures.save_comparison, verdicts)
     on_root(comm, lambda: _write(folder, "compare", draw, lines, numbers))

@@ -18,15 +18,6 @@ from origins.errors import InputError, positive, refuse
 if TYPE_CHECKING:
     from eq_model.coupled.slide_kernel import Pull
 
-# Smallest share of the contacts that breaks in an avalanche that counts as a slip. Before a slip,
-# avalanches break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below
-# 0.7 K* break most of them.
-SLIP_FRACTION = 0.2
-
-UNIT_BITS, LARGEST_BITS = 28, 40
-_MOST_BUCKETS = 1 << 25  # which take 270 MB
-_NEVER = -(1 << 62)
-
 
 class Replicas:
     """Follows replicas of `n` contacts on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
@@ -43,7 +34,9 @@ class Replicas:
         from eq_model.draws.births import births_of
 
         check_coupled(contacts, drive)
-        share = SLIP_FRACTION if slip_fraction is None else positive("slip_fraction", slip_fraction)
+        # before a slip avalanches break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below
+        # 0.7 K* break most of them
+        share = 0.2 if slip_fraction is None else positive("slip_fraction", slip_fraction)
         if share > 1.0:
             refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
         self._contacts, self._drive, self._n, self._seed = contacts, drive, n, seed
@@ -54,15 +47,15 @@ class Replicas:
         # contacts that pull forward take the slider beyond the drive, at most by their largest stretch
         way = drive.path[-1] + Reach(contacts, drive).furthest
         self._buckets = (int(max(way, 0.0) / self._unit) >> self._shift) + 2
-        if self._buckets > _MOST_BUCKETS:
-            most = _MOST_BUCKETS * self._unit * 2.0**self._shift
+        if self._buckets > 1 << 25:  # which take 270 MB
+            most = 2.0 ** (25 + self._shift) * self._unit
             refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for {n} coupled contacts")
 
     def nothing(self) -> State:
         """The state of no replicas."""
         return State()
 
-    def told(self, blocks: Blocks, state: State) -> dict[str, Any]:
+    def fields(self, blocks: Blocks, state: State) -> dict[str, Any]:
         """Fields of the result."""
         return {**fields_of(state.rows, state.slips), "slip_fraction": self.slip_fraction}
 
@@ -86,18 +79,18 @@ class Replicas:
         first, later = (kernel.make_supply(births, stream, mean) for births in self._births)
         queue, slider = make_queue(n, self._shift, self._buckets), np.zeros(1, kernel.SLIDER)
         s, slips = slider[0], list[npt.NDArray[np.float64]]()
-        s["back"] = _NEVER
+        s["back"] = -(1 << 62)  # never
         kernel.form_all(slider, queue, first, n)
         pull, each = self._pull(s), unit / n
         while (why := kernel.slide(slider, queue, later, pull)) != kernel.PATH_DONE:
             if why == kernel.SLIP_ENDED:
-                slips.append(np.r_[replica, len(slips), pull.last])
+                slips.append(np.r_[replica, len(slips), pull.avalanche])
             elif why == kernel.OVERTAKEN:
                 raise InputError(
                     "reforming: contacts that form again stretched forward take the slider far beyond the drive; use a "
                     "stiffer spring, or stretches closer to 0"
                 )
-        x, force, held = pull.told
+        x, force, held = pull.at_points
         numbers = replica, s["breaks"], pull.clock_drive[0] * unit
         row = np.r_[numbers, pull.avalanches, x * unit, force * each, held / n]
         scales = [1.0, 1.0, unit / pull.spring, unit, unit, each, each, 1.0]
@@ -135,8 +128,8 @@ class Replicas:
             slip=max(int(np.ceil(self.slip_fraction * n)), 1),
             at_once=drive.slip == "instant" and delay is None,
             resets=drive.slip == "reset",
-            last=np.empty(6),
-            told=np.zeros((3, path.size)),
+            avalanche=np.empty(6),
+            at_points=np.zeros((3, path.size)),
             avalanches=np.zeros(SIZES, np.int64),
             returns=np.empty(waits),
             many=np.empty(waits, np.int64),
@@ -149,7 +142,7 @@ def unit_of(contacts: Contacts) -> float:
     from eq_model.draws.births import tables_of
 
     largest = tables_of(contacts)["thresholds"].largest
-    return max(2.0**-UNIT_BITS * contacts.mean_threshold, 2.0**-LARGEST_BITS * largest)
+    return max(2.0**-28 * contacts.mean_threshold, 2.0**-40 * largest)
 
 
 def check_coupled(contacts: Contacts, drive: Drive) -> None:

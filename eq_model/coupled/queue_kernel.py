@@ -18,12 +18,6 @@ from eq_model.compiling import bare, inlined, unsigned
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
 CHUNK = 128  # keys in one piece of memory
-PER_BUCKET = 16384  # most breaks of a bucket, on average: they fit a core's L2 cache
-FEW = 64  # most keys, on average, that are moved to insert one into the open bucket
-DIGIT = 8  # bits of a place that are sorted in one pass
-WIDEST = 5  # buckets of at most 2^-5 mean thresholds: few contacts break in that of their birth
-
-_THRESHOLD, _DIGIT = unsigned((1 << THRESHOLD_BITS) - 1), unsigned((1 << DIGIT) - 1)
 
 
 class Queue(NamedTuple):
@@ -37,7 +31,7 @@ class Queue(NamedTuple):
     keys: npt.NDArray[np.uint64]  # (chunks, CHUNK)
     open: npt.NDArray[np.uint64]  # sorted keys of the open bucket, that of the slider
     spare: npt.NDArray[np.uint64]  # scratch memory to sort them
-    digits: npt.NDArray[np.int64]  # counts of each digit, to sort them
+    counts: npt.NDArray[np.int64]  # of the 256 values of a digit, to sort them
     at: npt.NDArray[np.int64]  # index of the next open key, their end, and the bucket's number
 
 
@@ -47,8 +41,9 @@ def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> i
     share_below : share of the thresholds below a number of means; contacts that break in the bucket of
         their birth are inserted one by one, which is slow.
     """
-    width = min(PER_BUCKET / n, 2.0**-WIDEST)
-    while width * n * min(share_below(width), 1.0) > FEW and width * n > FEW:
+    # a bucket's breaks, 16384 on average, fit a core's L2 cache; few contacts break in that of their birth
+    width = min(16384 / n, 2.0**-5)
+    while width * n * min(share_below(width), 1.0) > 64.0:  # keys that are moved to insert one
         width *= 0.5
     return min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
 
@@ -65,7 +60,7 @@ def make_queue(n: int, shift: int, buckets: int) -> Queue:
         keys=np.empty((chunks, CHUNK), np.uint64),
         open=np.empty(n + 1, np.uint64),
         spare=np.empty(n + 1, np.uint64),
-        digits=np.empty((-(-shift // DIGIT), 1 << DIGIT), np.int64),
+        counts=np.empty(256, np.int64),
         at=np.zeros(3, np.int64),
     )
 
@@ -93,7 +88,7 @@ def next_break(queue):  # type: ignore[no-untyped-def]
 def take_next(queue):  # type: ignore[no-untyped-def]
     """Remove the next break of the open bucket and return its threshold."""
     queue.at[0] += 1
-    return np.int64(queue.open[unsigned(queue.at[0] - 1)] & _THRESHOLD)
+    return np.int64(queue.open[unsigned(queue.at[0] - 1)] & unsigned((1 << THRESHOLD_BITS) - 1))
 
 
 @inlined
@@ -137,45 +132,33 @@ def _insert(queue, key):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _take(queue, into):  # type: ignore[no-untyped-def]
-    """Move the open bucket's keys to `into`; returns their number, and counts their digits."""
-    k = queue.at[2]
-    n, m = np.int64(queue.many[k]), np.int64(0)
-    chunk = np.int64(queue.last[k])
-    fill = n - (n - 1) // CHUNK * CHUNK
-    queue.digits[:] = 0
-    while m < n:
+def open_next(queue):  # type: ignore[no-untyped-def]
+    """Open the next bucket and sort its breaks by place, then by arrival; False if there is none."""
+    k = queue.at[2] + 1
+    if k == queue.many.size:
+        return False
+    n, m, chunk = np.int64(queue.many[k]), np.int64(0), np.int64(queue.last[k])
+    passes = (queue.shift + 7) // 8
+    old, new = (queue.spare, queue.open) if passes % 2 else (queue.open, queue.spare)
+    while m < n:  # the last chunk is filled in part
+        fill = (n - m - 1) % CHUNK + 1
         for j in range(fill):
-            key = queue.keys[chunk, j]
-            into[m + j] = key
-            for d in range(queue.digits.shape[0]):
-                queue.digits[d, (key >> unsigned(THRESHOLD_BITS + d * DIGIT)) & _DIGIT] += 1
+            old[m + j] = queue.keys[chunk, j]
         m += fill
-        fill = np.int64(CHUNK)
         queue.free[0] += 1
         queue.free[queue.free[0]] = chunk
         chunk = np.int64(queue.before[chunk])
-    queue.many[k] = 0
-    return n
-
-
-@bare
-def open_next(queue):  # type: ignore[no-untyped-def]
-    """Open the next bucket and sort its breaks by place, then by arrival; False if there is none."""
-    if queue.at[2] + 1 == queue.many.size:
-        return False
-    queue.at[2] += 1
-    many = queue.digits.shape[0]
-    old, new = (queue.spare, queue.open) if many % 2 else (queue.open, queue.spare)
-    n = _take(queue, old)
-    for d in range(many):
-        at, places = np.int64(0), queue.digits[d]
-        for k in range(places.size):
-            places[k], at = at, at + places[k]
+    for d in range(passes):  # a digit of eight bits after the other, from the last one
+        shift, at, counts = unsigned(THRESHOLD_BITS + 8 * d), np.int64(0), queue.counts
+        counts[:] = 0
         for i in range(n):
-            digit = (old[i] >> unsigned(THRESHOLD_BITS + d * DIGIT)) & _DIGIT
-            new[unsigned(places[digit])] = old[i]
-            places[digit] += 1
+            counts[(old[i] >> shift) & unsigned(255)] += 1
+        for digit in range(counts.size):
+            counts[digit], at = at, at + counts[digit]
+        for i in range(n):
+            digit = (old[i] >> shift) & unsigned(255)
+            new[unsigned(counts[digit])] = old[i]
+            counts[digit] += 1
         old, new = new, old
-    queue.at[0], queue.at[1] = 0, n
+    queue.many[k], queue.at[0], queue.at[1], queue.at[2] = 0, 0, n, k
     return True

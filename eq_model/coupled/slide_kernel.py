@@ -14,14 +14,13 @@ import numpy.typing as npt
 
 from eq_model.compiling import bare, inlined
 from eq_model.coupled.queue_kernel import clear, next_break, open_next, take_next, wait
-from eq_model.draws.births import Births, draw_round, form_row
-from eq_model.draws.quantiles import Room, make_room
+from eq_model.draws.births import Births, draw_stretches, draw_thresholds
+from eq_model.draws.quantiles import Scratch, make_scratch
 from eq_model.draws.streams import LANES, Stream
 
 Array = npt.NDArray[np.float64]
 
-OFTEN = 64  # buckets after which the kernel returns, so that Python can handle an interrupt
-PATH_DONE, SLIP_ENDED, OVERTAKEN, BUCKETS_PASSED, GOING_ON = range(5)
+PATH_DONE, SLIP_ENDED, OVERTAKEN, GOING_ON = range(4)
 
 # Positions are whole units; forces and stiffnesses are sums of k_i x_i and k_i in units of <k>.
 SLIDER = np.dtype(
@@ -47,7 +46,7 @@ class Supply(NamedTuple):
 
     births: Births
     stream: Stream
-    room: Room
+    scratch: Scratch
     ready: npt.NDArray[np.int64]  # (2, 4, LANES): thresholds and stretches
     at: npt.NDArray[np.int64]  # index of the next contact, and the number of draws so far
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
@@ -66,8 +65,8 @@ class Pull(NamedTuple):
     slip: int  # fewest breaks of an avalanche that is a slip
     at_once: bool  # whether broken contacts re-form at once
     resets: bool  # whether a slip replaces all contacts
-    last: Array  # of the last avalanche: K X_T, X before and after, F before and after, breaks
-    told: Array  # (3, points): X, F and the number of contacts that hold
+    avalanche: Array  # the last one: K X_T, X before and after, F before and after, breaks
+    at_points: Array  # (3, points): X, F and the number of contacts that hold
     avalanches: npt.NDArray[np.int64]  # numbers of those that broke 1, 2-3, 4-7, ... contacts
     returns: Array  # ring buffer of the times at which contacts re-form
     many: npt.NDArray[np.int64]  # how many contacts re-form then
@@ -76,16 +75,16 @@ class Pull(NamedTuple):
 def make_supply(births: Births, stream: Stream, mean: float = 0.0) -> Supply:
     """The supply before its first draw."""
     ready, at = np.empty((2, 4, LANES), np.int64), np.array([4 * LANES, 0])
-    return Supply(births, stream, make_room(), ready, at, mean)
+    return Supply(births, stream, make_scratch(), ready, at, mean)
 
 
 @bare
 def _refill(s):  # type: ignore[no-untyped-def]
-    turn = s.at[1]
-    draw_round(np.int64(LANES), turn, s.stream, s.births, s.room)
+    turn, n = s.at[1], np.int64(LANES)
     for row in range(np.int64(4)):
         x, r = s.ready[0, row], s.ready[1, row]
-        form_row(np.int64(LANES), row, turn, s.stream, s.births, s.room, x, r)
+        draw_stretches(n, row, turn, s.stream, s.births, s.scratch, r)
+        draw_thresholds(n, row, turn, s.stream, s.births, s.scratch, r, x)
     s.at[0], s.at[1] = 0, turn + 1
 
 
@@ -143,7 +142,7 @@ def _straight(x, places, values):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _tell(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
+def _store_points(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
     """Store X and F at the points that the drive passes before K X_T = level, or there before `time`.
 
     load : F + K X at b if nothing breaks before.
@@ -152,16 +151,16 @@ def _tell(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
         pull.path[s.point] < level or (pull.path[s.point] == level and pull.time[s.point] < time)
     ):
         x = b - (load - pull.path[s.point]) / (pull.spring + s.stiffness)
-        pull.told[0, s.point] = x
-        pull.told[1, s.point] = pull.path[s.point] - pull.spring * x
-        pull.told[2, s.point] = s.held
+        pull.at_points[0, s.point] = x
+        pull.at_points[1, s.point] = pull.path[s.point] - pull.spring * x
+        pull.at_points[2, s.point] = s.held
         s.point += 1
 
 
 @inlined
 def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
     """End an avalanche with the slider at `after`, where the spring balances; returns its number of breaks."""
-    size, last, kind = s.broken, pull.last, 0
+    size, last, kind = s.broken, pull.avalanche, 0
     last[0], last[2], last[4] = s.pulled, after, s.pulled - pull.spring * after
     last[5], s.broken = size, 0
     if size < pull.slip:
@@ -177,7 +176,8 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
     s, passed = slider[0], 0
     while True:
         is_break, b = next_break(queue)
-        load = s.force + s.stiffness * np.float64(b - s.at) + pull.spring * np.float64(b)
+        force = s.force + s.stiffness * np.float64(b - s.at)
+        load = force + pull.spring * np.float64(b)
         both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
         back = False  # whether contacts re-form before b
         if s.broken == 0:  # the slider sticks
@@ -187,12 +187,12 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
                 comes = pull.spring * _straight(due, pull.clock, pull.clock_drive)
                 if comes < level:
                     back, level, time = True, comes, due
-            _tell(s, pull, b, load, level, time)
+            _store_points(s, pull, b, load, level, time)
             if s.point == pull.path.size:
                 return PATH_DONE
             if not back:
                 s.pulled = max(s.pulled, level)
-                pull.last[1], pull.last[3] = np.float64(b), load - pull.spring * np.float64(b)
+                pull.avalanche[1], pull.avalanche[3] = np.float64(b), force
         if back:
             _move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
             forming = pull.many[s.returning % pull.returns.size]
@@ -201,16 +201,15 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
             after = b - (load - s.pulled) / both
             if _end_avalanche(s, pull, after) >= pull.slip:
                 why = SLIP_ENDED
-            if not pull.at_once:
-                _move(s, max(np.int64(np.rint(after)), s.at))
-                if pull.wait >= 0.0:
-                    last = s.returns % pull.returns.size
-                    now = _straight(s.pulled / pull.spring, pull.clock_drive, pull.clock)
-                    pull.returns[last], pull.many[last] = now + pull.wait, s.out
-                    s.returns += 1
-                else:
-                    forming = s.out
-                s.out = 0
+            _move(s, max(np.int64(np.rint(after)), s.at))
+            if pull.wait >= 0.0:
+                last = s.returns % pull.returns.size
+                now = _straight(s.pulled / pull.spring, pull.clock_drive, pull.clock)
+                pull.returns[last], pull.many[last] = now + pull.wait, s.out
+                s.returns += 1
+            else:
+                forming = s.out
+            s.out = 0
         elif is_break:
             _move(s, b)
             x = take_next(queue)
@@ -220,10 +219,8 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
             s.held -= 1
             s.broken += 1
             s.breaks += 1
-            if pull.at_once:
-                forming = np.int64(1)
-            else:
-                s.out += 1
+            forming = np.int64(pull.at_once)
+            s.out += 1 - forming
             if pull.resets and s.broken >= pull.slip:
                 # a reset: all contacts are dropped, also those due to return, and X = X_T
                 drive = s.pulled / pull.spring
@@ -236,8 +233,8 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
             passed += 1
             if not open_next(queue):
                 return OVERTAKEN
-            if passed == OFTEN:
-                return BUCKETS_PASSED
+            if passed == 64:  # so that Python can handle an interrupt
+                return GOING_ON
         for _ in range(forming):
             _form(s, queue, supply)
         if why != GOING_ON:

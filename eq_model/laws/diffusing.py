@@ -6,42 +6,67 @@ Lengths are in units of the lattice, except those of rate laws.
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from eq_model.compiling import bare, real, whole
-from eq_model.contact import AGED, BREAKS, Break, look_at, place_of, rate
+from eq_model.contact import AGED, BREAKS, Break, look_at, place_of, rate_at
 from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
-from eq_model.laws.ageing_tables import DriftTable
-
-_THERMAL = 0.1  # largest integral of the breaking rate over one step
-_CHANGE = 0.6  # largest change of ln h in a step
-_NUDGE = 1e-3  # difference for slopes of ln h, over the threshold
-_NEVER = 23.0  # no random number of 32 bits is below e^-23
-_FAR = 8.0  # standard deviations that no threshold diffuses in a step
-_OF_THE_GAP = 0.15  # a step's standard deviation, over the gap from stretch to the law's upper end
-_OF_THE_WAY, _LEAST = 0.2, 0.01  # the same over the distance to 0; shortest step, over the longest
-_FELT = 0.25  # standard deviations of a step: nearer to an end the drift is taken as constant
-_MOST_WATCHED = 12  # bits of the index of a watched point
+from origins import Ageing, InputError, Thresholds
 
 
-class Ageing(NamedTuple):
-    """Diffusion of thresholds, towards a normal law or one with a table of its drift (ageing_tables)."""
+class Diffusing(NamedTuple):
+    """Diffusion of thresholds y, towards a normal law, or another one on y > 0 by a table of its slopes."""
 
     normal: bool
     mean: float
     width: float
-    relaxing: float  # per time
     diffusion: float  # squared units per time
-    table: DriftTable
+    slopes: npt.NDArray[np.float64]  # d ln P_cf/d ln y at equal steps of ln y
+    first: float  # ln y of the first slope
+    step: float  # of ln y
     longest: float  # longest step (a time) where the threshold is near the stretch
     coarse: float  # factor on steps with heat, 1 for the usual ones
     warm: bool  # whether contacts also break at a rate
     rates: Any
     unit: float  # a length
 
-    def coarser(self, times: float) -> "Ageing":
+    def coarser(self, times: float) -> "Diffusing":
         """The same law with steps `times` times longer."""
         # the error of a rate's integral is of fourth order in the change of its logarithm
         return self._replace(longest=times * self.longest, coarse=times**0.25)
+
+
+def make_diffusing(
+    ageing: Ageing, fresh: Thresholds, warm: bool, rates: Any, unit: float
+) -> Diffusing:
+    """Ageing from the thresholds of `fresh`, in units of a length.
+
+    Raises InputError for a final law that begins above 0 or ends, where thresholds would be reflected.
+    """
+    from scipy.interpolate import CubicSpline
+
+    normal, final, diffusion = ageing.normal, ageing.final, ageing.rate / unit**2
+    if normal is not None:
+        # within the longest step, 0.04 of the relaxation time, diffusion is taken as free
+        law = normal.mean / unit, normal.std / unit, diffusion, np.zeros(2), 0.0, 1.0
+        return Diffusing(True, *law, 0.04 / normal.rate, 1.0, warm, rates, unit)
+    low, high = final.support()
+    if low > 0.0 or high < np.inf:
+        raise InputError(
+            f"ageing: the final law ends at {low:g} and {high:g}, where thresholds would be reflected; use a final law "
+            "on all x > 0"
+        )
+    # the standard deviation of a step is 0.1 times the width of the law's middle half
+    middle = float(final.isf(0.25) - final.ppf(0.25))
+    # the table ends 1e-5 widths above 0, and where less than 1e-14 of either law lies beyond
+    near = max(min(float(final.ppf(1e-14)), float(fresh.ppf(1e-14))), 1e-5 * middle)
+    log = np.linspace(np.log(near), np.log(max(final.isf(1e-14), fresh.isf(1e-14))), 4097)
+    slopes, first = (
+        CubicSpline(log, final.logpdf(np.exp(log)))(log, 1),
+        float(log[0] - np.log(unit)),
+    )
+    law = 0.0, 0.0, diffusion, slopes, first, float(log[1] - log[0])
+    return Diffusing(False, *law, 0.005 * middle**2 / ageing.rate, 1.0, warm, rates, unit)
 
 
 @bare
@@ -97,148 +122,108 @@ def _between(above, below, variance, part, lane, turn, stream):  # type: ignore[
 
 
 @bare
-def _drift(y, ageing):  # type: ignore[no-untyped-def]
+def _drift(y, law):  # type: ignore[no-untyped-def]
     """Mean change of a threshold per time, over D, towards a law that is not normal."""
-    table, values = ageing.table, ageing.table.values
-    y = min(max(y, table.near), table.far)
-    below, above = y - table.low, table.high - y
-    place = (np.log(below / above if above < np.inf else below) - table.first) / table.step
-    k = min(max(whole(place), 0), values.size - 2)
-    slope = values[k] + (place - k) * (values[k + 1] - values[k])
-    return slope * (1.0 / below + 1.0 / above)
+    last = law.slopes.size - 1
+    place = min(max((np.log(y) - law.first) / law.step, 0.0), real(last))
+    k = min(whole(place), last - 1)
+    slope = law.slopes[k] + (place - k) * (law.slopes[k + 1] - law.slopes[k])
+    return slope / np.exp(law.first + place * law.step)
 
 
 @bare
-def _moved(y, time, bell, chance, walled, ageing):  # type: ignore[no-untyped-def]
-    """A threshold a time later, towards a law that is not normal: by Heun's step, of second order in the mean.
-
-    A step that reaches the final law's upper end, or its lower end where that is above the stretch (walled), is
-    reflected there by its largest excess beyond, drawn as the extreme of a Brownian bridge.
-    """
-    diffusion, low, high = ageing.diffusion, ageing.table.low, ageing.table.high
-    spread = np.sqrt(2.0 * diffusion * time)
-    # nearer to an end than this the drift is that at these points
-    least, most = low + _FELT * spread, high - _FELT * spread
-    slope = _drift(min(max(y, least), most), ageing)
-    guess = low + abs(y + diffusion * time * slope + spread * bell - low)
-    guess = min(guess, 2.0 * high - guess)
-    there = _drift(min(max(guess, least), most), ageing)
-    later = y + 0.5 * diffusion * time * (slope + there) + spread * bell
-    middle = 0.5 * (y + later)
-    reach = 0.5 * np.sqrt((later - y) ** 2 - 2.0 * spread * spread * np.log(chance))
-    if walled and y - low <= high - y:
-        later += max(low - middle + reach, 0.0)
-    elif high < np.inf:
-        later -= max(middle + reach - high, 0.0)
-    return min(max(later, low), high) if walled else min(later, high)
+def _moved(y, time, bell, law):  # type: ignore[no-untyped-def]
+    """A threshold a time later: exact towards a normal law, else by Heun's step, of second order in the mean."""
+    if law.normal:
+        relaxed = -np.expm1(-law.diffusion / (law.width * law.width) * time)
+        return y + (law.mean - y) * relaxed + law.width * np.sqrt(relaxed * (2.0 - relaxed)) * bell
+    spread = np.sqrt(2.0 * law.diffusion * time)
+    # nearer to 0 than a quarter of the step's standard deviation the drift is the one there
+    slope = _drift(max(y, 0.25 * spread), law)
+    guess = abs(y + law.diffusion * time * slope + spread * bell)
+    slope += _drift(max(guess, 0.25 * spread), law)
+    return y + 0.5 * law.diffusion * time * slope + spread * bell
 
 
 @bare
-def _rate(x, y, ageing):  # type: ignore[no-untyped-def]
-    return rate(ageing.rates, min(x, y) * ageing.unit, y * ageing.unit, 1.0)
-
-
-@bare
-def _steepness(x, y, ageing):  # type: ignore[no-untyped-def]
+def _steepness(x, y, law):  # type: ignore[no-untyped-def]
     """How fast the logarithm of the rate changes with the stretch x >= 0, and with the threshold y."""
-    step = _NUDGE * max(y, 1.0)
+    step = 1e-3 * max(y, 1.0)
     x = max(min(x, y - 2.0 * step), 0.0)
-    here = np.log(max(_rate(x, y, ageing), 1e-300))
-    of_x = np.log(max(_rate(x + step, y, ageing), 1e-300)) - here
-    of_y = here - np.log(max(_rate(x, y + step, ageing), 1e-300))
+    here = np.log(max(rate_at(x, y, law, 1.0), 1e-300))
+    of_x = np.log(max(rate_at(x + step, y, law, 1.0), 1e-300)) - here
+    of_y = here - np.log(max(rate_at(x, y + step, law, 1.0), 1e-300))
     return abs(of_x) / step, abs(of_y) / step
 
 
 @bare
-def _step(y, here, speed, left, law):  # type: ignore[no-untyped-def]
-    """The time of the next step, at most `left`; the stretch |x| = here grows with `speed`."""
+def _step(y, x, speed, longest, law):  # type: ignore[no-untyped-def]
+    """The time of the next step, at most `longest`; the stretch x >= 0 grows with `speed`."""
     time = law.longest
-    gap = min(y, max(law.mean, 0.0)) - here  # a threshold above the mean may drift down to it
-    if law.normal and gap > 0.0:  # the time in which the threshold cannot come down to the stretch
-        spread = _FAR * np.sqrt(2.0 * law.diffusion)
+    if law.normal:
+        # the time in which the threshold cannot come down to the stretch: it diffuses by less than 8 standard
+        # deviations, and one above the mean may drift down to that
+        gap, spread = max(min(y, law.mean) - x, 0.0), 8.0 * np.sqrt(2.0 * law.diffusion)
         root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
         time = max(time, root * root)
-    if not law.normal and law.table.low == 0.0:  # drifts are steep near there
-        near = (_OF_THE_WAY * y) ** 2 / (2.0 * law.diffusion)
-        time = min(time, max(near, _LEAST * time))
-    if law.table.high < np.inf and here >= law.table.low:
-        # a threshold meets the stretch or the wall in one step, not both
-        gap = max(law.table.high - here, 1.0)
-        time = min(time, (_OF_THE_GAP * gap) ** 2 / (2.0 * law.diffusion))
-        time = min(time, 0.5 * gap / speed) if speed > 0.0 else time
+    else:  # drifts are steep near 0: a step's standard deviation is at most 0.2 of the way there
+        time = min(time, max((0.2 * y) ** 2 / (2.0 * law.diffusion), 0.01 * time))
+    time = min(time, longest)
     if not law.warm:
-        return min(time, left)
-    # the step in which the breaking rate changes little, and its integral is small
-    x, change = min(here, y), law.coarse * _CHANGE
-    spent = law.coarse**2 * _THERMAL / max(_rate(x, y, law), 1e-300)
-    pull = law.relaxing * abs(law.mean - y)
-    if not law.normal:
-        pull = law.diffusion * abs(_drift(y, law))
-    time = min(min(time, left), spent)
+        return time
+    # the step in which the integral of the breaking rate is small, and its logarithm changes little
+    time = min(time, law.coarse**2 * 0.1 / max(rate_at(x, y, law, 1.0), 1e-300))
+    change = law.coarse * 0.6
+    pull = law.diffusion * abs((law.mean - y) / law.width**2 if law.normal else _drift(y, law))
     for _ in range(2):  # the rate is steeper, or less so, where the step ends
         of_x, of_y = _steepness(min(x + speed * time, y), y, law)
         time = min(time, change / max(of_x * speed + of_y * pull, 1e-300))
         time = min(time, (change / max(of_y, 1e-300)) ** 2 / (2.0 * law.diffusion))
-    return min(max(time, 1e-3 * law.longest), left)
+    return min(max(time, 1e-3 * law.longest), longest)
 
 
-def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
+def break_diffusing(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact whose threshold diffuses, counted at the watched points on its way."""
-    lane, stream, place = contact.lane, contact.stream, contact.drawn
-    at, leg, wall = contact.clock, contact.leg, law.table.low
-    legs, y, stretch = way.directions.size, real(contact.threshold), contact.stretch
-    remaining, seen, moments = np.exp(contact.log_exposure), whole(0), way.moments
+    lane, stream, drawn = contact.lane, contact.stream, contact.drawn
+    begin, leg, moments = contact.clock, contact.leg, way.moments
+    y, stretch = real(contact.threshold), contact.stretch
+    remaining = np.exp(contact.log_exposure)
     many = moments.size if counts.shape[0] else 0
-    known, lost, width = -1.0, 0.0, 0.0
-    while seen < many and moments[seen] < at:
-        seen += 1
-    while leg < legs:
+    watched = np.searchsorted(moments, begin)
+    while leg < way.directions.size:
         d, pace, end = way.directions[leg], way.paces[leg], way.begins[leg + 1]
         # on a leg the travel is a float, and is rounded where the contact breaks
-        passed, room = 0.0, real(end - at)
-        while passed < room:
-            now = real(stretch) + d * passed
-            here, leaving, left = abs(now), d * now >= 0.0, (room - passed) * pace
-            speed = 1.0 / pace if d != 0 and leaving else 0.0
-            if d != 0 and not leaving:
-                left = min(left, max(here, 1.0) * pace)
-            # end the step where the stretch passes the law's lower end: below it thresholds are reflected
-            if not law.normal and d != 0 and here != wall and (here < wall) == leaving:
-                left = min(left, max(abs(wall - here), 1.0) * pace)
-            time = _step(y, here, speed, left, law)
-            words = words_at(lane, place, stream, STEPS)
-            bell, chance, ticks = _normal(words), _fourth(words), time / pace
+        passed, room = 0.0, real(end - begin)
+        while room - passed >= 0.5:
+            x, longest, speed = abs(real(stretch) + d * passed), (room - passed) * pace, 0.0
+            if d * (real(stretch) + d * passed) < 0.0:  # a step ends where the contact is relaxed
+                longest = min(longest, max(x, 1.0) * pace)
+            elif d != 0:
+                speed = 1.0 / pace
+            time = _step(y, x, speed, longest, law)
+            words = words_at(lane, drawn, stream, STEPS)
+            drawn += 1
+            ticks, later = time / pace, _moved(y, time, _normal(words), law)
             then = abs(real(stretch) + d * (passed + ticks))
-            walled = here + then < 2.0 * wall
-            place += 1
-            if law.normal:
-                if time != known:  # most steps are as long as the last one
-                    known, lost = time, -np.expm1(-law.relaxing * time)
-                    width = law.width * np.sqrt(lost * (2.0 - lost))
-                later = y + (law.mean - y) * lost + width * bell
-            else:
-                reflected = chance
-                if not walled and law.table.high < np.inf:
-                    reflected = _fourth(words_at(lane, place, stream, STEPS))
-                    place += 1
-                later = _moved(y, time, bell, reflected, walled, law)
             # the stretch is rounded where a leg ends
-            above, below, variance = max(y - here, 0.0), later - then, 2.0 * law.diffusion * time
-            part, broken = 1.0, below <= 0.0 and not walled
-            if not broken and not walled:
-                far = 2.0 * above * below / variance
-                broken = far < _NEVER and chance < np.exp(-far)
+            above, below, variance = max(y - x, 0.0), later - then, 2.0 * law.diffusion * time
+            met = 1.0
+            broken = below <= 0.0 or _fourth(words) < np.exp(-2.0 * above * below / variance)
             if broken:
-                words = words_at(lane, place, stream, STEPS)
-                place += 1
+                words = words_at(lane, drawn, stream, STEPS)
+                drawn += 1
                 spread, bell = np.sqrt(variance), _normal(words)
-                part = _first_meeting(above, below, spread, bell, _fourth(words))
-                below, variance = 0.0, variance * part
-            met = part
+                met = _first_meeting(above, below, spread, bell, _fourth(words))
+                below, variance = 0.0, variance * met
+            part = met
             if law.warm:
-                first, reached = _rate(here, y, law), here + part * (then - here)
-                last = _rate(reached, reached, law) if broken else _rate(then, later, law)
-                spread = _steepness(min(here, y), y, law)[1] * np.sqrt(variance)
+                reached, first = x + part * (then - x), rate_at(x, y, law, 1.0)
+                last = (
+                    rate_at(reached, reached, law, 1.0)
+                    if broken
+                    else rate_at(then, later, law, 1.0)
+                )
+                spread = _steepness(min(x, y), y, law)[1] * np.sqrt(variance)
                 # integral of the rate, with ln h linear in time plus a Brownian bridge
                 ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
                 mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
@@ -247,32 +232,28 @@ def grow_old(law, contact, way, counts):  # type: ignore[no-untyped-def]
                     part *= remaining / spent
                     broken = True
                 remaining -= spent
-            gone = min(whole(np.floor(passed + part * ticks + 0.5)), end - at)
-            until = at + gone if broken else at + whole(passed + ticks + 0.5) + 1
-            while seen < many and moments[seen] < until and moments[seen] <= end:
-                share = (real(moments[seen] - at) - passed) / max(met * ticks, 1.0)
-                turn = (place << _MOST_WATCHED) | seen
-                low, wide = max(below, 0.0), max(variance, 1e-300)
-                gap = _between(above, low, wide, share, lane, turn, stream)
-                threshold = here + share * met * (then - here) + gap
-                if not law.normal:
-                    threshold = min(threshold, 2.0 * law.table.high - threshold)
-                    threshold = wall + abs(threshold - wall) if walled else threshold
-                birth = place_of(moments[seen], leg, way) - stretch - d * (moments[seen] - at)
-                look_at(seen, birth, threshold, way, counts)
-                seen += 1
+            gone = min(whole(np.floor(passed + part * ticks + 0.5)), end - begin)
+            until = begin + gone if broken else begin + whole(passed + ticks + 0.5) + 1
+            while watched < many and moments[watched] < until and moments[watched] <= end:
+                share = (real(moments[watched] - begin) - passed) / max(met * ticks, 1.0)
+                # a path has at most 2^12 watched points
+                turn, low = (drawn << 12) | watched, max(below, 0.0)
+                gap = _between(above, low, max(variance, 1e-300), share, lane, turn, stream)
+                birth = (
+                    place_of(moments[watched], leg, way) - stretch - d * (moments[watched] - begin)
+                )
+                look_at(watched, birth, x + share * met * (then - x) + gap, way, counts)
+                watched += 1
             if broken:
-                return Break(at + gone, leg, place, True)
+                return Break(begin + gone, leg, drawn, True)
             passed += ticks
             y = later
-            if room - passed < 0.5:
-                break
-        stretch += d * (end - at)
+        stretch += d * (end - begin)
         leg += 1
-        at = end
-    return Break(way.begins[legs] + 1, leg, place, True)
+        begin = end
+    return Break(way.begins[way.directions.size] + 1, leg, drawn, True)
 
 
-BREAKS[Ageing] = grow_old
-# grow_old itself counts contacts at watched points, as it knows their thresholds
-AGED[Ageing] = lambda law, contact, way, moment: -1.0
+BREAKS[Diffusing] = break_diffusing
+# break_diffusing itself counts contacts at watched points, as it knows their thresholds
+AGED[Diffusing] = lambda law, contact, way, moment: -1.0

@@ -10,16 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, real, whole
-from eq_model.contact import AGED, BREAKS, Break, most, rate
+from eq_model.contact import AGED, BREAKS, Break, most, rate_at
 from eq_model.draws.streams import STEPS, uniform, words_at
 
-_SMALL = 0.4  # grain size over the largest below which psi is integrated: its closed form cancels
-_NODES, _WEIGHTS = (tuple(part.tolist()) for part in np.polynomial.legendre.leggauss(10))
-_STEPS = 60  # most of Halley's method
-_MISS = 1e-5  # its relative step that is the last: its cube is the error
-_SPLITS = 200
-# largest ratio of the bound to the rate; not required where the bound's integral is below _LITTLE
-_RISE, _LITTLE = 3.0, 0.05
+_nodes, _weights = (tuple(part.tolist()) for part in np.polynomial.legendre.leggauss(10))
 
 
 class Growing(NamedTuple):
@@ -37,11 +31,11 @@ class Growing(NamedTuple):
 def _beyond(q, first, free):  # type: ignore[no-untyped-def]
     """psi(y) - psi(first) of Lifshitz and Slyozov's law, q = 1/(1 - y) - 1/(1 - first), free = 1 - first."""
     gap = free * (q * free / (1.0 + q * free))
-    if first + gap < _SMALL:
+    if first + gap < 0.4:  # the closed form would cancel
         total = 0.0
-        for k in range(len(_NODES)):
-            y = first + gap * (0.5 + 0.5 * _NODES[k])
-            total += _WEIGHTS[k] * 1.5 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
+        for k in range(len(_nodes)):
+            y = first + gap * (0.5 + 0.5 * _nodes[k])
+            total += _weights[k] * 1.5 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
         return gap * total
     return q - 5.0 / 3.0 * np.log1p(q * free) + 4.0 / 3.0 * np.log1p(gap / (2.0 + first))
 
@@ -74,142 +68,44 @@ def quantile(goal, age, root):  # type: ignore[no-untyped-def]
     first, free = 1.0 / largest, excess / largest
     q = np.cbrt(2.0 * goal) + goal + 5.0 / 3.0 * np.log1p(goal)
     q = min(q, goal * (2.0 + first) / (3.0 * first * first))
-    for _ in range(_STEPS):
+    for _ in range(60):
         left = free / (1.0 + q * free)
         y = first + q * free * left
         step = (_beyond(q, first, free) - goal) * (2.0 + y) / (3.0 * y * y)
         step /= 1.0 - 0.5 * step * left * left * (4.0 + y) / (y * (2.0 + y))
         last, q = q, max(q - step, 0.125 * q)
-        if abs(step) <= _MISS * last:
+        if abs(step) <= 1e-5 * last:  # the error is the cube of that
             break
     gap = excess * (q * excess / (largest + q * excess))
     return np.sqrt(gap * (gap + 2.0)) / root
 
 
 @bare
-def _rise(stretch, age, pace, root):  # type: ignore[no-untyped-def]
-    """Change of the hazard per tick of a steady motion, in which the age changes by `pace` a tick."""
-    s, largest = root * stretch, np.exp(np.log1p(age) / 3.0)
-    size = np.hypot(1.0, s)
-    y, first, growth = size / largest, 1.0 / largest, pace / (3.0 * (1.0 + age))
-    at_y = 3.0 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
-    at_first = 3.0 * first * first / ((2.0 + first) * (1.0 - first) ** 2)
-    return at_y * (root * s / (size * largest) - y * growth) + at_first * first * growth
-
-
-@bare
 def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
-    """Ticks after which a contact reaches its threshold, which is beyond it at 0 ticks and not at `room`.
+    """Ticks after which a contact reaches its threshold, which is not met at 0 ticks but is at `room`.
 
-    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Newton's method for
-    the logarithms of ticks and hazard, within a bracket.
+    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Secants of the
+    logarithms of ticks and hazard, within a bracket.
     """
-    low, high = 0.0, room
-    at = min(room, 1.0 / root)
-    for _ in range(_SPLITS):
+    low, high, at, slope = 0.0, room, min(room, 1.0 / root), 3.0
+    before, ratio_before = 0.0, 0.0
+    for _ in range(200):
         now = hazard(near + at, age + at * pace, root)
-        if now < goal:
-            low = at
-        else:
-            high = at
+        low, high = (at, high) if now < goal else (low, at)
         then = -1.0
         if 0.0 < now < np.inf:
-            rise = _rise(near + at, age + at * pace, pace, root)
-            if rise > 0.0:
-                then = at * np.exp(min(max(np.log(goal / now) * now / (rise * at), -2.0), 2.0))
+            ratio = np.log(now / goal)
+            if before > 0.0:
+                slope = (ratio - ratio_before) / np.log(at / before)
+            if slope > 0.0:
+                then = at * np.exp(min(max(-ratio / slope, -2.0), 2.0))
+            before, ratio_before = at, ratio
         if not low <= then <= high:
             then = 0.5 * (low + high) if low > 0.0 else 0.25 * high
-        if abs(then - at) <= max(1e-6 * at, 0.25):  # the error is the square of the last step
+        if abs(then - at) <= max(1e-6 * at, 0.25):  # the error is far below the last step
             return then
         at = then
     return at
-
-
-@bare
-def _hold(clock, leg, x, age, goal, way, law):  # type: ignore[no-untyped-def]
-    """Clock and leg where a contact with the hazard `goal` reaches its threshold."""
-    legs = way.directions.size
-    while leg < legs:
-        d, pace = way.directions[leg], way.paces[leg] / law.first
-        room = way.begins[leg + 1] - clock
-        back = room if d == 0 else min(max(-d * x, 0), room)
-        age += back * pace
-        x += d * back
-        clock += back
-        room -= back
-        if room > 0:
-            near = real(d * x)
-            if hazard(near + room, age + room * pace, law.root) >= goal:
-                moved = whole(0)
-                if hazard(near, age, law.root) < goal:
-                    moved = min(
-                        whole(_meeting(near, pace, real(room), age, goal, law.root) + 0.5), room
-                    )
-                return clock + moved, leg
-            age += room * pace
-            x += d * room
-        leg += 1
-        if leg < legs:
-            clock = way.begins[leg]
-    return way.begins[legs] + 1, leg
-
-
-@bare
-def _rate(x, y, law):  # type: ignore[no-untyped-def]
-    # a threshold of 0 counts as a tiny one
-    y = max(y, 1e-9)
-    return rate(law.rates, min(x, y) * law.unit, y * law.unit, 1.0)
-
-
-@bare
-def _shaken(contact, age, goal, until, way, law):  # type: ignore[no-untyped-def]
-    """The thermal break of a contact, if it comes before the moment `until`.
-
-    By thinning: breaks are proposed at a rate above the contact's, and accepted with the ratio of the
-    two rates. This is exact whatever the steps (Lewis and Shedler, 1979).
-    """
-    clock, leg, x, root, unit = contact.clock, contact.leg, contact.stretch, law.root, law.unit
-    draws, step, end = contact.drawn, 1.0, way.begins[way.directions.size]
-    words = words_at(contact.lane, draws, contact.stream, STEPS)
-    draws += 1
-    remaining = -np.log(uniform(words[0], words[1]))
-    y = quantile(goal, age, root)
-    while leg < way.directions.size and clock < until:
-        d, pace = way.directions[leg], way.paces[leg] / law.first
-        passed, room = 0.0, real(min(way.begins[leg + 1], until) - clock)
-        while passed < room and pace > 0.0:
-            ticks = min(step / pace, room - passed)
-            lasts = ticks * pace
-            here, there = real(x) + d * passed, real(x) + d * (passed + ticks)
-            later = quantile(goal, age + lasts, root)
-            least = 0.0 if here * there < 0.0 else min(abs(here), abs(there))
-            largest = max(abs(here), abs(there))
-            bound = most(law.rates, least * unit, largest * unit, y * unit, later * unit, 1.0)
-            spent = bound * lasts * law.first
-            if spent > _LITTLE and bound > _RISE * _rate(abs(here), y, law):
-                step = 0.5 * lasts
-                continue
-            if spent < remaining:
-                remaining -= spent
-                passed += ticks
-                age += lasts
-                y = later
-                step = 2.0 * lasts
-                continue
-            share = remaining / spent
-            passed += share * ticks
-            age += share * lasts
-            y = quantile(goal, age, root)
-            words = words_at(contact.lane, draws, contact.stream, STEPS)
-            draws += 1
-            stretch = abs(real(x) + d * passed)
-            if uniform(words[0], words[1]) * bound < _rate(stretch, y, law):
-                return Break(clock + min(whole(passed + 0.5), whole(room)), leg, draws, True)
-            remaining = -np.log(uniform(words[2], words[3]))
-        x += d * whole(room)
-        clock += whole(room)
-        leg += 1
-    return Break(end + 1, leg, draws, True)
 
 
 @bare
@@ -220,22 +116,64 @@ def _pinned(contact, law):  # type: ignore[no-untyped-def]
     return law.age, hazard(real(contact.threshold), law.age, law.root)
 
 
-def keep_hazard(law, contact, way, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact with a growing threshold."""
+def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
+    """The break of a contact with a growing threshold: where its hazard is reached, or by heat before.
+
+    By heat by thinning: breaks are proposed at a rate above the contact's, and accepted with the ratio of the two
+    rates. This is exact whatever the steps (Lewis and Shedler, 1979).
+    """
+    clock, leg, x, drawn = contact.clock, contact.leg, contact.stretch, contact.drawn
     age, goal = _pinned(contact, law)
-    leg = contact.leg
-    while leg + 1 < way.directions.size and contact.clock >= way.begins[leg + 1]:
-        leg += 1
-    # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
-    slowest = 4.5 * (law.root * law.first / way.paces[leg]) ** 2
-    if contact.fresh and way.directions[leg] != 0 and goal <= slowest:
-        return Break(contact.clock, contact.leg, contact.drawn, False)
-    then, leg = _hold(contact.clock, contact.leg, contact.stretch, age, goal, way, law)
-    if not law.warm:
-        return Break(then, leg, contact.drawn, True)
-    until = min(then, way.begins[-1])
-    sooner = _shaken(contact, age, goal, until, way, law)
-    return sooner if sooner.clock <= until else Break(then, leg, sooner.drawn, True)
+    unit, lane, stream, remaining, step = law.unit, contact.lane, contact.stream, 0.0, 1.0
+    if law.warm:
+        words = words_at(lane, drawn, stream, STEPS)
+        remaining = -np.log(uniform(words[0], words[1]))
+        drawn += 1
+    while True:
+        while leg < way.directions.size and clock >= way.begins[leg + 1]:
+            leg += 1
+        if leg == way.directions.size:
+            return Break(way.begins[leg] + 1, leg, drawn, True)
+        d, pace, room = way.directions[leg], way.paces[leg] / law.first, way.begins[leg + 1] - clock
+        # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
+        pins = contact.fresh and d != 0 and clock == contact.clock
+        if pins and goal <= 4.5 * (law.root / pace) ** 2:
+            return Break(clock, contact.leg, contact.drawn, False)
+        outward, near, meets = d * x >= 0, abs(real(x)), False
+        if d != 0 and not outward:
+            room = min(room, abs(x))
+        elif d != 0 and hazard(near + room, age + room * pace, law.root) >= goal:
+            meets = True
+            ticks = _meeting(near, pace, real(room), age, goal, law.root)
+            room = min(whole(ticks + 0.5), room)
+        sign, passed, y = abs(d) if outward else -abs(d), 0.0, 0.0
+        if law.warm:
+            y = quantile(goal, age, law.root)
+        while law.warm and passed < room and pace > 0.0:
+            ticks = min(step / pace, room - passed)
+            lasts, now = ticks * pace, age + passed * pace
+            here, there = near + sign * passed, max(near + sign * (passed + ticks), 0.0)
+            later, least = quantile(goal, now + lasts, law.root), min(here, there)
+            bound = most(
+                law.rates, least * unit, max(here, there) * unit, y * unit, later * unit, 1.0
+            )
+            spent = bound * lasts * law.first
+            # bounds beyond three times the rate would be rejected often
+            if spent > 0.05 and bound > 3.0 * rate_at(here, y, law, 1.0):
+                step = 0.5 * lasts
+            elif spent < remaining:
+                remaining, passed, y, step = remaining - spent, passed + ticks, later, 2.0 * lasts
+            else:
+                passed += remaining / spent * ticks
+                y = quantile(goal, age + passed * pace, law.root)
+                words = words_at(lane, drawn, stream, STEPS)
+                drawn += 1
+                if uniform(words[0], words[1]) * bound < rate_at(near + sign * passed, y, law, 1.0):
+                    return Break(clock + min(whole(passed + 0.5), room), leg, drawn, True)
+                remaining = -np.log(uniform(words[2], words[3]))
+        clock, x, age = clock + room, x + d * room, age + room * pace
+        if meets:
+            return Break(clock, leg, drawn, True)
 
 
 def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
@@ -249,5 +187,5 @@ def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
     return quantile(goal, age + (moment - clock) * (way.paces[leg] / law.first), law.root)
 
 
-BREAKS[Growing] = keep_hazard
+BREAKS[Growing] = break_growing
 AGED[Growing] = _aged

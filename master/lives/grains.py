@@ -25,7 +25,6 @@ from master.lives.averages import integrals_above
 from master.lives.life import MARGIN, Life, Moves
 from master.motion.motion import History
 from origins import Contacts, GrainContact
-from origins.grains.lifshitz_slyozov import hazard_beyond, invert_beyond
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -54,6 +53,7 @@ class GrainLife(Life):
     """
 
     error = 5e-14  # the share's error by that of the hazards
+    left_out = 1e-17  # e^-GONE
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains
@@ -79,7 +79,7 @@ class GrainLife(Life):
         displacement, duration, speed = moves.legs
         lived, stretch = duration[pair], born[:, None] + displacement[pair]
         since = np.cumsum(np.insert(lived, 0, self.start_since * self._began, axis=1), axis=1)
-        hazards = pinned_hazard(self.grains, stretch, since)
+        hazards = self.grains.hazard_at(stretch, self.grains.growth.excess_after(since))
         worst = hazards.max(axis=1)
         if not self._began:
             # right after pinning some are stretched faster than their thresholds grow
@@ -126,7 +126,8 @@ class GrainLife(Life):
             row = owner // count
             time = unit * np.expm1(log_times[row, -1:] - before_end)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
-            limit = grown_threshold(self.grains, hazard.ravel()[owner, None], time)
+            excess = self.grains.growth.excess_after(time)
+            limit = self.grains.threshold_at(hazard.ravel()[owner, None], excess)
             rates = law.rate(np.minimum(x, limit), limit, 1.0)
             return (rates * (unit + time) / most[owner, None])[None]
 
@@ -136,35 +137,3 @@ class GrainLife(Life):
         found = integrals_above(rate, least, earlier, True, RESOLVED)
         self.error = max(self.error, MARGIN * float(found.missed[0]))
         return (most * found.value[0]).reshape(hazard.shape)
-
-
-def pinned_hazard(grains: GrainContact, stretch: Array, since: Array) -> Array:
-    """-ln of the fraction of contacts with thresholds above |stretch|, `since` after they pinned.
-
-    GrainContact.hazard as a function of the time since pinning, so that no digits are lost right after
-    it. Stretches (lengths) and times broadcast; infinite where no threshold is as large.
-    """
-    stretch, since = np.broadcast_arrays(stretch, since)
-    excess = np.expm1(np.log1p(since / grains.growth.first_pinning_time) / 3.0)
-    scaled = np.sqrt(grains.growth.B) * np.abs(stretch)
-    over = scaled * (scaled / (1.0 + np.hypot(1.0, scaled)))  # of the grain that breaks
-    room = excess - over
-    out = np.where(over > 0.0, np.inf, 0.0)
-    held = (room > 0.0) & (over > 0.0)
-    largest = 1.0 + excess[held]
-    q = over[held] / excess[held] * (largest / room[held])
-    out[held] = hazard_beyond(q, 1.0 / largest, excess[held] / largest)
-    return out
-
-
-def grown_threshold(grains: GrainContact, hazard: Array, since: Array) -> Array:
-    """x_s (lengths) of quantiles with these hazards, `since` > 0 after they pinned; both broadcast.
-
-    The inverse of pinned_hazard.
-    """
-    hazard, since = np.broadcast_arrays(hazard, since)
-    excess = np.expm1(np.log1p(since / grains.growth.first_pinning_time) / 3.0)
-    largest = 1.0 + excess
-    q = invert_beyond(hazard, 1.0 / largest, excess / largest)
-    gap = excess * (q * excess / (largest + q * excess))
-    return np.sqrt(gap * (gap + 2.0) / grains.growth.B)

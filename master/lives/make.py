@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from master.lives.cold import ColdLife
 from master.lives.grains import GrainLife
-from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.thermal import RESOLVED, ThermalLife
-from master.lives.life import Life
+from master.lives.heat import RESOLVED, MeanRateLife, ThermalLife
+from master.lives.life import ColdLife, Life
 from master.motion.motion import Motion
 from origins import Contacts, InputError
 from origins.errors import refuse
@@ -32,10 +30,10 @@ def life_of(
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)
-        from master.lives.age.ageing import AgeingLife, AgeingPath
+        from master.lives.age.ageing import AgeingLife
 
         accuracy = max(0.2 * tolerance, 1e-10)
-        return (AgeingLife if motion.one_leg else AgeingPath)(contacts, motion, accuracy, until)
+        return AgeingLife(contacts, motion, accuracy, until)
     if contacts.thermal is None:
         return ColdLife(contacts)
     # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them

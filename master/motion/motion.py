@@ -64,7 +64,7 @@ class Motion:
         way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
         return cls(way, positions)
 
-    def since(self, leg: int) -> Motion:
+    def counted_from(self, leg: int) -> Motion:
         """The same motion with times and positions counted from the beginning of a leg.
 
         Times shortly after a knot then keep their digits, however late the knot is.
@@ -91,15 +91,6 @@ class Motion:
     def at(self, t: Array) -> Array:
         """X(t), same shape as t."""
         return np.interp(t, self.times, self.positions)
-
-    def extremes(self, t: Array, born: npt.NDArray[np.intp]) -> tuple[Array, Array]:
-        """Highest and lowest X from the end of the legs `born`, shape (m,), to t, shape (n,).
-
-        All t lie on one leg; X(t) itself counts. Both have shape (n, m).
-        """
-        now, last = self.at(t)[:, None], self.leg_of_all(t)
-        highest, lowest = self.knots_between(last, np.minimum(born, last))
-        return np.maximum(now, highest), np.minimum(now, lowest)
 
     def knots_between(self, last: int, born: npt.NDArray[np.intp]) -> tuple[Array, Array]:
         """Highest and lowest knot between legs up to `last` and that one; -inf and inf for none."""
@@ -130,27 +121,20 @@ class History:
     """
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:
-        self.motion, self.t, self.s, self._first, self._last = motion, t, s, 0, 0
-        if motion.one_leg:
-            self.now: Array = motion.speeds[0] * (t - s)
-            self.high, self.low = np.maximum(self.now, 0.0), np.minimum(self.now, 0.0)
-            return
-        last, first = self.legs_of_rows()
+        self.motion, self.t, self.s = motion, t, s
+        last, born = motion.leg_of_all(t), motion.at(s)
+        # the middle birth of a row tells the leg of all of them
+        rows, columns = np.broadcast_shapes(t.shape, s.shape)
+        middle = s[:, min(columns // 2, s.shape[1] - 1)]
+        first = np.broadcast_to(np.minimum(motion.leg(middle), last), rows)
         self._first, self._last = int(first.min(initial=last)), last
-        born, now = motion.at(s), motion.speeds[last] * (t - s)
-        self.now = now
+        self.now: Array = motion.speeds[last] * (t - s)
         if self._first < last:
-            self.now = np.where(np.equal(first, last)[:, None], now, motion.at(t) - born)
+            # on one leg the difference of two positions far from 0 would lose digits
+            self.now = np.where(np.equal(first, last)[:, None], self.now, motion.at(t) - born)
         highest, lowest = motion.knots_between(last, first)
         self.high = np.maximum(np.maximum(self.now, highest[:, None] - born), 0.0)
         self.low = np.minimum(np.minimum(self.now, lowest[:, None] - born), 0.0)
-
-    def legs_of_rows(self) -> tuple[int, npt.NDArray[np.intp]]:
-        """The leg of all t, and the leg of each row's births: those of the middle column."""
-        rows, columns = np.broadcast_shapes(self.t.shape, self.s.shape)
-        middle = self.s[:, min(columns // 2, self.s.shape[1] - 1)]
-        last = self.motion.leg_of_all(self.t)
-        return last, np.broadcast_to(np.minimum(self.motion.leg(middle), last), rows)
 
     def legs(self) -> Legs:
         """The moves leg by leg, for contacts whose rate of breaking depends on each."""

@@ -8,15 +8,12 @@ time passes before the drop and less in it, and v_c is larger; `master.solve` wi
 """
 
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
-from master.lives.make import steady_life
-from master.paper.q15_transient import narrowest, paper_transient
-from master.stick_slip.extremes import Fall, births_table, extremes
+from master.stick_slip.extremes import Largest, extremes
 from origins import Contacts, InputError
 from origins.contacts import check_contacts
 from origins.errors import positive
@@ -77,10 +74,16 @@ def critical_velocity(
         raise InputError(f"contacts.ageing: is None; {why}")
     check_contacts(contacts, "master.critical_velocity", ("ageing",))
     exact = contacts.ageing.closure == "exact"
-    fall = cache(partial(_exact_fall if exact else _printed_fall, contacts))
+
+    @cache
+    def fall(velocity: float, finer: bool = False) -> Largest:
+        """The steepest -F'(X) at one speed: K* where each contact's own threshold diffuses."""
+        if exact:
+            return extremes(contacts, velocity, 0.1 * CLOSE).fall
+        return _printed_fall(contacts, velocity, finer)
 
     def excess(log_velocity: float) -> float:
-        return fall(float(np.exp(log_velocity))).steepest - spring
+        return fall(float(np.exp(log_velocity))).value - spring
 
     ends = np.log([slowest, fastest])
     slow, fast = (excess(end) for end in ends)
@@ -92,19 +95,17 @@ def critical_velocity(
     root = brentq(excess, *ends, xtol=CLOSE)
     slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
     finer = fall(float(np.exp(root)), finer=True)  # moves v_c by little
-    velocity = float(np.exp(root + (finer.steepest - spring) / slope))
+    velocity = float(np.exp(root + (finer.value - spring) / slope))
     error = velocity * (finer.error / abs(slope) + CLOSE)
     return CriticalVelocity(velocity, error, finer.position)
 
 
-def _exact_fall(contacts: Contacts, velocity: float, finer: bool = False) -> Fall:
-    """Where each contact's own threshold diffuses: K* of `propensity`."""
-    travel = births_table(contacts, steady_life(contacts, velocity), velocity, 0.1 * CLOSE)
-    return extremes(contacts, travel, velocity, 0.1 * CLOSE).fall
-
-
-def _printed_fall(contacts: Contacts, velocity: float, finer: bool = False) -> Fall:
+def _printed_fall(contacts: Contacts, velocity: float, finer: bool) -> Largest:
     """Where all contacts have one P_c: the first fall of (Q15), extrapolated in h²."""
+    from scipy.interpolate import make_interp_spline
+
+    from master.paper.q15_transient import narrowest, paper_transient
+
     assert contacts.ageing is not None
     step = 0.25 * narrowest(contacts)
     # by then nearly all contacts have broken, fresh or aged
@@ -125,5 +126,5 @@ def _printed_fall(contacts: Contacts, velocity: float, finer: bool = False) -> F
     for coarse, fine in pairwise(forces):
         better = (4.0 * fine - coarse[: path.size]) / 3.0
         down = -make_interp_spline(path, better, k=5).derivative()(x)
-        falls.append(Fall(float(down.max()), np.nan, float(x[down.argmax()])))
-    return falls[-1]._replace(error=abs(falls[-1].steepest - falls[0].steepest))
+        falls.append(Largest(float(down.max()), np.nan, float(x[down.argmax()])))
+    return falls[-1]._replace(error=abs(falls[-1].value - falls[0].value))

@@ -25,11 +25,10 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.heat.mean_rate import MeanRateLife
+from master.lives.heat import MeanRateLife
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import finite_array, one_of, positive, refuse
-from origins.thresholds.law import Thresholds
 
 Array = npt.NDArray[np.float64]
 Breaking = Literal["survival", "printed"]
@@ -96,9 +95,7 @@ def explicit(
         rule = 'the explicit scheme knows x alone; use closure = "paper"'
         refuse("contacts.thermal.closure", thermal.closure, rule)
     drive = Drive(path, velocity).only_forward("the explicit scheme")
-    lowest = max(min(contacts.start.span[0], 0.0), -contacts.thresholds.support()[1])
-    span = lowest, largest_stretch(contacts, float(drive.path[-1]))
-    return _stepped(contacts, drive.path, span, step, breaking, drive.velocity)
+    return _stepped(contacts, drive.path, step, breaking, drive.velocity)
 
 
 def explicit_loop(
@@ -119,34 +116,28 @@ def explicit_loop(
     Raises InputError for a path that is not finite, for `step` and `breaking` as `explicit` does.
     """
     check_contacts(contacts, "master.paper.explicit_loop")
-    positions = finite_array("path", path)
-    reach = largest_stretch(contacts, float(np.ptp(np.append(positions, 0.0))))
-    return _stepped(contacts, positions, (-reach, reach), step, breaking)
+    return _stepped(contacts, finite_array("path", path), step, breaking)
 
 
 def _stepped(
-    contacts: Contacts,
-    path: Array,
-    span: tuple[float, float],
-    step: float,
-    breaking: Breaking,
-    velocity: float = 1.0,
+    contacts: Contacts, path: Array, step: float, breaking: Breaking, velocity: float = 1.0
 ) -> ExplicitSolution:
-    """Take all steps along a path (n,) of slider positions, on a grid between two stretches (lengths)."""
+    """Take all steps along slider positions of shape (n,), on a grid that is even about x = 0."""
     began, step = time.perf_counter(), positive("step", step)
     one_of("breaking", breaking, get_args(Breaking))
+    law = contacts.thresholds
     travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
-    longest = max(float(travel[-1]), span[1] - span[0])
+    # the grid covers the largest |x| of all but 1e-18 of the contacts
+    first = min(max(abs(end) for end in contacts.start.span), law.support()[1])
+    last = first + float(np.ptp(np.append(path, 0.0)))
+    reach = max(min(last, float(law.isf(1e-18 * float(law.sf(first))))), first)
+    longest = max(float(travel[-1]), 2.0 * reach)
     if longest / step > MOST_NODES:
         example = f"write step={longest / 1e4:.3g} or so"
         refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
-    zero = 1 - int(np.floor(span[0] / step))  # as many nodes below it as above, if the span is even
-    x: Array = step * np.arange(-zero, int(np.ceil(span[1] / step)) + 2, dtype=float)
-    fraction = broken_fraction(contacts.thresholds, x, step, breaking)
-    if contacts.thermal is not None:
-        heat = MeanRateLife(contacts).rate(np.abs(x)) / velocity * step
-        warm = 1.0 - (1.0 - fraction) * np.exp(-heat)
-        fraction = np.minimum(warm if breaking == "survival" else fraction + heat, 1.0)
+    zero = 1 + int(np.ceil(reach / step))  # the index of x = 0
+    x: Array = step * np.arange(-zero, zero + 1, dtype=float)
+    fraction = broken_fraction(contacts, x, step, breaking, velocity)
     fraction[-1] = 1.0  # contacts that would leave the grid break at its end
     shares = starting_shares(contacts, x, step)
 
@@ -163,7 +154,7 @@ def _stepped(
         waiting[number % waiting.size] = sum(
             shift_and_break(one_way, fraction) for _ in range(abs(move))
         )
-        one_way[zero] += waiting[(number + 1) % waiting.size]
+        shares[zero] += waiting[(number + 1) % waiting.size]
         force.append(x @ shares)
         holding.append(shares.sum())
     return ExplicitSolution(
@@ -183,14 +174,6 @@ def shift_and_break(shares: Array, fraction: Array) -> float:
     return float(broken.sum())
 
 
-def largest_stretch(contacts: Contacts, way: float) -> float:
-    """The largest |x| of all but 1e-18 of the contacts while the slider travels `way`; lengths."""
-    low, high = contacts.start.span
-    furthest = min(max(-low, high, 0.0), contacts.thresholds.support()[1])
-    tail = 1e-18 * float(contacts.thresholds.sf(furthest))
-    return max(min(furthest + way, float(contacts.thresholds.isf(tail))), furthest)
-
-
 def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
     """The share of the contacts at each node at X = 0 (paper, Eq. Q5b); they add up to 1."""
     start = contacts.start
@@ -202,15 +185,19 @@ def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
     return share / share.sum()
 
 
-def broken_fraction(thresholds: Thresholds, x: Array, step: float, breaking: Breaking) -> Array:
+def broken_fraction(
+    contacts: Contacts, x: Array, step: float, breaking: Breaking, velocity: float
+) -> Array:
     """The fraction of contacts at each node that breaks in a step (paper, Eqs. Q3 and PcP)."""
-    here, before = thresholds.logsf(x), thresholds.logsf(x - step)
+    law, by_heat = contacts.thresholds, np.zeros(x.size)
+    if contacts.thermal is not None:
+        by_heat = MeanRateLife(contacts).rate(np.abs(x)) / velocity * step
+    here, before = law.logsf(x), law.logsf(x - step)
     with np.errstate(invalid="ignore", over="ignore"):
         if breaking == "survival":
-            return np.where(before > -np.inf, -np.expm1(here - before), 1.0)
-        if thresholds.atoms[0].size:
+            return np.where(before > -np.inf, -np.expm1(here - before - by_heat), 1.0)
+        if law.atoms[0].size:
             rule = 'P(x) does not exist at exact single thresholds; write "survival"'
             refuse("breaking", breaking, rule)
-        hazard = np.exp(thresholds.logpdf(x) - here)
-    fraction = np.where(here > -np.inf, np.minimum(hazard * step, 1.0), 1.0)
-    return np.where(x > 0.0, fraction, 0.0)
+        hazard = np.where(x > 0.0, np.exp(law.logpdf(x) - here), 0.0)
+    return np.where(here > -np.inf, np.minimum(hazard * step + by_heat, 1.0), 1.0)

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
+from master.lives.averages import Pieces
 from master.lives.life import Life
 from master.motion.motion import Motion
 from master.renewal import rule
@@ -106,40 +107,15 @@ class Panels(NamedTuple):
         return self.begin + 0.5 * self.width + delay
 
 
-class Pieces(NamedTuple):
-    """Pieces of the places of birth, as seen from targets; arrays of shape (pieces,).
+def pieces_between(edges: Array) -> Pieces:
+    """Pieces of the places of birth, which increase with the time of birth, as seen from targets.
 
-    A place is a coordinate, such as the time, that increases with the birth.
+    edges : array of shape (targets, n), in any order; those that are equal by rounding count as one
     """
-
-    target: Rows
-    left: Array
-    right: Array
-
-    @classmethod
-    def of(cls, edges: Array) -> Pieces:
-        """From edges of shape (targets, n), in any order."""
-        edges = np.sort(edges, axis=1)
-        close = CLOSE * (edges[:, -1:] - edges[:, :1])
-        target, piece = np.nonzero(np.diff(edges, axis=1) > close)
-        return cls(target, edges[target, piece], edges[target, piece + 1])
-
-    @property
-    def width(self) -> Array:
-        return self.right - self.left
-
-    def pick(self, which: npt.NDArray[np.bool_]) -> Pieces:
-        return Pieces(self.target[which], self.left[which], self.right[which])
-
-    def halves(self, knots: Array) -> Pieces:
-        """Each cut in two at the knot nearest to its middle, or at the middle if it has none."""
-        at = 0.5 * (self.left + self.right)
-        after = np.clip(np.searchsorted(knots, at), 1, knots.size - 1)
-        before = knots[after - 1]
-        knot = np.where(at - before < knots[after] - at, before, knots[after])
-        small = CLOSE * self.width
-        at = np.where((knot > self.left + small) & (knot < self.right - small), knot, at)
-        return Pieces(np.tile(self.target, 2), np.append(self.left, at), np.append(at, self.right))
+    edges = np.sort(edges, axis=1)
+    close = CLOSE * (edges[:, -1:] - edges[:, :1])
+    target, piece = np.nonzero(np.diff(edges, axis=1) > close)
+    return Pieces(target, edges[target, piece], edges[target, piece + 1])
 
 
 class Nodes(NamedTuple):

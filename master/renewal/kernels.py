@@ -1,37 +1,177 @@
-"""Kernels: births on the present leg, whose survival depends only on the time since the birth.
+"""Kernels: births on the present leg, whose survival depends only on the lag since the birth.
 
-The contribution of a panel to another one of its width depends only on their distance, and is
-computed once.
+`Straight` gives survival and force over the lag. The contribution of a panel to another one of its
+width depends only on their distance, and is computed once.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.life import NONE_LEFT, Life
+from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births, Nodes, Pieces
-from master.renewal.straight import Straight
+from master.renewal.births import Births, Nodes, pieces_between
+from master.renewal.table import Table
+from origins.errors import refuse
+from origins.start import Start
 
 Array = npt.NDArray[np.float64]
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
-# Smallest error of the survival, and of the force over its scale, to which a table is refined.
-ACCURACY = 1e-13
+# Width of the narrowest panel of a table, in units of the typical lag from a birth to the break.
+SHORTEST = 1e-13
+# Ratio of the lags at which the survival is sampled to find where contacts break; and how many lags
+# are sampled together, from the longest down.
+RATIO, TOGETHER = 4.0, 6
+# Shares of contacts: UNBROKEN broken ones count as none; NONE is negligible in integrals.
+UNBROKEN, NONE = 1e-3, 1e-17
+
+
+class Straight:
+    """E and K over the lag since birth: a time, or the slider's way.
+
+    Parameters
+    ----------
+    life, born : Life, Start
+        Theirs, and the stretches at which they are born.
+    speed : float
+        dX/dt, of either sign, or 0.
+    longest : float
+        The longest lag.
+    accuracy : float
+        Last coefficients of E, and of K over `scale`, below which a panel of the table is not halved;
+        0: no table, for lives that are as quick.
+    steady : bool
+        Whether lags are ways instead of times, and followed beyond the longest until hardly any
+        contact holds.
+
+    Attributes
+    ----------
+    longest : float
+        The longest lag, or an earlier one after which no contact holds.
+    edges : array of shape (n,)
+        Lags between which E and K are polynomials, or nearly so.
+    table : Table or None
+        E and K/`scale` over the lag.
+    typical : float
+        The lag after which about half of the contacts have broken.
+    scale : float
+        A length: of the stretches at a break.
+    error : float
+        Of the share that holds, as the table gives it; in addition to the life's own error.
+
+    Raises InputError where contacts break within lags that underflow.
+    """
+
+    table: Table
+
+    def __init__(
+        self,
+        life: Life,
+        born: Start,
+        speed: float,
+        longest: float,
+        accuracy: float,
+        steady: bool = False,
+    ) -> None:
+        """Find the lags between which E and K are smooth, and tabulate both."""
+        self.life, self.born, self.longest, self.error = life, born, longest, 0.0
+        self._speed, self._per_time = speed, speed if steady else 1.0
+        self.scale = life.reach
+        bends = self._bends(np.append(life.bends, life.reach))
+        self._read: Callable[[Array], Array] = self.scaled
+        if not accuracy:
+            self._bounds = _edges(longest, bends)
+            self.edges = np.union1d(self._bounds, _edges(longest, self._bends(life.marks)))
+            return
+        lags, held = self._ladder(longest, steady)
+        self.longest = float(lags[-1])
+        self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
+        way = self.typical * abs(speed) / self._per_time
+        self.scale = max(way, *(abs(end) for end in born.span)) or life.reach
+        first = max(int(np.argmax(held < 1.0 - UNBROKEN)) - 1, 0)
+        self._bounds = _edges(self.longest, bends)
+        edges = _edges(self.longest, np.append(lags[first:], bends))
+        shortest = SHORTEST * min(self.typical, float(edges[1]))
+        # beside a root of the survival a polynomial's error is larger at the ends than inside
+        self.table = Table(self.scaled, edges, accuracy, shortest, ends=10.0)
+        self._read = self.table
+        self.edges, self.error = self.table.edges, self.table.error
+
+    def scaled(self, lag: Array) -> Array:
+        """E and K over `scale` after lags of shape (rows, columns), from the life itself."""
+        if not lag.size:
+            return np.zeros((2, *lag.shape))
+        far = max(float(lag.max()), self.longest) / self._per_time
+        motion = Motion(np.array([0.0, far]), np.array([0.0, far * self._speed]))
+        found = self.life.left(self.born, motion.history(lag / self._per_time, np.zeros((1, 1))))
+        found[1] /= self.scale
+        return found
+
+    def look_up(self, lag: Array) -> Array:
+        """E and K after lags of shape (rows, columns), from the table if there is one.
+
+        The middle column decides on which side of an exact threshold a row is.
+        """
+        ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
+        after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
+        lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
+        found = self._read(lag)
+        found[1] *= self.scale
+        return found
+
+    def _bends(self, marks: Array) -> Array:
+        """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
+        sign, speed, born = np.sign(self._speed), abs(self._speed), self.born
+        ends = np.unique(sign * np.array([*born.span, *born.breakpoints]))
+        # a contact born at r < 0 comes back to its largest |x| after a way of -2 r
+        ways = np.append(np.subtract.outer(marks, ends), -2.0 * ends)
+        return np.unique(ways[ways > 0.0]) * (self._per_time / speed) if speed else np.empty(0)
+
+    def _held(self, lag: Array) -> Array:
+        """E after lags of shape (n,)."""
+        return np.asarray(self.scaled(lag[:, None])[0, :, 0])
+
+    def _ladder(self, longest: float, steady: bool) -> tuple[Array, Array]:
+        """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
+        lags = np.array([longest])
+        held = self._held(lags)
+        while held[0] < 1.0 - UNBROKEN and lags[0] > NONE * float(held[1:] @ np.diff(lags)):
+            if lags[0] < 1e-150 * longest:
+                told = "contacts break before they have moved a length that is a number"
+                refuse("velocity", abs(self._speed), f"{told}; slide faster")
+            lower = lags[0] * RATIO ** -np.arange(TOGETHER, 0.0, -1.0)
+            lags, held = np.append(lower, lags), np.append(self._held(lower), held)
+        typical = lags[np.flatnonzero(held > 0.5 * held.max())[-1]]
+        # not even the heaviest tail is followed beyond 1e120 times the reach
+        while steady and held[-1] * (lags[-1] / typical) ** 2 > NONE and lags[-1] < 1e120 * longest:
+            lags = np.append(lags, 2.0 * lags[-1])
+            held = np.append(held, self._held(lags[-1:]))
+        over = held < NONE_LEFT
+        count = lags.size if steady or not over.any() else int(np.argmax(over)) + 1
+        return lags[:count], held[:count]
+
+
+def _edges(longest: float, lags: Array) -> Array:
+    """Sorted edges from 0 to the longest lag, without those that are equal apart from rounding."""
+    edges = np.unique(np.concatenate([[0.0], lags[(lags > 0.0) & (lags < longest)], [longest]]))
+    return np.append(edges[:-1][np.diff(edges) > 1e-14 * edges[1:]], longest)
 
 
 class Kernel(NamedTuple):
-    """Contributions of a panel to number and force on panels of its own width, by distance.
+    """Contributions of a panel to panels of its own width, by distance.
 
-    number, force : arrays of shape (panels apart, targets, DEGREE + 1)
+    values : array of shape (panels apart, 2 * TARGETS.size, DEGREE + 1), to number, then force
     solve : array of shape (DEGREE, DEGREE), matrix from 1 - number at the nodes to the breaks there
     """
 
-    number: Array
-    force: Array
+    values: Array
     solve: Array
 
 
@@ -72,7 +212,8 @@ class Kernels:
                 longest = min(longest, np.diff(motion.times)[motion.speeds == speed].max())
             # the life itself may be as quick as a table
             direct = life.quick and births.law.is_single
-            accuracy = max(ACCURACY, 0.0 if life.quick else 0.1 * births.accuracy)
+            # finer than 1e-13 a table would follow the rounding of the survival
+            accuracy = max(1e-13, 0.0 if life.quick else 0.1 * births.accuracy)
             given = life, births.law, speed, float(longest), 0.0 if direct else accuracy
             self._straight[speed] = Straight(*given)
         return self._straight[speed]
@@ -81,7 +222,7 @@ class Kernels:
         """Kernel for panels at most `panels` apart, or fewer where all births break before."""
         delay, known = self._births.delay, self._known.get((speed, width))
         most = int(np.ceil((self.straight(speed).longest + delay) / width)) + 1
-        have = known.number.shape[0] if known else 0
+        have = known.values.shape[0] if known else 0
         if known and have >= min(panels, most):
             return known
         panels = min(most, max(panels, 2 * have))
@@ -96,12 +237,12 @@ class Kernels:
         found = found @ rule.SLOPES
         share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
         found[0] += rule.values(share[0]) - rule.values(share[1])
-        number, force = found.reshape(2, panels, TARGETS.size, -1)
+        both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         try:
-            solve = np.asarray(np.linalg.inv(number[0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
+            solve = np.asarray(np.linalg.inv(both[0, 0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
         except np.linalg.LinAlgError:  # on a panel far wider than a life
             solve = np.full((rule.DEGREE, rule.DEGREE), np.nan)
-        self._known[speed, width] = Kernel(number, force, solve)
+        self._known[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
         return self._known[speed, width]
 
     def sums(self, speed: float, t: Array, ends: Array, breaks: Array) -> Array:
@@ -120,7 +261,7 @@ class Kernels:
         straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
-        nodes = Nodes.of(ends, Pieces.of(np.clip(cuts, begin, end)))
+        nodes = Nodes.of(ends, pieces_between(np.clip(cuts, begin, end)))
         self._births.work += nodes.target.size
         held = straight.look_up(t[nodes.target, None] - nodes.place)
         return nodes, nodes.weight * held
@@ -134,29 +275,21 @@ def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float
     earlier : breaks on the panels of this width that directly precede the first
     stretch : the longest |x| of a contact
     """
-    number, force = known
-    count, same = number.shape[0], len(earlier)
-    apart = min(kernel.number.shape[0], same + count)
-    size, nodes = rule.DEGREE + 1, slice(1, rule.DEGREE + 1)
+    count, size, targets = known.shape[1], rule.DEGREE + 1, TARGETS.size
+    before = min(kernel.values.shape[0], len(earlier) + count) - 1
+    panels = np.zeros((before + count, size))
+    kept = min(len(earlier), before)
+    panels[before - kept : before] = earlier[len(earlier) - kept :] or np.zeros((0, size))
     # the farthest panels first, the order in which `panels` holds them
-    far = kernel.number[apart - 1 : 0 : -1, nodes].transpose(1, 0, 2)
-    far = np.ascontiguousarray(far.reshape(rule.DEGREE, -1))
-    panels = np.zeros((apart - 1 + count, size))
-    kept = min(same, apart - 1)
-    if kept:
-        panels[apart - 1 - kept : apart - 1] = earlier[-kept:]
-    flat, missing = panels.reshape(-1), 1.0 - number[:, nodes]
+    far = kernel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
+    both = known.swapaxes(0, 1).reshape(count, -1)
     for panel in range(count):
-        past = flat[panel * size : (panel + apart - 1) * size]
-        panels[panel + apart - 1, 1:] = kernel.solve @ (missing[panel] - far @ past)
-    # number and force at all targets of all panels, in one product
-    windows = np.lib.stride_tricks.sliding_window_view(panels, (apart, size))
-    both = np.concatenate([kernel.number[:apart], kernel.force[:apart]], axis=1)[::-1]
-    both = both.transpose(1, 0, 2).reshape(2 * TARGETS.size, -1)
-    added = windows.reshape(count, -1) @ both.T
-    number, force = number + added[:, : TARGETS.size], force + added[:, TARGETS.size :]
-    lost = np.abs(number[:, size:] - 1.0).max(axis=1)
+        both[panel] += far @ panels[panel : panel + before].ravel()
+        panels[panel + before, 1:] = kernel.solve @ (1.0 - both[panel, 1:size])
+    both += panels[before:] @ kernel.values[0].T
+    number, force = both[:, :targets], both[:, targets:]
+    missing = np.abs(number[:, size:] - 1.0).max(axis=1)
     bent = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
     # sampled at a few points: the largest residual is up to twice the largest sample
-    wrong = np.nan_to_num(2.0 * (lost + bent / stretch), nan=np.inf)
-    return Run(panels[apart - 1 :], force[:, :size], wrong)
+    wrong = np.nan_to_num(2.0 * (missing + bent / stretch), nan=np.inf)
+    return Run(panels[before:], force[:, :size], wrong)

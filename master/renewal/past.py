@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.averages import Pieces
 from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import (
@@ -27,9 +28,9 @@ from master.renewal.births import (
     Births,
     Lump,
     Panels,
-    Pieces,
     Rows,
     moments,
+    pieces_between,
 )
 from master.renewal.table import basis_of
 
@@ -61,7 +62,7 @@ class Past:
     ----------
     leg, first : int
         The leg, and the first panel whose births are on the present leg.
-    late : float
+    began : float
         When the leg begins.
     error : float
         Bound on the error of the number, the largest of all legs so far.
@@ -82,9 +83,10 @@ class Past:
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
         whole, before, delay = self._births.motion, self.leg, self._births.delay
-        self.leg, self._motion, self.late = leg, whole.since(leg), float(whole.times[leg])
+        self.leg, self.began = leg, float(whole.times[leg])
+        self._motion = whole.counted_from(leg)
         born = panels.middle_of_births(delay)
-        self.first = int(np.searchsorted(born, self.late))
+        self.first = int(np.searchsorted(born, self.began))
         legs = whole.leg(born[: self.first])
         panels = Panels(*(part[: self.first] for part in panels))
         if delay > 0.0:
@@ -110,7 +112,7 @@ class Past:
         births, middle = self._births, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
         for lump in (lump for lump in lumps if lump.holds):
-            s, (low, high) = np.full((1, 1), lump.time - self.late), lump.law.span
+            s, (low, high) = np.full((1, 1), lump.time - self.began), lump.law.span
             if s < first:
                 moved = self._motion.history(first, s)
                 least = max(low + moved.high[0, 0], -(high + moved.low[0, 0]))
@@ -131,9 +133,9 @@ class Past:
             _, since, width, breaks = (part[legs == leg] for part in panels)
             if np.abs(breaks).max(axis=1).sum() > self._negligible:
                 self._strands.append(StrandBirths(self._births, leg, since, width, breaks))
-        seen = [own.seen_from(self._motion, self._negligible) for own in self._strands]
-        self._strands = [own for own, felt in zip(self._strands, seen, strict=True) if felt]
-        self.error = max(self.error, sum(own.missed for own in self._strands))
+        alive = [each.seen_from(self._motion, self._negligible) for each in self._strands]
+        self._strands = [each for each, holds in zip(self._strands, alive, strict=True) if holds]
+        self.error = max(self.error, sum(each.missed for each in self._strands))
 
     def _place(self, panels: Panels, legs: Rows) -> None:
         """Give births their places: minus the way to the present leg, where a hold counts as a grain."""
@@ -165,8 +167,12 @@ class Past:
         motion, births = self._motion, self._births
         begin, end, speed = motion.times[legs], motion.times[legs + 1], motion.speeds[legs]
         # the births whose largest |x| is the least
-        high, low = motion.extremes(np.full(1, TINY), legs)
-        way = 0.5 * (high + low)[0] + births.law.mean() - motion.positions[legs]
+        highest, lowest = motion.knots_between(self.leg, legs)
+        way = (
+            0.5 * (np.maximum(highest, 0.0) + np.minimum(lowest, 0.0))
+            + births.law.mean()
+            - motion.positions[legs]
+        )
         least = begin + np.divide(way, speed, out=np.zeros(way.size), where=speed != 0.0)
         least = np.clip(least, begin, end)
         s = np.stack([begin, least, 0.5 * (least + end), end], axis=1).reshape(-1, 1)
@@ -188,39 +194,37 @@ class Past:
         t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
         out = np.zeros((2, t.size))
         if self._strands:
-            out = sum((own.sums(t) for own in self._strands), out)
+            out = sum((each.sums(t) for each in self._strands), out)
         if not self._first.size:
             return out.reshape(2, *grid.shape)
         pieces, basis = self._pieces(t), basis_of(SIZE)
-        narrow = CLOSE * (pieces.right.max(initial=0.0) - pieces.left.min(initial=0.0))
+        narrow = CLOSE * (pieces.high.max(initial=0.0) - pieces.low.min(initial=0.0))
         # between exact thresholds a piece is looked at just inside its ends
         inside = INSIDE if self._life.atoms.size else 0.0
         shares = np.concatenate([[inside], basis.nodes, [1.0 - inside]])
         for _ in range(DEPTH):
-            if not pieces.left.size:
+            if not pieces.owner.size:
                 break
-            place = pieces.left[:, None] + pieces.width[:, None] * shares
-            history = self._history(t[pieces.target], place)
-            self._births.count(place.shape[0])
-            found = self._life.left(self._births.law, history).reshape(2, *place.shape)
-            series = found[..., 1:-1] @ basis.to_legendre
-            off = np.abs(series[0] @ basis.at_ends - found[0][:, [0, -1]]).max(axis=-1)
+            owner, low, high = pieces
+            place = low[:, None] + (high - low)[:, None] * shares
+            self._births.count(owner.size)
+            held = self._life.left(self._births.law, self._history(t[owner], place))
+            held = held.reshape(2, *place.shape)
+            series = held[..., 1:-1] @ basis.to_legendre
+            off = np.abs(series[0] @ basis.at_ends - held[0][:, [0, -1]]).max(axis=-1) / END
             tail = np.abs(series[..., -2:]).max(axis=-1)
-            most = [np.interp(place, self._ends, self._most) for place in pieces[1:]]
-            wrong = (most[1] - most[0]) * np.maximum.reduce(
-                [tail[0], tail[1] / self._life.reach, off / END]
+            born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
+            wrong = born * np.maximum.reduce([tail[0], tail[1] / self._life.reach, off])
+            rough = (wrong > self._accuracy) & (
+                high - low > np.maximum(1e-14 * np.abs(high), narrow)
             )
-            rough = (wrong > self._accuracy) & (pieces.width > 1e-14 * np.abs(pieces.right))
-            rough &= pieces.width > narrow
-            late = self._births.work > MOST_WORK or clock.monotonic() > self._until
-            if rough.any() and late:
+            if self._births.work > MOST_WORK or clock.monotonic() > self._until:
                 self.error = max(self.error, float(wrong[rough].sum()))
                 rough[:] = False
-            done = pieces.pick(~rough)
-            weights = moments(self._ends, self._slopes, done.left, done.right, SIZE)
-            for kind, added in enumerate((series[:, ~rough] * weights).sum(axis=-1)):
-                out[kind] += np.bincount(done.target, added, t.size)
-            pieces = pieces.pick(rough).halves(self._knots)
+            weights = moments(self._ends, self._slopes, low[~rough], high[~rough], SIZE)
+            for sums, added in zip(out, (series[:, ~rough] * weights).sum(axis=-1), strict=True):
+                sums += np.bincount(owner[~rough], added, t.size)
+            pieces = _halves(pieces.pick(rough), self._knots)
         return out.reshape(2, *grid.shape)
 
     def _history(self, t: Array, place: Array) -> History:
@@ -238,7 +242,8 @@ class Past:
         cuts = [np.broadcast_to(end, (t.size, *end.shape[1:])) for end in (first, last)]
         if law.is_single:
             r, now = law.mean(), motion.at(t)[:, None, None]
-            high, low = (part[:, :, None] for part in motion.extremes(t, self._last))
+            tops, bottoms = motion.knots_between(self.leg, self._last)
+            high, low = np.maximum(now, tops[:, None]), np.minimum(now, bottoms[:, None])
             marks = np.append(life.bends, [abs(r), life.reach])
             middle = 0.5 * (high + low) + r
             now = now + np.zeros_like(middle) + r
@@ -248,16 +253,26 @@ class Past:
             at = self._knots[self._last + 1][None, :, None]
             at = at + sign * (np.concatenate(goals, axis=2) - turned)
             cuts.append(np.where(sign == 0.0, last, np.clip(at, first, last)))
-        pieces = Pieces.of(np.concatenate(cuts, axis=2).reshape(t.size, -1))
+        pieces = pieces_between(np.concatenate(cuts, axis=2).reshape(t.size, -1))
         # gaps between runs are no pieces
-        middle = 0.5 * (pieces.left + pieces.right)
+        middle = 0.5 * (pieces.low + pieces.high)
         run = np.minimum(np.searchsorted(last.ravel(), middle), self._last.size - 1)
         pieces = pieces.pick(middle > first.ravel()[run])
-        if not pieces.left.size:
+        if not pieces.owner.size:
             return pieces
         shares = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
-        place = pieces.left[:, None] + pieces.width[:, None] * shares
-        history, (lowest, highest) = self._history(t[pieces.target], place), law.span
+        place = pieces.low[:, None] + (pieces.high - pieces.low)[:, None] * shares
+        history, (lowest, highest) = self._history(t[pieces.owner], place), law.span
         high, low = (part.reshape(place.shape) for part in (history.high, history.low))
         least = np.maximum(lowest + high.min(axis=1), -(highest + low.max(axis=1)))
         return pieces.pick(least < life.reach)
+
+
+def _halves(pieces: Pieces, knots: Array) -> Pieces:
+    """Each cut in two at the knot nearest to its middle, or at the middle if none is inside."""
+    owner, low, high = pieces
+    middle, small = 0.5 * (low + high), CLOSE * (high - low)
+    after = np.clip(np.searchsorted(knots, middle), 1, knots.size - 1)
+    knot = np.where(2.0 * middle < knots[after - 1] + knots[after], knots[after - 1], knots[after])
+    at = np.where((knot > low + small) & (knot < high - small), knot, middle)
+    return Pieces(np.tile(owner, 2), np.append(low, at), np.append(at, high))

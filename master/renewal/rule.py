@@ -50,15 +50,9 @@ def values(share: Array) -> Array:
 
 # Matrix from values at 0 and the nodes to values at CHECKS.
 AT_CHECKS: Array = values(CHECKS)
-
-
-# Values of the Legendre polynomials at the Gauss nodes.
-AT_GAUSS: Array = legendre_values(GAUSS_NODES)
 # Matrix from values at 0 and the nodes to Legendre coefficients of the derivative by the share.
 SLOPES: Array = np.zeros((DEGREE + 1, DEGREE + 1))
 SLOPES[:-1] = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
-# Matrix from values at 0 and the nodes to the derivative by the share at the Gauss nodes.
-SLOPES_AT_GAUSS: Array = AT_GAUSS @ SLOPES
 
 
 def legendre_sum(coefficients: Array, z: Array) -> Array:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.interpolate import BSpline
 
-from master.lives.age.ageing import MARGIN, AgeingPath
+from master.lives.age.ageing import MARGIN, AgeingLife
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, moments
@@ -44,7 +44,7 @@ class StrandBirths:
 
     def __init__(self, births: Births, leg: int, since: Array, width: Array, breaks: Array) -> None:
         life, motion = births.life, births.motion
-        assert isinstance(life, AgeingPath)
+        assert isinstance(life, AgeingLife)
         self._life, self._seen, self.missed = life, leg, 0.0
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
         count = np.ptp(ends) * abs(speed) / life.mesh.width
@@ -52,7 +52,7 @@ class StrandBirths:
         left, right = edges[:-1], edges[1:]
         nodes = 0.5 * (left + right)[:, None] + 0.5 * (right - left)[:, None] * _NODES
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
-        self._strands = life.aged(births.law, speed, ages)
+        self._strands = life.begin(births.law).aged(speed, ages)
         found = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
         # weights of the pieces' nodes in a sum over all births
         self._weight = found @ _TO_LEGENDRE.T

@@ -38,16 +38,6 @@ def basis_of(size: int) -> Basis:
     return Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
 
 
-def beside(x: Array, ends: Array) -> Array:
-    """Points, in rows, moved to that side of the ends on which the middle of their row lies.
-
-    A point at an end belongs to what begins there.
-    """
-    after = np.searchsorted(ends, x[:, x.shape[1] // 2, None], "right")
-    after = np.clip(after, 1, ends.size - 1)
-    return np.clip(x, ends[after - 1], np.nextafter(ends[after], ends[0]))
-
-
 class Table:
     """Functions of one number x >= 0, a length or a time, polynomials between edges; 0 beyond the last.
 
@@ -131,9 +121,8 @@ class Table:
         self.end: Array = end[order]
         self.edges: Array = np.append(self.begin, self.end[-1])
         self.widths: Array = self.end - self.begin
-        self._parts = np.ascontiguousarray(
-            parts[:, order].transpose(2, 0, 1)
-        )  # (size, functions, n)
+        # shape (size, functions, n)
+        self._parts = np.ascontiguousarray(parts[:, order].transpose(2, 0, 1))
         self.tails: Array = np.abs(self._parts[-2:]).max(axis=(0, 1))
 
     def __call__(self, x: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Curve: the load along one straight move of the slider, on panels.
+"""The load along one straight move of the slider, on panels; where slips begin and end on it.
 
 With y the travel of the slider, and F along the motion,
 
@@ -22,41 +22,32 @@ from master.renewal import rule
 
 Array = npt.NDArray[np.float64]
 
-# Shares of a panel that bracket a given value of its load.
-SHARES: Array = np.asarray(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 2 * rule.DEGREE + 1)))
 
-
-class Panels(NamedTuple):
-    """Panels of travel, one after the other from 0.
-
-    begin, width : arrays of shape (n,)
-    force : array of shape (n, DEGREE + 1), along the motion, at share 0 and at the nodes (lengths)
-    rough : array of shape (n,), error of the polynomials, which may oscillate (lengths)
-    """
-
-    begin: Array
-    width: Array
-    force: Array
-    rough: Array
-
-
-class Curve:
+class LoadCurve:
     """Force along the motion over the slider's travel, a polynomial on each panel.
 
     Parameters
     ----------
-    panels : Panels
-    error : array of shape (n,)
-        Bound on the error of the force on each panel (a length).
-    drops : array of shape (m,)
-        Travels, sorted, at which finite shares of the contacts break at once.
-    spring : float
-        K/(N_c <k>).
+    begin, width : arrays of shape (n,), of panels one after the other from 0
+    force : array of shape (n, DEGREE + 1), along the motion, at share 0 and at the nodes (lengths)
+    rough : array of shape (n,), error of the polynomials, which may oscillate (lengths)
+    error : array of shape (n,), bound on the error of the force on each panel (lengths)
+    drops : array of shape (m,), travels, sorted, at which finite shares of the contacts break at once
+    spring : K/(N_c <k>)
     """
 
-    def __init__(self, panels: Panels, error: Array, drops: Array, spring: float) -> None:
-        begin, width, force, self._rough = panels
-        self.begin, self.width, self.error = begin, width, error
+    def __init__(
+        self,
+        begin: Array,
+        width: Array,
+        force: Array,
+        rough: Array,
+        error: Array,
+        drops: Array,
+        spring: float,
+    ) -> None:
+        """Keep the force, its slope and the load as Legendre series on each panel."""
+        self.begin, self.width, self._rough, self.error = begin, width, rough, error
         self.drops, self.spring = drops, spring
         self._ends = np.append(begin[1:], begin[-1] + width[-1])
         self.end = float(self._ends[-1])
@@ -76,10 +67,6 @@ class Curve:
         """Force along the motion at travels y, just before a drop; same shape as y."""
         return self._values(self._force, y)
 
-    def force_at(self, y: float) -> float:
-        """Force along the motion at one travel."""
-        return float(self.force(np.array([y]))[0])
-
     def slope(self, y: Array) -> Array:
         """F' + K at travels y."""
         return self._values(self._slope, y)
@@ -93,27 +80,24 @@ class Curve:
         z = np.clip(2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
         return rule.legendre_sum(coefficients[panel], z[:, None])[:, 0]
 
-    def lets_go(self, after: float) -> float:
+    def slip_begins(self, after: float) -> float:
         """The first travel after `after` beyond which the load falls; inf if there is none."""
         drops = self.drops[self.drops > after]
-        falls = self._first_below(self._slope, after)
-        return min(falls, float(drops[0])) if drops.size else falls
+        return float(np.min([self._first_below(self._slope, after), *drops[:1]]))
 
-    def catches(self, after: float, level: float, beside: float) -> float:
+    def slip_ends(self, after: float, level: float, falling: float) -> float:
         """The first travel after a slip's beginning where the load is at `level` again; inf if none.
 
-        beside : distance after which the computed load surely falls, 0 where it drops at once; the
+        falling : distance after which the computed load surely falls, 0 where it drops at once; the
             level is searched from where the load rises again
         """
-        if beside > 0.0:
-            after = self._first_below(-self._slope, after + beside)
-        if not np.isfinite(after):
-            return np.inf
+        if falling > 0.0:
+            after = self._first_below(-self._slope, after + falling)
         lack = -self._load
         lack[:, 0] += level
         return self._first_below(lack, after)
 
-    def misplaced(self, y: Array, shift: Array | float = 0.0, more: float = 0.0) -> Array:
+    def misplaced(self, y: Array, shift: float = 0.0, more: float = 0.0) -> Array:
         """Errors of travels y that were computed from given loads; same shape as y.
 
         An error e of the force displaces them by e over the slope; near a slip, where the slope
@@ -143,29 +127,61 @@ class Curve:
         for index in np.flatnonzero((least < 0.0) & (self._ends > after)):
             begin, width = float(self.begin[index]), float(self.width[index])
             first = np.clip(2.0 * (after - begin) / width - 1.0, -1.0, 1.0)
-            one = coefficients[index]
+            panel = coefficients[index]
             # trailing coefficients below 1e-15 of the largest are rounding: leave them out
-            roots = legendre.legroots(legendre.legtrim(one, 1e-15 * np.abs(one).max()))
+            roots = legendre.legroots(legendre.legtrim(panel, 1e-15 * np.abs(panel).max()))
             # rounding may have moved a double root off the real axis
             real = np.sort(roots.real[np.abs(roots.imag) < 1e-6])
-            points = np.append(np.append(first, real[(real > first) & (real < 1.0)]), 1.0)
-            below = legendre.legval(0.5 * (points[1:] + points[:-1]), one) < 0.0
+            points = np.concatenate([[first], real[(real > first) & (real < 1.0)], [1.0]])
+            below = legendre.legval(0.5 * (points[1:] + points[:-1]), panel) < 0.0
             if below.any():
                 return begin + 0.5 * width * (1.0 + float(points[np.argmax(below)]))
         return np.inf
 
-    def carries(self, load: Array, low: float, high: float) -> Array:
+    def travel_at(self, load: Array, low: float, high: float) -> Array:
         """Travels from low to high, where the load rises, with given loads; same shape as load."""
 
         def lack(y: Array, load: Array) -> Array:
             return self.force(y) + self.spring * y - load
 
-        shares = self.begin[:, None] + self.width[:, None] * SHARES
-        y = np.concatenate([[low], shares[(shares > low) & (shares < high)], [high]])
+        # shares of a panel that bracket a given value of its load
+        shares = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 2 * rule.DEGREE + 1))
+        places = self.begin[:, None] + self.width[:, None] * shares
+        y = np.concatenate([[low], places[(places > low) & (places < high)], [high]])
         known = np.maximum.accumulate(lack(y, np.zeros(y.size)))
         load = np.clip(load, known[0], known[-1])
         cell = np.clip(np.searchsorted(known, load, "right") - 1, 0, y.size - 2)
         return np.asarray(find_root(lack, (y[cell], y[cell + 1]), args=(load,)).x)
+
+
+class SlipBegin(NamedTuple):
+    """Where a slip begins on a move.
+
+    curve : LoadCurve, as far as it is solved
+    travel, load : of the slider there; inf if there is no slip
+    """
+
+    curve: LoadCurve
+    travel: float = np.inf
+    load: float = np.inf
+
+    @property
+    def force(self) -> float:
+        """Force along the motion (a length)."""
+        return float(self.curve.force(np.array([self.travel]))[0])
+
+    @property
+    def error(self) -> float:
+        """Bound on the error of the load (a length)."""
+        return float(self.curve.error[self.curve.panel(np.array([self.travel]))[0]])
+
+    @property
+    def misplaced(self) -> float:
+        """Error of the travel due to that of F' (a length); 0 where contacts break together."""
+        if (self.curve.drops == self.travel).any():
+            return 0.0
+        bend = float(self.curve.bend(np.array([self.travel]))[0])
+        return self.curve.slope_error(self.travel) / bend
 
 
 def _slopes(coefficients: Array) -> Array:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from master.soft.in_time.track import Piece, pieces, reached
+from master.soft.in_time.pieces import Piece, pieces, reached
 from master.soft.slips import Followed
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
@@ -61,7 +61,7 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     count, trend = slips.drive.size, _trend(slips.drop)
     moving = [piece for piece in pieces(drive, found.balance) if piece.travel != 0.0]
     speed = drive.velocity
-    if drive.time is not None and moving:
+    if moving:
         lasts = sum(piece.end - piece.begin for piece in moving)
         speed = sum(abs(piece.travel) for piece in moving) / lasts
     critical, error = critical_spring(contacts, speed, tolerance)
@@ -73,62 +73,49 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
         reason = f"{count} slips up to where the solution stopped"
     elif not count:
         # K* is that of a rigid slider; a soft slider's speed differs from the drive's
-        last = moving[-1] if moving else None
-        lacking = _lacking(contacts, drive, found, critical, last)
+        lacking = _lacking(contacts, drive, found, critical, moving[-1] if moving else None)
         verdict = "undecided" if lacking else "smooth"
         reason = f"{known}; no slip up to the end of the path{lacking}"
-    elif drive.slip == "reset":
-        verdict, reason = _after_resets(contacts, spring, count, speed, tolerance)
-        reason = f"{reason}; {known}"
     else:
-        verdict, reason = _by_drops(contacts, drive, found, trend)
+        verdict, reason = _by_slips(contacts, drive, found, critical, trend)
+        reason = f"{reason}; {known}"
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
     ratio = spring / critical if critical > 0.0 else np.inf
     return Regime(verdict, reason, critical, error, ratio, count, trend)
 
 
-def _after_resets(
-    contacts: Contacts, spring: float, count: int, speed: float, tolerance: float
+def _by_slips(
+    contacts: Contacts, drive: Drive, found: Followed, critical: float, trend: float | None
 ) -> tuple[Verdict, str]:
-    """Whether resets continue: they do where the relaxed contacts that they leave slip again."""
-    again = contacts.reforming
-    if not RATES.intersection(contacts.laws):
-        start = contacts.replace(start=None if again is None else again.law)
-        limit = critical_spring(start, speed, tolerance)[0]
-        verdict: Verdict = "stick-slip" if spring < limit else "decaying transient"
-        return verdict, f"{count} slips; the relaxed contacts that they leave have K* = {limit:.6g}"
-    # growing grains are younger after a reset than at the start
-    relaxed = again is None and contacts.grains is None and contacts.start.span == (0.0, 0.0)
-    if count > 1 or relaxed:
-        return "stick-slip", f"{count} slips, and a reset leaves contacts that slip again"
-    return "undecided", "one slip up to the end of the path is too few to tell, lengthen it"
-
-
-def _by_drops(
-    contacts: Contacts, drive: Drive, found: Followed, trend: float | None
-) -> tuple[Verdict, str]:
-    """Whether slips that do not replace all contacts continue or fade."""
+    """Whether the slips up to the end of the path continue or fade."""
     spring, path, slips = float(drive.spring or 0.0), drive.path, found.slips
-    way, count = np.abs(np.diff(path, prepend=path[0])).cumsum(), slips.drive.size
-    since = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])
+    drops, count = np.abs(slips.drop), slips.drive.size
+    counted = f"{count} slips up to the end of the path"
+    # growing grains are younger after a reset than at the start
+    relaxed = contacts.reforming is None and contacts.start.span == (0.0, 0.0)
+    relaxed &= contacts.grains is None
+    rates = bool(RATES.intersection(contacts.laws))
+    if drive.slip == "reset" and (count > 1 or (relaxed and (rates or spring < critical))):
+        return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
+    way = np.abs(np.diff(path, prepend=path[0])).cumsum()
+    silent = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])
     first = (spring + 1.0) / spring * _oldest(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
-    told, drops = f"{count} slips up to the end of the path", np.abs(slips.drop)
     # slips are over if the last is this many times the longest period ago
-    if since > 1.5 * longest:
-        silent = f"then none for {since / longest:.3g} times the longest period"
-        return "decaying transient", f"{count} slips, {silent}"
+    if silent > 1.5 * longest:
+        periods = f"then none for {silent / longest:.3g} times the longest period"
+        return "decaying transient", f"{count} slips, {periods}"
     if count < FEWEST:
-        return "undecided", f"{told} are too few to tell; lengthen it"
+        return "undecided", f"{counted} are too few to tell; lengthen it"
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
     # where large and small slips alternate, compare the largest drops of longer intervals
     last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
     if trend is not None or last >= (1.0 - STEADY) * before:
-        return "stick-slip", f"{told}, their drops not fading: the largest of late is {last:.3g}"
+        return "stick-slip", f"{counted}, their drops not fading: the largest of late is {last:.3g}"
     fewer = f"the largest of the last third is {last:.3g}, that of the later two {before:.3g}"
-    return "undecided", f"{told}, whose drops go up and down; {fewer}: lengthen it"
+    return "undecided", f"{counted}, whose drops go up and down; {fewer}: lengthen it"
 
 
 def _oldest(contacts: Contacts, drive: Drive, found: Followed) -> float:
@@ -165,8 +152,7 @@ def _lacking(
     far = _oldest(contacts, drive, found) * (1.5 if ages else 3.0)
     far += 0.0 if ages else last.speed * contacts.waiting_time
     if slid <= far:
-        yet = "contacts that aged may still hold" if ages else "K < K*: a slip may come yet"
-        return f", but {yet} until the slider has gone on by {far:.3g}; lengthen the path"
+        return f", but one may come until the slider has gone on by {far:.3g}; lengthen the path"
     force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks
     loads = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])

@@ -1,4 +1,4 @@
-"""Slips: where a slider begins to slip, where it stops, and the record of all slips."""
+"""What both solvers of soft sliders find: the record of all slips, and forces along the path."""
 
 from __future__ import annotations
 
@@ -8,11 +8,17 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.soft.curve import Curve
-from master.soft.pull import Pull
+from master.outcome import outcome
+from origins import Contacts, Drive
 from origins.brief import brief
 
 Array = npt.NDArray[np.float64]
+
+MOST_SLIPS = 20_000  # as many take some 20 s at T = 0
+
+
+class StoppedError(Exception):
+    """The slider cannot be followed any further, for the reason that the message gives."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +72,7 @@ class Followed(NamedTuple):
 
     balance, nodes : see SoftSolution
     position, force, holding : arrays of shape (k,), at the first k points of the path
-    over : why the solution ended, if before the path's end
-    reason : the message if the error is above the tolerance
+    short : why the path was not followed to its end, or on finer steps
     """
 
     balance: float
@@ -77,78 +82,16 @@ class Followed(NamedTuple):
     slips: Slips
     error: float
     nodes: int
-    over: str
-    reason: str = ""
+    short: str = ""
 
-
-class LettingGo(NamedTuple):
-    """The beginning of a slip on a move.
-
-    curve : Curve
-        The load, as far as it is solved.
-    travel, level : float
-        Travel and load at the slip; inf if there is none.
-    dropped : bool
-        Whether contacts at one exact threshold break there.
-    """
-
-    curve: Curve
-    travel: float = np.inf
-    level: float = np.inf
-    dropped: bool = False
-
-    @property
-    def slips(self) -> bool:
-        return bool(np.isfinite(self.travel))
-
-    @property
-    def error(self) -> float:
-        """Bound on the error of the level (a length)."""
-        return float(self.curve.error[self.curve.panel(np.array([self.travel]))[0]])
-
-    @property
-    def misplaced(self) -> float:
-        """Error of the travel due to that of F' (a length)."""
-        if self.dropped:
-            return 0.0
-        bend = float(self.curve.bend(np.array([self.travel]))[0])
-        return self.curve.slope_error(self.travel) / bend
-
-    @property
-    def beside(self) -> float:
-        """Distance after which the computed load surely falls; 0 where it drops at once."""
-        # ten errors of the place suffice; and a slip is at least 1e-4 of the travel long
-        return 0.0 if self.dropped else min(10.0 * self.misplaced, 1e-4 * self.curve.end)
-
-
-def letting_go(pull: Pull, spring: float, after: float, target: float) -> LettingGo:
-    """The first slip after a travel, if it begins before the load reaches the target."""
-    travel = after
-    while True:
-        pull.reach(travel)
-        curve = pull.curve(spring)
-        y = curve.lets_go(after)
-        last = min(y, curve.end)
-        level = curve.force_at(last) + spring * last
-        if level >= target:
-            return LettingGo(curve)
-        if np.isfinite(y):
-            return LettingGo(curve, y, level, bool((curve.drops == y).any()))
-        travel = curve.end + pull.matter.life.grain
-
-
-def landing(
-    pull: Pull, spring: float, after: float, level: float, beside: float
-) -> tuple[Curve, float]:
-    """The load, and the travel at which a slip ends that begins after a travel with load `level`.
-
-    beside : distance after which the computed load surely falls; 0 where it drops at once
-    """
-    travel = after
-    while True:
-        pull.reach(travel)
-        curve = pull.curve(spring)
-        y = curve.catches(after, level, beside)
-        if np.isfinite(y):
-            return curve, y
-        travel = curve.end + pull.matter.life.grain
+    def outcome(
+        self, contacts: Contacts, drive: Drive, tolerance: float, place: str
+    ) -> tuple[bool, str]:
+        """Success and message; `place` is the symbol of the path's positions."""
+        solved = self.force.size
+        if solved == drive.path.size:
+            above = f"error estimate {self.error:.1e} is above the tolerance {tolerance:.1e}"
+            short = self.short or f"{above}; shorten the path or loosen the tolerance"
+            return outcome(contacts, self.error, tolerance, short)
+        last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
+        return False, f"{self.short}: the path is cut at {last}"

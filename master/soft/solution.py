@@ -21,10 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.outcome import Progress, outcome, unheard
-from master.soft.pull import Matter
+from master.outcome import Progress, unheard
+from master.soft.cold import ColdSlider
 from master.soft.regime import Regime, regime
-from master.soft.ride import Ride
 from master.soft.slips import Slips
 from origins import Contacts
 from origins.brief import brief
@@ -104,7 +103,7 @@ def solve_soft(
     """
     began, again = time.perf_counter(), contacts.reforming
     until = np.inf if wall_time is None else time.monotonic() + wall_time
-    rule, unit = drive.slip, contacts.mean_threshold
+    rule = drive.slip
     out = rule == "reform-after" or (contacts.delay is not None and rule == "instant")
     if again is not None and out:
         must = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
@@ -116,27 +115,18 @@ def solve_soft(
         balance = balance_of(contacts, drive)
         found = refined(contacts, drive, balance, tolerance, progress, until)
     else:
-        found = Ride(Matter.of(contacts, tolerance, until), drive).found()
-        found = found._replace(error=found.error / unit)
+        found = ColdSlider(contacts, drive, tolerance, until).follow()
         progress(found.error)
-    path, slips = drive.path[: found.force.size], found.slips
-    reason = (
-        found.reason or f"error estimate {found.error:.1e} is above the tolerance {tolerance:.1e}"
-    )
-    success, message = outcome(contacts, found.error, tolerance, reason)
-    if path.size < drive.path.size:
-        over = "by wall_time" if time.monotonic() > until else found.over
-        last = f"X_T = {path[-1]:.6g}" if path.size else "the first point"
-        success, message = False, f"stopped at {last} {over}; the path is cut there"
+    success, message = found.outcome(contacts, drive, tolerance, "X_T")
     return SoftSolution(
-        path=path,
+        path=drive.path[: found.force.size],
         balance=found.balance,
         position=found.position,
         force=found.force,
         force_error=found.error,
         holding=found.holding,
-        slips=slips,
-        period=slips.period,
+        slips=found.slips,
+        period=found.slips.period,
         regime=regime(contacts, drive, found, tolerance),
         run_time=time.perf_counter() - began,
         nodes=found.nodes,

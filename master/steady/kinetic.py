@@ -22,7 +22,6 @@ from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError, refuse
-from origins.laws.thermal import GivenRates
 
 Array = npt.NDArray[np.float64]
 
@@ -99,47 +98,36 @@ class Points:
             "rate": ageing.rate if ageing else None,
             "delay": wait.time if wait else None,
         }
-        asked = dict(zip(own, (velocity, temperature, rate, delay), strict=True))
-        given = {name: own[name] if value is None else value for name, value in asked.items()}
-        numbers = {
-            name: _numbers(name, value) for name, value in given.items() if value is not None
-        }
+        asked = {"temperature": temperature, "rate": rate, "delay": delay}
+        own |= {name: value for name, value in asked.items() if value is not None}
+        numbers = {name: _numbers(name, value) for name, value in own.items() if value is not None}
         try:
-            arrays = np.broadcast_arrays(*numbers.values())
+            arrays = dict(zip(numbers, np.broadcast_arrays(*numbers.values()), strict=True))
         except ValueError as error:
             shapes = ", ".join(f"{name} {value.shape}" for name, value in numbers.items())
-            told = f"{', '.join(numbers)}: have shapes that do not fit together: {shapes}"
-            raise InputError(told) from error
-        self.shape, found = arrays[0].shape, dict(zip(numbers, arrays, strict=True))
-        self._fields: dict[str, Any] = {name: found.get(name) for name in own}
-        self.rows = np.stack([np.ravel(found.get(name, np.zeros(self.shape))) for name in own])
-
-    def distinct(self, waits: bool) -> tuple[Array, npt.NDArray[np.intp]]:
-        """Rows of speed, temperature, rate and delay, each once, of shape (m, 4), and the row of each
-        point. The speed is 1 where it does not matter, the delay 0 unless asked for (`waits`)."""
-        columns = self.rows.T * [1.0, 1.0, 1.0, float(waits)]
-        if self._contacts.grains is None and not isinstance(self._contacts.thermal, GivenRates):
-            columns[(columns[:, 1:] == 0.0).all(axis=1), 0] = 1.0
-        cases, which = np.unique(columns, axis=0, return_inverse=True)
-        return cases, which.ravel()
+            fault = f"{', '.join(numbers)}: have shapes that do not fit together: {shapes}"
+            raise InputError(fault) from error
+        self._fields: dict[str, Any] = dict.fromkeys(own) | arrays
+        self.shape, none = arrays["velocity"].shape, np.zeros(arrays["velocity"].size)
+        self.rows = np.stack([np.ravel(arrays.get(name, none)) for name in own])
 
     def outcome(self, success: npt.NDArray[np.bool_], message: str) -> dict[str, Any]:
         """All fields of `Along`."""
         run_time = time.perf_counter() - self._began
         return {**self._fields, "run_time": run_time, "success": success, "message": message}
 
-    def contacts(self, case: Array, start: object = None) -> Contacts:
-        """The contacts at the temperature, rate and delay of one row (0: none), with another start."""
-        _, temperature, rate, delay = (float(value) for value in case)
+    def contacts(
+        self, temperature: float, rate: float, delay: float = 0.0, *, start: object = None
+    ) -> Contacts:
+        """The contacts at one temperature, rate and delay (0: none), with another start."""
         thermal, ageing = self._contacts.thermal, self._contacts.ageing
         if isinstance(thermal, Thermal):
-            thermal = replace(thermal, temperature=temperature) if temperature > 0.0 else None
-        return self._contacts.replace(
-            start=start,
-            thermal=thermal,
-            ageing=None if ageing is None else Ageing(ageing.final, rate, ageing.closure),
-            delay=Delay(delay) if delay > 0.0 else None,
-        )
+            warm = temperature > 0.0
+            thermal = replace(thermal, temperature=float(temperature)) if warm else None
+        if ageing is not None:
+            ageing = Ageing(ageing.final, float(rate), ageing.closure)
+        wait = Delay(float(delay)) if delay > 0.0 else None
+        return self._contacts.replace(start=start, thermal=thermal, ageing=ageing, delay=wait)
 
 
 def _numbers(name: str, value: npt.ArrayLike) -> Array:
@@ -150,11 +138,12 @@ def _numbers(name: str, value: npt.ArrayLike) -> Array:
         refuse(name, value, "must be a number or an array of numbers")
     if not numbers.size:
         refuse(name, numbers, "must not be empty")
-    moving = name == "velocity"
-    bad = ~np.isfinite(numbers) | (numbers < 0.0) | (moving & (numbers == 0.0))
-    if bad.any():
-        least = "above zero" if moving else "zero or above"
-        refuse(name, float(numbers[bad][0]), f"must be finite and {least}")
+    least = "above zero" if name == "velocity" else "zero or above"
+    good = (numbers > 0.0) | ((numbers == 0.0) & (least == "zero or above"))
+    if not (good & np.isfinite(numbers)).all():
+        refuse(
+            name, float(numbers[~(good & np.isfinite(numbers))][0]), f"must be finite and {least}"
+        )
     return numbers
 
 
@@ -208,14 +197,15 @@ def kinetic_curve(
     """
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
     points = Points(contacts, velocity, temperature, rate, delay)
-    cases, which = points.distinct(waits=False)
+    # the state between birth and break is the same at any delay
+    cases, which = np.unique(points.rows[:3].T, axis=0, return_inverse=True)
     steady = np.empty((4, len(cases)))
     for laws in np.unique(cases[:, 1:], axis=0):
         these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
-        steady[:, these] = _at_once(points.contacts(cases[these[0]]), cases[these, 0])
-    force, force_error, length, length_error = steady[:, which].reshape(4, *points.shape)
+        steady[:, these] = _at_once(points.contacts(*laws), cases[these, 0])
+    force, force_error, length, length_error = steady[:, which.ravel()].reshape(4, *points.shape)
     # contacts with grains are out until these pin again, in addition to the delay
-    pinned = points.contacts(np.zeros(4)).waiting_time
+    pinned = contacts.replace(delay=None).waiting_time
     speeds, waits = points.rows[[0, 3]].reshape(2, *points.shape)
     holding = length / (length + speeds * (waits + pinned))
     off = holding * (1.0 - holding) * length_error / length
@@ -241,8 +231,8 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
         out[1] = (area[1] + out[0] * out[3]) / out[2]
     # points not known well enough from the sums over all speeds are solved individually
     for i in np.flatnonzero(~(out[1] < 1e-9 * out[0])):
-        one = steady_state(contacts, velocity=float(speeds[i]))
-        if not one.force_error * unit >= out[1, i]:
-            out[:2, i] = np.array([one.force, one.force_error * unit]) / one.holding
-            out[2:, i] = one.cycle_length, one.cycle_length_error * unit
+        state = steady_state(contacts, velocity=float(speeds[i]))
+        if not state.force_error * unit >= out[1, i]:
+            out[:2, i] = np.array([state.force, state.force_error * unit]) / state.holding
+            out[2:, i] = state.cycle_length, state.cycle_length_error * unit
     return out

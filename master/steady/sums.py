@@ -116,9 +116,7 @@ class _Breaks:
         moments = np.stack([weights * x, weights * x * x])
         out = np.zeros((2, end.size, self._log_speeds.size))
         for i, log_speed in enumerate(self._log_speeds):
-            felt = np.flatnonzero((begin < log_speed + MOST) & (end > log_speed + LEAST))
-            weight = _weight(u[felt] - log_speed)
-            out[:, felt, i] = np.einsum("nj,knj->kn", weight, moments[:, felt])
+            out[:, :, i] = np.einsum("nj,knj->kn", _weight(u - log_speed), moments)
         return out
 
 

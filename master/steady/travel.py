@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.heat.thermal import ThermalLife
+from master.lives.heat import ThermalLife
 from master.lives.life import Life
-from master.renewal.straight import SHORTEST as SHORTEST
-from master.renewal.straight import Straight
+from master.renewal.kernels import SHORTEST as SHORTEST
+from master.renewal.kernels import Straight
 from origins import Contacts, InputError
 from origins.start import Start
 
@@ -88,15 +88,12 @@ class Travel(Straight):
         self.length, self.area = (table.integrals() * [1.0, self.scale]).tolist()
         if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
             # at T = 0 both are moments of P_c, and their differences to the integrals the errors
-            law, power, integrals = (
-                contacts.thresholds,
-                power_of(contacts),
-                (self.length, self.area),
-            )
+            law, power = contacts.thresholds, power_of(contacts)
+            length, area = self.length, self.area
             self.length = law.mean()
             self.area = 0.5 * law.moment(power) / self.length ** (power - 2)
-            self.length_error = abs(self.length - integrals[0]) + 4e-16 * self.length
-            self.area_error = abs(self.area - integrals[1]) + 4e-16 * self.area
+            self.length_error = abs(self.length - length) + 4e-16 * self.length
+            self.area_error = abs(self.area - area) + 4e-16 * self.area
             return
         # the error of E itself is relative where few contacts hold
         felt = np.minimum(held / FEW, 1.0)

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.lives.life import Life
 from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.renewal import rule
@@ -23,99 +22,95 @@ Array = npt.NDArray[np.float64]
 # F is followed for LIVES typical lives, and one more than those of all but the share FEW of the
 # contacts in steady sliding, but for at most MOST_LIVES.
 LIVES, FEW, MOST_LIVES = 10.0, 1e-6, 1000.0
-# Points at which a panel's polynomial is evaluated to find its maximum, and repetitions around the
-# largest value: its place is then known to 1e-6 of a panel, the value to the square of that.
-POINTS, ZOOMS = 33, 4
 
 
-class Fall(NamedTuple):
-    """The largest -dF/dX (no unit), its error, and X there (a length): 0 where F never falls, inf
-    where it drops at one X."""
+class Largest(NamedTuple):
+    """The largest value of a function of X, its error, and X there (a length)."""
 
-    steepest: float
+    value: float
     error: float
     position: float
 
 
 class Extremes(NamedTuple):
-    """K* of a start, and F_s, the largest F, with its error (lengths)."""
+    """Extremes of F(X) from a start.
 
-    fall: Fall
-    static: float
-    static_error: float
+    fall : the largest -dF/dX (no unit), K*/(N_c <k>): 0 where F never falls, inf where it drops at one X
+    force : F_s, the largest F (a length)
+    travel : E and K of contacts that re-form, in steady sliding
+    """
 
-
-class Bounds(NamedTuple):
-    """The largest -dF/dX (no unit), and the largest F (a length)."""
-
-    slope: float
-    force: float
+    fall: Largest
+    force: Largest
+    travel: Travel
 
 
 def critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
     """K*/(N_c <k>) of contacts on a rigid slider that moves forward from their start, and its error."""
-    travel = births_table(contacts, steady_life(contacts, velocity), velocity, tolerance)
-    fall = extremes(contacts, travel, velocity, tolerance).fall
-    return fall.steepest, fall.error
+    fall = extremes(contacts, velocity, tolerance).fall
+    return fall.value, fall.error
 
 
-def extremes(contacts: Contacts, travel: Travel, velocity: float, tolerance: float) -> Extremes:
+def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`."""
+    travel = births_table(contacts, velocity, tolerance)
     horizon, followed = _horizon(contacts, travel)
-    unit, diverges = unit_of(contacts, travel), _diverges(contacts, travel.life)
+    unit, diverges = unit_of(contacts, travel), _diverges(contacts, travel.life.bends)
     # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of
-    # its slope: panels are solved to a hundredth of the slope's tolerance; beside densities that
+    # its slope: panels are solved to a thousandth of the slope's tolerance; beside densities that
     # diverge, tolerances below 1e-6 would take long
-    asked = max(tolerance, 1e-6) if diverges else 1e-2 * tolerance
+    asked = max(tolerance, 1e-6) if diverges else 1e-3 * tolerance
     asked *= unit / contacts.mean_threshold
     march = forward_march(contacts, travel, velocity, horizon, asked)
     for _ in range(3):
-        last = march.tolerance
-        fall, static, off = _of(march.run(), velocity, travel.typical)
+        solved_to = march.tolerance
+        fall, force = _of(march.run(), velocity, travel.typical)
         if diverges:
-            fall = Fall(np.inf, 0.0, fall.position)
-        good = fall.error <= tolerance * (1.0 + fall.steepest) and off <= tolerance * unit
-        march = forward_march(contacts, travel, velocity, horizon, 1e-2 * last)
-        if good or diverges or march.tolerance >= last:
+            fall = Largest(np.inf, 0.0, fall.position)
+        good = fall.error <= tolerance * (1.0 + fall.value) and force.error <= tolerance * unit
+        march = forward_march(contacts, travel, velocity, horizon, 1e-2 * solved_to)
+        if good or diverges or march.tolerance >= solved_to:
             break
     # F decays to the kinetic force, so that F_s is at least this
     kinetic = travel.area / (travel.length + velocity * contacts.waiting_time)
-    static = max(static, kinetic)
+    force = force._replace(value=max(force.value, kinetic))
     if not followed:
         steepest, highest = _beyond(travel, horizon)
-        fall = fall._replace(error=max(fall.error, steepest - fall.steepest))
-        off = max(off, highest - static)
-    return Extremes(fall, static, off)
+        fall = fall._replace(error=max(fall.error, steepest - fall.value))
+        force = force._replace(error=max(force.error, highest - force.value))
+    return Extremes(fall, force, travel)
 
 
-def births_table(contacts: Contacts, life: Life, velocity: float, tolerance: float) -> Travel:
+def births_table(contacts: Contacts, velocity: float, tolerance: float) -> Travel:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(1e-6 * tolerance, 1e-13)  # a slope loses some four digits
+    life = steady_life(contacts, velocity)
     return Travel(contacts, life, reforming_law(contacts), velocity, accuracy)
 
 
 def forward_march(
-    contacts: Contacts, births: Travel, velocity: float, horizon: float, tolerance: float
+    contacts: Contacts, travel: Travel, velocity: float, horizon: float, tolerance: float
 ) -> March:
     """The march of contacts from their start to X = `horizon` (a length), not yet run.
 
-    births : from `births_table`
+    travel : from `births_table`
     tolerance : of the force, in mean thresholds; limited by the error of the survival
     """
-    life, mean = births.life, contacts.mean_threshold
+    life, mean = travel.life, contacts.mean_threshold
     motion = Motion(np.array([0.0, horizon / velocity]), np.array([0.0, horizon]))
-    first = max(abs(end) for end in contacts.start.span)
     # with heat contacts break long before they reach the longest stretch; a limit below a tenth of
     # the mean threshold would make the march's tolerance finer than rounding
-    most = max(first + births.most, 0.1 * mean)
+    most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
     # some lives know their error only after they were evaluated for the stretches of the start
     life.left(contacts.start, motion.history(motion.times[None, 1:], np.zeros((1, 1))))
-    known = life.error + (0.0 if life.quick else births.table.error)
-    finest = max(FINEST, 10.0 * known) * min(longest_stretch(contacts, motion, life), most) / mean
+    known = life.error + (0.0 if life.quick else travel.table.error)
+    # rounded positions make steps of the survival of narrow laws, which no panel resolves
+    finest = max(FINEST, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
+    finest *= min(longest_stretch(contacts, motion, life), most) / mean
     march = march_of(contacts, motion, life, max(tolerance, finest), most=most)
     if not life.quick:
         # an error of the force divided by the panel's width is one of the slope: avoid narrow panels
-        march.grain = GRAINS * births.grain
+        march.grain = GRAINS * travel.grain
     return march
 
 
@@ -128,40 +123,42 @@ def unit_of(contacts: Contacts, travel: Travel) -> float:
     return contacts.mean_threshold if plain else travel.length
 
 
-def _of(march: March, velocity: float, typical: float) -> Extremes:
-    """K* and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the travel to a break."""
+def _of(march: March, velocity: float, typical: float) -> tuple[Largest, Largest]:
+    """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the travel to a break."""
     begin, width = velocity * np.array(march.begin), velocity * np.array(march.width)
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
-    off = (np.maximum(march.wrong, 2e-15) + march.life_error) * march.stretch
-    static = _largest(series, off, begin, width)
+    errors = (np.maximum(march.wrong, 2e-15) + march.life_error) * march.stretch
+    force = _largest(series, errors, begin, width)
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
+    force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
-        fall = Fall(np.inf, 0.0, march.lumps[1].time * velocity)
-    else:
-        # on panels narrower than this the change of F is rounding, and so would be its slope
-        wide = width > 1e-6 * typical
-        slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
-        off = 2.0 * rule.DEGREE**2 * (off / width)[wide]
-        fall = _largest(slopes, off, begin[wide], width[wide])
-        fall = fall._replace(steepest=max(fall.steepest, 0.0))
-    return Extremes(fall, static.steepest, static.error + rounding)
+        return Largest(np.inf, 0.0, march.lumps[1].time * velocity), force
+    # on panels narrower than this the change of F is rounding, and so would be its slope
+    wide = width > 1e-6 * typical
+    slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
+    errors = 2.0 * rule.DEGREE**2 * (errors / width)[wide]
+    fall = _largest(slopes, errors, begin[wide], width[wide])
+    return fall._replace(value=max(fall.value, 0.0)), force
 
 
-def _largest(series: Array, off: Array, begin: Array, width: Array) -> Fall:
-    """The largest value of all panels' Legendre series, its error and X; `off` is that of the series."""
-    z = np.tile(np.linspace(-1.0, 1.0, POINTS), (series.shape[0], 1))
-    rows = np.arange(series.shape[0])
-    for _ in range(ZOOMS):
+def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Largest:
+    """The largest value of all panels' Legendre series, which have these errors."""
+    count = 33  # points; after four zooms the place is known to 1e-6 of a panel
+    z, rows = (
+        np.tile(np.linspace(-1.0, 1.0, count), (series.shape[0], 1)),
+        np.arange(series.shape[0]),
+    )
+    for _ in range(4):
         at = rule.legendre_sum(series, z).argmax(axis=1)
-        low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, POINTS - 1)]
-        z = np.linspace(low, high, POINTS, axis=1)
+        low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, count - 1)]
+        z = np.linspace(low, high, count, axis=1)
     values = rule.legendre_sum(series, z)
     best = values.max(axis=1)
     k = int(best.argmax())
-    error = max(float((best + off).max() - best[k]), float(best[k] - (best - off).max()))
+    error = max(float((best + errors).max() - best[k]), float(best[k] - (best - errors).max()))
     place = begin[k] + 0.5 * width[k] * (1.0 + z[k, values[k].argmax()])
-    return Fall(float(best[k]), error, float(place))
+    return Largest(float(best[k]), error, float(place))
 
 
 def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
@@ -181,7 +178,7 @@ def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
     return horizon - min(low, 0.0), bool(furthest <= horizon)
 
 
-def _beyond(travel: Travel, horizon: float) -> Bounds:
+def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
     """Bounds of the slope -dF/dX and of F (a length) beyond the horizon.
 
     From -dF/dX = integral of x p (u - 1), with u = C times the rate of breaks: u - 1 has an integral of about F_k, and
@@ -194,14 +191,14 @@ def _beyond(travel: Travel, horizon: float) -> Bounds:
     older = float(held @ np.diff(ways)) / travel.length
     steepest = kinetic / travel.length * float(broken.max(initial=0.0)) + older
     excess = float((held * middle).max(initial=0.0)) / travel.length + older
-    return Bounds(2.0 * steepest, kinetic * (1.0 + 2.0 * excess))
+    return 2.0 * steepest, kinetic * (1.0 + 2.0 * excess)
 
 
-def _diverges(contacts: Contacts, life: Life) -> bool:
+def _diverges(contacts: Contacts, bends: Array) -> bool:
     """Whether P_c diverges at a stretch that all contacts reach together: F then drops there."""
     if not contacts.start.is_single:
         return False
-    points = np.append(life.bends, contacts.thresholds.support()[1])
+    points = np.append(bends, contacts.thresholds.support()[1])
     points = points[np.isfinite(points) & (points > abs(contacts.start.mean()))]
     # a density that still grows from 1e-10 to 1e-12 of the stretch before or after it
     sides = 1.0 + np.multiply.outer([1e-12, 1e-10], [-1.0, 1.0])

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import steady_life
 from master.outcome import judged
 from master.steady.kinetic import Along, Points
 from master.steady.travel import check_finite
-from master.stick_slip.extremes import births_table, critical_spring, extremes, unit_of
+from master.stick_slip.extremes import critical_spring, extremes, unit_of
 from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
@@ -82,7 +81,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
     check_finite(contacts)
     velocity = positive("velocity", velocity)
-    travel = births_table(contacts, steady_life(contacts, velocity), velocity, tolerance)
+    fall, static, travel = extremes(contacts, velocity, tolerance)
     wait = velocity * contacts.waiting_time
     kinetic, off = travel.force(wait)
     if not kinetic > 0.0:
@@ -90,18 +89,17 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
             f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
-    found, unit = extremes(contacts, travel, velocity, tolerance), unit_of(contacts, travel)
     length, length_error = decoherence_length(contacts, travel, wait)
-    spring, spring_error, _ = found.fall
     # where F(X) falls nowhere F_k is its largest value
-    ratio = max(found.static / kinetic, 1.0) if spring > 0.0 else 1.0
-    sure_spring, spring_message = judged("K*", spring_error / (1.0 + spring), tolerance)
-    sure_static, static_message = judged("F_s", found.static_error / unit, tolerance)
+    ratio = max(static.value / kinetic, 1.0) if fall.value > 0.0 else 1.0
+    sure_spring, spring_message = judged("K*", fall.error / (1.0 + fall.value), tolerance)
+    unit = unit_of(contacts, travel)
+    sure_static, static_message = judged("F_s", static.error / unit, tolerance)
     return Propensity(
-        critical_spring=spring,
-        critical_spring_error=spring_error,
+        critical_spring=fall.value,
+        critical_spring_error=fall.error,
         static_to_kinetic=ratio,
-        static_to_kinetic_error=(found.static_error + ratio * off) / kinetic,
+        static_to_kinetic_error=(static.error + ratio * off) / kinetic,
         decoherence_length=length,
         decoherence_length_error=length_error,
         onset_power=contacts.thresholds.onset_power,
@@ -156,12 +154,12 @@ def phase_line(
     tolerance = check_tolerance("tolerance", tolerance)
     points = Points(contacts, velocity, temperature, rate, delay)
     check_finite(contacts)
-    cases, which = points.distinct(waits=True)
+    cases, which = np.unique(points.rows.T, axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
-    for i, case in enumerate(cases):
-        single = points.contacts(case, contacts.start)
-        found[:, i] = critical_spring(single, float(case[0]), tolerance)
-    spring, error = found[:, which].reshape(2, *points.shape)
+    for i, (speed, *laws) in enumerate(cases):
+        single = points.contacts(*laws, start=contacts.start)
+        found[:, i] = critical_spring(single, float(speed), tolerance)
+    spring, error = found[:, which.ravel()].reshape(2, *points.shape)
     return PhaseLine(
         **points.outcome(*judged("K*", error / (1.0 + spring), tolerance)),
         critical_spring=spring,

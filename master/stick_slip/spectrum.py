@@ -12,13 +12,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import steady_life
 from master.renewal import rule
-from master.renewal.births import reforming_law
 from master.steady.travel import Travel, check_finite
 from master.stick_slip.extremes import births_table, forward_march
-from master.stick_slip.roots import BROAD, NEAR, crowding_rate, leading_roots, tail_rate
-from master.stick_slip.transform import Complex, Transform
+from master.stick_slip.roots import (
+    BROAD,
+    NEAR,
+    Complex,
+    Transform,
+    crowding_rate,
+    leading_roots,
+    tail_rate,
+)
 from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
@@ -31,9 +36,6 @@ TOLERANCE = 1e-9
 # Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd at all
 # frequencies.
 LONGEST = 400.0
-# F is followed over this many mean ways from birth to birth; safety factor on its largest difference
-# from the terms, as the terms left out may add up in phase elsewhere.
-FOLLOWED, SAFE = 6.0, 2.0
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ class DecoherenceSpectrum:
     beyond: float
     run_time: float
     _unit: float = field(repr=False)
-    _left: Array = field(repr=False)
+    _left_out: Array = field(repr=False)
 
     __repr__ = brief
 
@@ -107,8 +109,8 @@ class DecoherenceSpectrum:
         drift = np.minimum(np.multiply.outer(x, self.roots_error), 2.0)
         off = (size * (self.amplitude_error + np.abs(self.amplitude) * drift)).sum(axis=-1)
         with np.errstate(under="ignore"):
-            place = np.searchsorted(self._left[0], x, "right") - 1
-            off = off + self._left[1, np.maximum(place, 0)] * np.exp(-x / self.beyond)
+            place = np.searchsorted(self._left_out[0], x, "right") - 1
+            off = off + self._left_out[1, np.maximum(place, 0)] * np.exp(-x / self.beyond)
         return (off / self._unit + self.kinetic_force_error)[()]
 
 
@@ -136,26 +138,26 @@ def decoherence_spectrum(
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     check_finite(contacts)
-    life, start = steady_life(contacts, velocity), contacts.start
-    travel = Travel(contacts, life, reforming_law(contacts), velocity)
+    travel, start = births_table(contacts, velocity, TOLERANCE), contacts.start
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     limit = _searched(contacts, travel, velocity)
     # the force of linked contacts comes from a table with this error, in mean stretches
     transform = Transform(travel, wait, 1e-12 if contacts.stiffness == "linked" else 0.0)
     roots, searched = leading_roots(transform, n_roots + 1, limit)
     s = roots[:n_roots]
-    begins = transform
-    if not (start.is_single and start.span == reforming_law(contacts).span):
-        begins = Transform(Travel(contacts, life, start, velocity), wait)
+    from_start = transform
+    if not (start.is_single and start.span == travel.born.span):
+        from_start = Transform(Travel(contacts, travel.life, start, velocity), wait)
 
     def amplitudes(s: Complex) -> Complex:
-        late = np.exp(-s * wait) / transform.conserved(s)[1]
-        return 2.0 * transform(s).force * late * (1.0 / s - begins(s).held)
+        values = transform(s)
+        late = np.exp(-s * wait) / values.slope
+        return 2.0 * values.force * late * (1.0 / s - from_start(s).held)
 
-    values, first = transform(s), begins(s)
-    amplitude, roots_error = amplitudes(s), transform.root_errors(s)
-    share = values.force_off / np.abs(values.force) + 1e-14
-    share += first.held_off / np.abs(1.0 / s - first.held)
+    values, first = transform(s), from_start(s)
+    amplitude, roots_error = amplitudes(s), values.root_error
+    share = values.force_error / np.abs(values.force) + 1e-14
+    share += first.held_error / np.abs(1.0 / s - first.held)
     kinetic, kinetic_off = travel.force(wait)
     spectrum = DecoherenceSpectrum(
         roots=s,
@@ -168,10 +170,10 @@ def decoherence_spectrum(
         beyond=1.0 / (float(-roots[n_roots].real) if roots.size > n_roots else searched),
         run_time=0.0,
         _unit=unit,
-        _left=np.zeros((2, 1)),
+        _left_out=np.zeros((2, 1)),
     )
-    left = _left_out(contacts, travel, velocity, spectrum)
-    return replace(spectrum, _left=left, run_time=time.perf_counter() - began)
+    left = _remainder(contacts, travel, velocity, spectrum)
+    return replace(spectrum, _left_out=left, run_time=time.perf_counter() - began)
 
 
 def _searched(contacts: Contacts, travel: Travel, velocity: float) -> float:
@@ -201,21 +203,21 @@ def _searched(contacts: Contacts, travel: Travel, velocity: float) -> float:
     return NEAR * min(tail, crowd)
 
 
-def _left_out(
+def _remainder(
     contacts: Contacts, travel: Travel, velocity: float, spectrum: DecoherenceSpectrum
 ) -> Array:
     """Positions X (lengths), sorted, over the first few mean ways from birth to birth, and the largest
     error of the terms from there on, times e^(X/beyond) (a length); shape (2, n)."""
     whole_way = travel.length + velocity * contacts.waiting_time
-    horizon = FOLLOWED * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
-    births = births_table(contacts, travel.life, velocity, TOLERANCE)
-    march = forward_march(contacts, births, velocity, horizon, TOLERANCE).run()
+    horizon = 6.0 * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
+    march = forward_march(contacts, travel, velocity, horizon, TOLERANCE).run()
     share = np.append(0.0, rule.NODES)
     x = velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
     off = (np.array(march.wrong) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
-    x, apart = x[significant], SAFE * apart[significant]
+    # twice as much, as the terms left out may add up in phase elsewhere
+    x, apart = x[significant], 2.0 * apart[significant]
     if not x.size:
         return np.zeros((2, 1))
     left = apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))

@@ -14,40 +14,33 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev, legendre
 
+from origins.domains.drawing import Island
 from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 
 Function = Callable[[Array], Array]
 
-_PER_RADIAN = 64  # angles evaluated per radian of the outermost atoms' phase: zeros of a wave may lie close together
-_MOST = 96_000  # angles at most: P_c of larger islands comes from samples
-_START = 0.1234567  # radians; symmetric islands have extrema at 0, which must not be an end
-_NODES = 24  # Chebyshev nodes of a series, including both ends
-_SMOOTH = 1e-9  # of a panel's rise, or 1e-3 of all: the last three coefficients of a series that resolves it
-_SPLITS = 24  # most halvings of a panel that a series does not resolve
 _SAME = 1e-10  # of the greatest barrier: values closer than this count as equal
-_WEIGHT = 1e-3  # least share of thresholds within _BESIDE of a peak or jump that is declared
-_BESIDE = 0.01  # mean thresholds
-
+_WEIGHT = 1e-3  # least share of thresholds beside a peak or jump that is declared
+_NODES = 24  # Chebyshev nodes of a series, including both ends
 _u = 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))  # on (0, 1)
 _FIT = np.linalg.inv(chebyshev.chebvander(2.0 * _u - 1.0, _NODES - 1)).T
 
 
-def _cuts(waves: Function, fastest: float) -> Array:
+def _cuts(waves: Function, count: int) -> Array:
     """Angles of half a turn, in order, between which b is smooth and monotonic; `waves` gives |c_1 S_1| and |c_2 S_2|
-    of angles, shape (2, ...)."""
+    of angles, shape (2, ...), in any unit; `count` angles resolve them."""
     from scipy.optimize.elementwise import find_minimum, find_root
-
-    def difference(angle: Array) -> Array:
-        one, other = waves(angle)
-        return one - other
 
     def wave(angle: Array, which: Array, sign: Array) -> Array:
         return sign * np.take_along_axis(waves(angle), which.astype(int)[None], 0)[0]
 
-    count = int(np.pi * fastest * _PER_RADIAN) + 64
-    step = np.pi / count
-    angle: Array = _START + step * np.arange(count + 2.0)
+    def difference(angle: Array) -> Array:
+        return -np.diff(waves(angle), axis=0)[0]
+
+    # symmetric islands have extrema at 0, which must not be an end
+    begin, step = 0.1234567, np.pi / count
+    angle = begin + step * np.arange(count + 2.0)
     values = waves(angle)
     near = _SAME * values.max()
     falls = np.diff(values) < 0.0
@@ -55,64 +48,62 @@ def _cuts(waves: Function, fastest: float) -> Array:
     middle, sign = angle[k + 1], np.where(falls[which, k], 1.0, -1.0)
     tight = {"xatol": 1e-15, "xrtol": 4e-16, "fatol": 0.0, "frtol": 0.0}
     around = middle - step, middle, middle + step
-    still = find_minimum(wave, around, args=(which, sign), tolerances=tight).x
-    which, still = which[np.isfinite(still)], still[np.isfinite(still)]
-    still = _START + (still - _START) % np.pi
+    extrema = find_minimum(wave, around, args=(which, sign), tolerances=tight).x
+    which, extrema = which[np.isfinite(extrema)], extrema[np.isfinite(extrema)]
+    extrema = begin + (extrema - begin) % np.pi
     # near an angle where one wave vanishes it is the smaller one on a short interval: evaluate there, too
-    looked = np.unique(np.concatenate([angle[:-1], still]))
+    tested = np.unique(np.concatenate([angle[:-1], extrema]))
     # the two waves of square islands on squares are equal at all angles
-    ahead = (difference(looked) < 0.0) & bool(np.abs(np.subtract(*values)).max() > near)
-    k = np.flatnonzero(ahead[1:] != ahead[:-1])
-    bends = find_root(difference, (looked[k], looked[k + 1]), tolerances=tight).x if k.size else k
-    there = waves(still)
-    still = still[there[which, np.arange(which.size)] <= there.min(0) + near]
+    second_larger = (difference(tested) < 0.0) & bool(np.abs(np.subtract(*values)).max() > near)
+    k = np.flatnonzero(second_larger[1:] != second_larger[:-1])
+    crossings = (
+        find_root(difference, (tested[k], tested[k + 1]), tolerances=tight).x if k.size else k
+    )
+    there = waves(extrema)
+    extrema = extrema[there[which, np.arange(which.size)] <= there.min(0) + near]
     # where the two waves are equal b has a kink, not a zero derivative
-    still = still[np.abs(still[:, None] - bends).min(-1, initial=np.inf) > 1e-9]
-    return np.sort(np.append(bends, still))
+    extrema = extrema[np.abs(extrema[:, None] - crossings).min(-1, initial=np.inf) > 1e-9]
+    return np.sort(np.append(crossings, extrema))
 
 
-def _fitted(edges: Array, below: Function) -> Array:
+def _series(edges: Array, below: Function) -> Array:
     """Chebyshev series in s of below(x) between edges; panels that a series does not resolve are halved.
 
     Result, shape (3 + 24, panels), sorted: lower and upper end, the value at the lower end, and the coefficients of
     what is above it.
     """
-    left, right, done = edges[:-1], edges[1:], []
-    for split in range(_SPLITS + 1):
-        x = left[:, None] + (right - left)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
-        x[:, -1] = right
-        found = below(x.ravel()).reshape(x.shape)
-        fits = (found - found[:, :1]) @ _FIT
-        rise = np.maximum(found[:, -1] - found[:, 0], _WEIGHT)
-        good = (np.abs(fits[:, -3:]).max(-1) < _SMOOTH * rise) | (split == _SPLITS)
-        done.append(np.vstack([left, right, found[:, 0], fits.T])[:, good])
-        if good.all():
+    lower, upper, done = edges[:-1], edges[1:], []
+    for split in range(25):
+        x = lower[:, None] + (upper - lower)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
+        x[:, -1] = upper
+        share = below(x.ravel()).reshape(x.shape)
+        fits = (share - share[:, :1]) @ _FIT
+        rise = np.maximum(share[:, -1] - share[:, 0], _WEIGHT)
+        good = (np.abs(fits[:, -3:]).max(-1) < 1e-9 * rise) | (split == 24)
+        done.append(np.vstack([lower, upper, share[:, 0], fits.T])[:, good])
+        middle = 0.5 * (lower + upper)[~good]
+        lower, upper = np.append(lower[~good], middle), np.append(middle, upper[~good])
+        if not lower.size:
             break
-        left, right = left[~good], right[~good]
-        middle = 0.5 * (left + right)
-        left, right = np.append(left, middle), np.append(middle, right)
     table = np.concatenate(done, axis=1)
     return table[:, np.argsort(table[0])]
 
 
 class AngleThresholds(Thresholds):
-    """Law of scale * b(angle), all angles of the full circle equally likely.
+    """Law of b(angle) = 2 min(waves), all angles of the full circle equally likely.
 
     `breakpoints` are the ends of the support and the peaks and jumps that hold more than 1e-3 of the
     thresholds within 1e-2 mean thresholds; smaller ones exist, but are not declared.
     """
 
-    def __init__(self, sizes: Function, fastest: float, scale: float) -> None:
-        """`sizes` and `fastest` as in angle_thresholds; |S(-G)| = |S(G)|, so that b repeats after half a turn."""
+    def __init__(self, waves: Function, count: int) -> None:
+        """`waves` and `count` as _cuts takes them; |S(-G)| = |S(G)|, so that b repeats after half a turn."""
         from scipy.optimize.elementwise import find_root
-
-        def waves(angle: Array) -> Array:
-            return sizes(angle.ravel()).T.reshape(2, *angle.shape)
 
         def barrier(angle: Array) -> Array:
             return 2.0 * waves(angle).min(0)
 
-        cuts = _cuts(waves, fastest)
+        cuts = _cuts(waves, count)
         known = barrier(cuts)
         order, least = np.argsort(known), _SAME * known.max()
         apart = np.diff(known[order], prepend=-np.inf) > least  # else equal but for rounding
@@ -128,25 +119,25 @@ class AngleThresholds(Thresholds):
             """Share of angles with a barrier of at most x."""
             k, i = np.nonzero((low[:, None] < x) & (x < high[:, None]))
             ends = bottom[k], top[k]
-            found = find_root(lambda angle, x: barrier(angle) - x, ends, args=(x[i],)).x
+            angle = find_root(lambda angle, x: barrier(angle) - x, ends, args=(x[i],)).x
             # beside an end that rounding hides
             nearer = np.where(x[i] - low[k] < high[k] - x[i], *ends)
-            found = np.where(np.isfinite(found), found, nearer)
-            total = np.bincount(i, np.abs(found - ends[0]), x.size)
+            angle = np.where(np.isfinite(angle), angle, nearer)
+            total = np.bincount(i, np.abs(angle - ends[0]), x.size)
             return (total + np.abs(top - bottom) @ (high[:, None] <= x)) / np.pi
 
-        table, self._scale = _fitted(edges, below), scale
+        table = _series(edges, below)
         self._edges, self._widths = np.append(table[0], edges[-1]), table[1] - table[0]
         self._before, self._fits = table[2], table[3:]
         # a peak is where dC/ds is not 0 at the end of a panel, as x - low ~ s²
         slopes = np.abs(chebyshev.chebval([-1.0, 1.0], chebyshev.chebder(self._fits)))
         slopes, at = np.pad(slopes, ((1, 1), (0, 0))), np.searchsorted(self._edges, edges)
-        distance = _BESIDE * self._moment(1.0)
-        beside = self._cdf(scale * edges + distance * np.array([[-1.0], [0.0], [1.0]]))
+        around = 0.01 * self._moment(1.0) * np.array([[-1.0], [0.0], [1.0]])
+        beside = self._cdf(edges + around)
         declared = np.abs(np.diff(beside, 2, axis=0)[0]) > _WEIGHT
-        self._peaks = scale * edges[declared & (slopes[at + 1, 0] + slopes[at, 1] > _WEIGHT)]
+        self._peaks = edges[declared & (slopes[at + 1, 0] + slopes[at, 1] > _WEIGHT)]
         declared[[0, -1]] = True
-        self._declared = scale * edges[declared]
+        self._declared = edges[declared]
         self.onset_power = -0.5 if self._declared[0] in self._peaks else 0.0
 
     def support(self) -> tuple[float, float]:
@@ -158,11 +149,10 @@ class AngleThresholds(Thresholds):
 
     def _panel(self, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
         """Panel and place s of each x, to the last bit at both ends."""
-        b = np.asarray(x) / self._scale
-        panel = np.clip(np.searchsorted(self._edges, b, side="right") - 1, 0, self._widths.size - 1)
-        above = np.maximum(b - self._edges[panel], 0.0)
-        left = np.maximum(self._edges[panel + 1] - b, 0.0)
-        return panel, 2.0 / np.pi * np.arctan2(np.sqrt(above), np.sqrt(left))
+        panel = np.clip(np.searchsorted(self._edges, x, side="right") - 1, 0, self._widths.size - 1)
+        from_lower = np.maximum(x - self._edges[panel], 0.0)
+        to_upper = np.maximum(self._edges[panel + 1] - x, 0.0)
+        return panel, 2.0 / np.pi * np.arctan2(np.sqrt(from_lower), np.sqrt(to_upper))
 
     def _cdf(self, x: Array) -> Array:
         panel, s = self._panel(x)
@@ -178,29 +168,30 @@ class AngleThresholds(Thresholds):
         s = np.clip(s, 1e-6, 1.0 - 1e-6)
         slopes = chebyshev.chebder(self._fits)[:, panel]
         slope = 2.0 * chebyshev.chebval(2.0 * s - 1.0, slopes, tensor=False)
-        per_length = self._scale * self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
+        per_length = self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
         on_peak = np.isin(np.asarray(x), self._peaks)
         return np.where(on_peak, np.inf, np.maximum(slope / per_length, 0.0))
 
-    def _central_moment(self, n: float, centre: float) -> float:
+    def _moment(self, n: float, centre: float = 0.0) -> float:
         """By Gauss's sums over s on each panel."""
         t, weights = legendre.leggauss(_NODES)
         x = self._edges[:-1, None] + self._widths[:, None] * np.sin(0.25 * np.pi * (1.0 + t)) ** 2
         shares = weights * chebyshev.chebval(t, chebyshev.chebder(self._fits))
-        return float((shares * (self._scale * x - centre) ** n).sum())
+        return float((shares * (x - centre) ** n).sum())
 
 
-def angle_thresholds(sizes: Function, fastest: float, scale: float) -> Thresholds | None:
-    """The law of scale * b(angle) of one island.
-
-    sizes : |c_1 S_1|, |c_2 S_2| of angles (m,), shape (m, 2), energies.
-    fastest : the largest derivative of its phases with the angle: the greatest |G| times the reach.
-
-    None where the island is so large that its barrier has too many peaks.
-    """
-    if np.pi * fastest * _PER_RADIAN > _MOST:
+def angle_thresholds(island: Island, scale: float) -> Thresholds | None:
+    """The law of scale * b(angle) of one island on two waves; None where it is so large that its barrier has too many
+    peaks."""
+    # zeros of a wave may lie close together: 64 angles evaluated per radian of the outermost atoms' phase
+    count = 64.0 * np.pi * island.phase_slope
+    if count > 96_000:
         return None
-    some = sizes(np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])).min(-1)
-    if np.ptp(some) <= 1e-6 * some.max():  # one atom
-        return identical(scale * 2.0 * float(some[0]))
-    return AngleThresholds(sizes, fastest, scale)
+
+    def waves(angle: Array) -> Array:
+        return scale * island.amplitudes(angle.ravel()).T.reshape(2, *angle.shape)
+
+    lower = waves(np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])).min(0)
+    if np.ptp(lower) <= 1e-6 * lower.max():  # one atom
+        return identical(2.0 * float(lower[0]))
+    return AngleThresholds(waves, int(count) + 64)

@@ -9,7 +9,7 @@ On two waves, as in sin x + sin y, that is exactly 2 min(|c_1 S_1|, |c_2 S_2|).
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,19 +17,14 @@ import numpy.typing as npt
 
 from origins.domains.islands import positions_of
 from origins.domains.lowest_saddle import Complex, lowest_saddles
-from origins.domains.substrates import Substrate, square_substrate
-from origins.errors import InputError, finite_array, positive, refuse, whole
+from origins.domains.substrates import Substrate, checked_substrate, vectors
+from origins.errors import finite_array, positive, refuse, whole
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     import ase
 
-Whole = npt.NDArray[np.int64]
-
 SQUARE = np.eye(2)  # wavevectors of sin x + sin y
-_BATCH = 1 << 17  # atoms times waves at once, to stay in the cache
-# 2 pi in two parts, the first with few enough bits that its multiples are exact
-_TURN, _TURN_REST = 6.28125, 0.0019353071795864769
 
 
 def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:
@@ -55,7 +50,9 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
     substrate of more than two waves that never repeats.
     """
     substrate, angle = checked_substrate(substrate), radians(angle)
-    return climb(substrate, structure_factors(atoms, angle, substrate.wavevectors))[0][()]
+    return barriers_and_depths(substrate, structure_factors(atoms, angle, substrate.wavevectors))[
+        0
+    ][()]
 
 
 def triangular_barrier(
@@ -74,10 +71,10 @@ def triangular_barrier(
     substrate, angle = checked_substrate(substrate), radians(angle)
     waves = substrate.wavevectors
     factors = triangular_structure_factors(lattice_constant, n_i, n_j, angle, waves)
-    return climb(substrate, factors)[0][()]
+    return barriers_and_depths(substrate, factors)[0][()]
 
 
-def climb(substrate: Substrate, factors: Complex) -> tuple[Array, Array]:
+def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, Array]:
     """Barriers and lowest energies (less N_a times the substrate's constant), each of shape (...), of islands with
     structure factors (..., n)."""
     amplitudes = substrate.coefficients * factors
@@ -86,28 +83,20 @@ def climb(substrate: Substrate, factors: Complex) -> tuple[Array, Array]:
         return np.zeros(sizes.shape[:-1]), -sizes.sum(-1)
     if sizes.shape[-1] == 2:
         return 2.0 * sizes.min(-1), -sizes.sum(-1)
-    found = lowest_saddles(substrate.indices, amplitudes.reshape(-1, sizes.shape[-1]))
-    return found.barrier.reshape(sizes.shape[:-1]), found.depth.reshape(sizes.shape[:-1])
+    lowest = lowest_saddles(substrate.indices, amplitudes.reshape(-1, sizes.shape[-1]))
+    both = np.array([(each.barrier, each.depth) for each in lowest]).T
+    return both[0].reshape(sizes.shape[:-1]), both[1].reshape(sizes.shape[:-1])
 
 
-def radians(angle: npt.ArrayLike, name: str = "angle") -> Array:
-    """`angle` as a float array of its own shape; InputError beyond a full circle, where it looks like degrees."""
-    angles = angles_of(angle, name)
-    for place in np.flatnonzero(np.abs(angles) > 2.0 * pi * (1.0 + 1e-12)):
-        first = float(angles.flat[place])
+def radians(angle: npt.ArrayLike, name: str = "angle", most: float = 2.0 * pi) -> Array:
+    """`angle` as a float array of its own shape; InputError beyond `most`, where it looks like degrees."""
+    given = np.asarray(angle)
+    angles: Array = finite_array(name, given.ravel()).reshape(given.shape)
+    if (far := np.abs(angles) > most * (1.0 + 1e-12)).any():
+        first, at = float(angles[far].flat[0]), f"[{np.flatnonzero(far)[0]}]" if angles.ndim else ""
         write = f"write {np.radians(first):.6g} for {first:g} degrees"
-        where = f"{name}[{place}]" if angles.ndim else name
-        refuse(where, first, f"angles are in radians, 2 pi at most; {write}")
+        refuse(name + at, first, f"angles are in radians, 2 pi at most; {write}")
     return angles
-
-
-def checked_substrate(substrate: Substrate | None) -> Substrate:
-    """`substrate`, or sin x + sin y for None; InputError for anything else."""
-    if substrate is None:
-        return square_substrate()
-    if not isinstance(substrate, Substrate):
-        refuse("substrate", substrate, "must be a Substrate, such as origins.hexagonal_substrate()")
-    return substrate
 
 
 def structure_factors(
@@ -120,13 +109,13 @@ def structure_factors(
     for other input.
     """
     points = positions_of(atoms)
-    turned = _turned(angles_of(angle), wavevectors)
+    turned = _turned(radians(angle, most=inf), wavevectors)
     waves = turned.reshape(-1, 2)
-    few = max(1, _BATCH // len(points))
-    sums = [
-        np.exp(1j * (waves[first : first + few] @ points.T)).sum(-1)
-        for first in range(0, len(waves), few)
-    ]
+    few = max(
+        1, (1 << 17) // len(points)
+    )  # waves at once, so that the phases of all atoms stay in the cache
+    parts = [waves[first : first + few] for first in range(0, len(waves), few)]
+    sums = [np.exp(1j * (part @ points.T)).sum(-1) for part in parts]
     return np.concatenate(sums).reshape(turned.shape[:-1])
 
 
@@ -144,13 +133,9 @@ def triangular_structure_factors(
     (those of sin x + sin y when left out). The error is that of an angle rounded to floating point. Raises
     InputError unless lattice_constant is above zero and n_i, n_j are whole numbers of at least 1.
     """
-    a = positive("lattice_constant", lattice_constant)
-    angle = angles_of(angle)
-    columns, rows = _counts("n_i", n_i)[..., None], _counts("n_j", n_j)[..., None]
-    try:
-        np.broadcast_shapes(columns.shape[:-1], rows.shape[:-1], angle.shape)
-    except ValueError as error:
-        raise InputError(f"n_i, n_j, angle: {error}") from error
+    a, angle = positive("lattice_constant", lattice_constant), radians(angle, most=inf)
+    numbers = np.vectorize(lambda name, n: whole(name, n, 1), otypes=[int])
+    columns, rows = numbers("n_i", n_i)[..., None], numbers("n_j", n_j)[..., None]
     turned = _turned(angle, wavevectors)
     even, odd = (rows + 1) // 2, rows // 2
     along, up = a * turned[..., 0], 0.5 * sqrt(3.0) * a * turned[..., 1]
@@ -162,33 +147,20 @@ def triangular_structure_factors(
     return row_sum(columns, along) * total
 
 
-def row_sum(n: Whole, theta: Array) -> Array:
+def row_sum(n: npt.NDArray[np.int_], theta: Array) -> Array:
     """sin(n theta/2)/sin(theta/2): the sum of n waves with phases theta apart, symmetric about 0."""
-    turns = np.rint(theta * (0.5 / pi))
-    # theta less whole turns, to the last bit
-    half = 0.5 * ((theta - turns * _TURN) - turns * _TURN_REST)
-    below = np.sin(half)
-    flat = below == 0.0
+    turns = np.rint(theta / (2.0 * pi))
+    half = 0.5 * (
+        theta - 2.0 * pi * turns
+    )  # scipy's diric loses its digits beside multiples of 2 pi
     sign = np.where((turns * (n - 1)) % 2.0 == 0.0, 1.0, -1.0)
-    return sign * np.where(flat, n, np.sin(n * half) / np.where(flat, 1.0, below))
+    below = np.sin(half)
+    with np.errstate(invalid="ignore"):
+        return sign * np.where(below == 0.0, n, np.sin(n * half) / below)
 
 
 def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Array:
     """Wavevectors in the frame of an island turned by `angle`; shape of angle + (n, 2)."""
-    G = np.asarray(wavevectors, dtype=float)
-    if G.ndim != 2 or G.shape[1] != 2 or not np.isfinite(G).all():
-        rule = "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]"
-        refuse("wavevectors", G, rule)
+    G = vectors(wavevectors)
     cos, sin = np.cos(angle)[..., None], np.sin(angle)[..., None]
     return np.stack([cos * G[:, 0] + sin * G[:, 1], cos * G[:, 1] - sin * G[:, 0]], axis=-1)
-
-
-def angles_of(angle: npt.ArrayLike, name: str = "angle") -> Array:
-    """`angle` (radians) as a float array of its own shape; InputError unless finite numbers."""
-    given = np.asarray(angle)
-    return finite_array(name, given.ravel()).reshape(given.shape)
-
-
-def _counts(name: str, value: npt.ArrayLike) -> Whole:
-    """Whole numbers of at least 1, in the shape of `value`."""
-    return np.vectorize(lambda n: whole(name, n, 1), otypes=[np.int64])(value)

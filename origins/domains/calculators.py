@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origins.domains.islands import points_of
-from origins.domains.substrates import Substrate
+from origins.domains.substrates import Substrate, checked_substrate
 from origins.errors import positive, refuse
 from origins.thresholds.law import Array
 
@@ -24,8 +24,7 @@ def substrate_calculator(substrate: Substrate) -> Any:
     There is no force along z, and cell and boundary conditions of the atoms are ignored. The calculator's
     `periods` are substrate.cell. Raises InputError unless given a Substrate, such as square_substrate().
     """
-    if not isinstance(substrate, Substrate):
-        refuse("substrate", substrate, "must be a Substrate, such as origins.square_substrate()")
+    substrate = checked_substrate(substrate)
 
     def energy_and_forces(points: Array) -> tuple[float, Array]:
         forces = np.pad(substrate.forces(points[:, :2]), ((0, 0), (0, 1)))

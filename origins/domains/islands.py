@@ -7,7 +7,6 @@ from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from origins.errors import non_negative, one_of, positive, refuse, whole
 from origins.thresholds.law import Array
@@ -29,23 +28,26 @@ def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms
 
     lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
     """
-    a, rows = positive("lattice_constant", lattice_constant), whole("n_j", n_j, 1)
-    j, i = np.indices((rows, _columns(n_i, rows)))
-    return _atoms((i + 0.5 * (j % 2)) * a, 0.5 * sqrt(3.0) * a * j)
+    return _rows(lattice_constant, n_i, n_j, triangular=True)
 
 
 def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
     """n_j rows of n_i atoms of a square lattice; parameters as triangular_island."""
+    return _rows(lattice_constant, n_i, n_j, triangular=False)
+
+
+def _rows(lattice_constant: float, n_i: int, n_j: int, triangular: bool) -> "ase.Atoms":
     a, rows = positive("lattice_constant", lattice_constant), whole("n_j", n_j, 1)
-    j, i = np.indices((rows, _columns(n_i, rows)))
-    return _atoms(a * i, a * j)
-
-
-def _columns(n_i: int, rows: int) -> int:
     if whole("n_i", n_i, 1) * rows > _MOST_ATOMS:
         rule = f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms"
         refuse("n_i", n_i, rule)
-    return n_i
+    j, i = np.indices((rows, n_i))
+    return _atoms((i + 0.5 * triangular * (j % 2)) * a, _height(a, triangular) * j)
+
+
+def _height(a: float, triangular: bool) -> float:
+    """Distance of close-packed rows."""
+    return a * (0.5 * sqrt(3.0) if triangular else 1.0)
 
 
 def rectangular_island(
@@ -115,7 +117,7 @@ def _lattice(
     lattice: str,
     width: float,
     height: float | None = None,
-    offset: npt.ArrayLike = (0.0, 0.0),
+    offset: Array | tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Array, Array]:
     """x and y of a lattice's atoms within `width` and `height` of the middle and somewhat beyond.
 
@@ -123,14 +125,13 @@ def _lattice(
     """
     a, height = positive("lattice_constant", lattice_constant), width if height is None else height
     triangular = one_of("lattice", lattice, LATTICES) == "triangular"
-    row = a * (0.5 * sqrt(3.0) if triangular else 1.0)
+    row = _height(a, triangular)
     if not 4.0 * (width / a + 2.0) * (height / row + 2.0) <= _MOST_ATOMS:
         rule = f"gives more than {_MOST_ATOMS} atoms; take a smaller island"
         refuse("lattice_constant", lattice_constant, rule)
     rows, columns = ceil(height / row) + 1, ceil(width / a) + 2
     j, i = np.mgrid[-rows : rows + 1, -columns:columns]
-    along, across = np.asarray(offset)
-    return (i + 0.5 * triangular * (j % 2) + along) * a, (j + across) * row
+    return (i + 0.5 * triangular * (j % 2) + offset[0]) * a, (j + offset[1]) * row
 
 
 def _cut(x: Array, y: Array, beyond: Array, lattice_constant: float) -> "ase.Atoms":
@@ -152,12 +153,10 @@ def points_of(atoms: object) -> Array:
 
     Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
     """
-    try:
-        points: Array = np.array(atoms.get_positions())  # type: ignore[attr-defined]
-    except AttributeError:
-        refuse(
-            "atoms", atoms, "must be an ase.Atoms, such as origins.triangular_island(2.5, 10, 9)"
-        )
+    if not hasattr(atoms, "get_positions"):
+        such = "origins.triangular_island(2.5, 10, 9)"
+        refuse("atoms", atoms, f"must be an ase.Atoms, such as {such}")
+    points: Array = np.array(atoms.get_positions())
     if len(points) == 0 or not np.isfinite(points).all():
         refuse("atoms", atoms, "must hold at least one atom, all at finite positions")
     return points

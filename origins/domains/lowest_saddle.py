@@ -9,7 +9,6 @@ round the first torus holds a loop that winds an odd number of times in one dire
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,51 +20,47 @@ Whole = npt.NDArray[np.intp]
 Complex = npt.NDArray[np.complex128]
 
 _TURN = 2.0 * np.pi
-_PER_WAVE = 16  # grid nodes per oscillation: enough to find each critical point from several nodes
-_MOST_NODES = 160  # along each direction of the first grid
-_ORIGIN = (0.012345, 0.00789)  # radians: no node falls on a line of symmetry
-_AT_ONCE = 1 << 20  # nodes times waves of the landscapes computed at once, to limit memory
 _NOTHING = 1e-13  # of the largest wave: smaller waves count as 0; also the rounding of an energy
 _SAME = 1e-4  # radians: critical points of one kind closer than this are one
-_UNSURE = 1e-3  # of the largest wave: the error where critical points may be missing
 
 
-class Climb(NamedTuple):
-    """Barriers, their errors and the energies of the lowest minima, shape (landscapes,), and the places of minimum and
-    saddle, shape (landscapes, 2), radians; of one landscape without the first axis."""
+class LowestBarrier(NamedTuple):
+    """Barrier and energy of the lowest minimum, the places (2,) of minimum and saddle in radians, and whether all
+    critical points were found."""
 
-    barrier: Array
-    error: Array
-    depth: Array
+    barrier: float
+    depth: float
     minimum: Array
     saddle: Array
+    complete: bool
 
 
-def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> Climb:
-    """Barriers of U(t) = Re sum_n c_n exp(i K_n·t), t in radians, of period 2 pi in both directions.
+def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> list[LowestBarrier]:
+    """The lowest barriers of U(t) = Re sum_n c_n exp(i K_n·t), t in radians, of period 2 pi in both directions.
 
     K are whole numbers, shape (n, 2); c energies, shape (landscapes, n). Barriers are known to about
-    1e-12 of the largest wave where all critical points are found. Where some are missing on the finest grid, as in
-    valleys that are flat within rounding, `error` is 1e-3 of it, or the sum of all smaller waves.
+    1e-12 of the largest wave where all critical points are found. Some are missing on the finest grid in valleys that
+    are flat within rounding.
     """
     waves, sizes = np.asarray(indices, dtype=float), np.abs(amplitudes)
-    scale = sizes.max(-1)
-    sizes = sizes / np.where(scale > 0.0, scale, 1.0)[:, None]
+    scale = np.maximum(sizes.max(-1), 1e-300)
+    sizes = sizes / scale[:, None]
     sizes[sizes <= _NOTHING] = 0.0
-    phases = np.angle(amplitudes)
     curvature = sizes @ (waves**2).sum(-1) / np.maximum(sizes.sum(-1), 1e-300)
-    nodes = int(np.clip(np.ceil(_PER_WAVE * np.sqrt(curvature.max())), 16, _MOST_NODES))
-    found: dict[int, Climb] = {}
+    # 16 nodes per oscillation find each critical point from several nodes
+    nodes = int(np.clip(np.ceil(16.0 * np.sqrt(curvature.max())), 16, 160))
+    landscapes = _Landscapes(waves, sizes, np.angle(amplitudes))
+    lowest: dict[int, LowestBarrier] = {}
     for n in (nodes, 2 * nodes, 4 * nodes):
-        few = max(1, _AT_ONCE // (n * n * len(waves)))
-        rest = [k for k in range(len(sizes)) if k not in found or found[k].error > 0.0]
-        for some in (rest[first : first + few] for first in range(0, len(rest), few)):
-            land = _Landscapes(waves, sizes[some], phases[some])
-            found |= zip(some, _on_grid(land, n), strict=True)
-    columns = zip(*(found[k] for k in range(len(sizes))), strict=True)
-    barrier, error, depth, minimum, saddle = (np.array(column) for column in columns)
-    error += 6.0 * _NOTHING * len(waves)
-    return Climb(barrier * scale, error * scale, depth * scale, minimum, saddle)
+        few = max(1, (1 << 20) // (n * n * len(waves)))  # landscapes at once, to limit memory
+        rest = [k for k in range(len(sizes)) if k not in lowest or not lowest[k].complete]
+        for batch in (rest[first : first + few] for first in range(0, len(rest), few)):
+            lowest |= zip(batch, _on_grid(landscapes.of(batch), n), strict=True)
+    ordered = ((lowest[k], unit) for k, unit in enumerate(scale.tolist()))
+    return [
+        each._replace(barrier=each.barrier * unit, depth=each.depth * unit)
+        for each, unit in ordered
+    ]
 
 
 class _Local(NamedTuple):
@@ -76,124 +71,125 @@ class _Local(NamedTuple):
     directions: Array
 
 
-@dataclass(frozen=True)
-class _Landscapes:
-    """U(t) = sum_n sizes_n cos(K_n·t + phases_n): K of shape (n, 2), the others (landscapes, n)."""
+class _Landscapes(NamedTuple):
+    """U(t) = sum_n sizes_n cos(K_n·t + phases_n): K of shape (n, 2), the others (m, n); each is asked at one place t of
+    its own, shape (m, 2)."""
 
     waves: Array
     sizes: Array
     phases: Array
 
-    def energy(self, which: Whole, t: Array) -> Array:
-        """U of the landscapes `which` (m,) at t (m, 2)."""
-        return (self.sizes[which] * np.cos(t @ self.waves.T + self.phases[which])).sum(-1)
+    def of(self, which: Whole | list[int]) -> _Landscapes:
+        """The landscapes of these numbers, in this order."""
+        return _Landscapes(self.waves, self.sizes[which], self.phases[which])
 
-    def local(self, which: Whole, t: Array) -> _Local:
-        """Slopes and curvatures of the landscapes `which` (m,) at t (m, 2)."""
-        angle, size = t @ self.waves.T + self.phases[which], self.sizes[which]
-        cos, sin = size * np.cos(angle), size * np.sin(angle)
+    def energy(self, t: Array) -> Array:
+        """U, shape (m,)."""
+        return (self.sizes * np.cos(t @ self.waves.T + self.phases)).sum(-1)
+
+    def local(self, t: Array) -> _Local:
+        """Slopes and curvatures."""
+        angle = t @ self.waves.T + self.phases
+        cos, sin = self.sizes * np.cos(angle), self.sizes * np.sin(angle)
         k, m = self.waves.T
         turn = 0.5 * np.arctan2(-(cos @ (2.0 * k * m)), -(cos @ (k * k - m * m)))
-        first = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-        directions = np.stack([first, np.stack([-first[:, 1], first[:, 0]], axis=-1)], axis=1)
+        x, y = np.cos(turn), np.sin(turn)
+        directions = np.moveaxis(np.array([[x, y], [-y, x]]), -1, 0)
         # summed wave by wave, so that small waves keep their digits where the large ones are flat
         along = directions @ self.waves.T
         slopes = -np.einsum("mkn,mn->mk", along, sin)
         curvatures = -np.einsum("mkn,mn->mk", along * along, cos)
-        rounding = 4e-15 * np.einsum("mkn,mn->mk", np.abs(along), size)
+        rounding = 4e-15 * np.einsum("mkn,mn->mk", np.abs(along), self.sizes)
         slopes[np.abs(slopes) <= rounding] = 0.0
         return _Local(slopes, np.where(curvatures == 0.0, 1e-15, curvatures), directions)
 
-    def newton_step(self, which: Whole, t: Array, down: bool = False) -> Array:
+    def newton_step(self, t: Array, down: bool = False) -> Array:
         """Newton's step from t to a critical point, shape (m, 2), or one that leads `down`; at most half a radian of
         the fastest wave."""
-        slopes, curvatures, directions = self.local(which, t)
+        slopes, curvatures, directions = self.local(t)
         lengths = -slopes / (np.abs(curvatures) if down else curvatures)
         step = np.einsum("mk,mkd->md", lengths, directions)
         fastest = np.abs(step @ self.waves.T).max(-1)
         return step * np.minimum(1.0, 0.5 / np.maximum(fastest, 1e-300))[:, None]
 
+    def descended(self, t: Array) -> Array:
+        """The minima to which U falls from t; steps that would lead up are shortened."""
+        trust, energy = np.ones((len(t), 1)), self.energy(t)
+        for _ in range(400):
+            step = trust * self.newton_step(t, down=True)
+            level = self.energy(t + step)
+            lower = level <= energy + 1e-15
+            t, energy = np.where(lower[:, None], t + step, t), np.where(lower, level, energy)
+            trust = np.where(lower[:, None], np.minimum(2.0 * trust, 1.0), 0.25 * trust)
+            if (np.abs(step) < 1e-9).all():
+                break
+        return t
 
-def _on_grid(land: _Landscapes, n: int) -> list[Climb]:
-    """The climb of each landscape, from critical points near the nodes of a grid of n x n; the error is 0 where all
-    of these are found."""
-    owner, points = _critical_points(land, n)
-    _, curvatures, directions = land.local(owner, points)
-    saddle = (curvatures > 0.0).sum(-1) == 1
-    tops, downhill = points[saddle], 1e-3 * directions[saddle, 1]
-    sides = np.concatenate([tops + downhill, tops - downhill])
-    feet = _descended(land, np.tile(owner[saddle], 2), sides).reshape(2, -1, 2)
-    levels = land.energy(owner[saddle], tops)
-    energies = land.energy(np.tile(owner[saddle], 2), feet.reshape(-1, 2)).reshape(2, -1)
+
+def _on_grid(landscapes: _Landscapes, n: int) -> list[LowestBarrier]:
+    """The lowest barrier of each landscape, from critical points near the nodes of a grid of n x n."""
+    owner, points = _critical_points(landscapes, n)
+    local = landscapes.of(owner).local(points)
+    saddle = (local.curvatures > 0.0).sum(-1) == 1
+    above, tops, downhill = owner[saddle], points[saddle], 1e-3 * local.directions[saddle, 1]
+    under = landscapes.of(above)
+    feet = np.stack([under.descended(tops + downhill), under.descended(tops - downhill)])
+    levels, energies = under.energy(tops), np.stack([under.energy(foot) for foot in feet])
     out = []
-    for number, sizes in enumerate(land.sizes):
-        own, smaller = owner[saddle] == number, sizes.sum() - sizes.max()
+    for number, sizes in enumerate(landscapes.sizes):
+        here = above == number
         # without the waves that are smaller than the largest one there is no barrier
-        climb = Climb(np.zeros(()), 2.0 * smaller, -sizes.sum(), *np.zeros((2, 2)))
-        if own.any():
-            climb = _lowest_way(tops[own], levels[own], feet[:, own], energies[:, own]) or climb
-        if 2 * np.count_nonzero(own) != np.count_nonzero(owner == number):
-            unsure = np.minimum(_UNSURE, 2.0 * smaller)
-            climb = climb._replace(error=np.maximum(climb.error, unsure))
-        out.append(climb)
+        lowest = LowestBarrier(0.0, -sizes.sum(), np.zeros(2), np.zeros(2), True)
+        if here.any():
+            ways = tops[here], levels[here], feet[:, here], energies[:, here]
+            lowest = _over_saddles(*ways) or lowest
+        complete = 2 * np.count_nonzero(here) == np.count_nonzero(owner == number)
+        out.append(lowest._replace(complete=complete))
     return out
 
 
-def _critical_points(land: _Landscapes, n: int) -> tuple[Whole, Array]:
+def _critical_points(landscapes: _Landscapes, n: int) -> tuple[Whole, Array]:
     """Landscape and place of the critical points that Newton's method finds near nodes, each once."""
     spacing = _TURN / n
-    places = spacing * np.stack(np.divmod(np.arange(n * n), n), axis=-1) + _ORIGIN
-    which = np.repeat(np.arange(len(land.sizes)), n * n)
-    start = np.tile(places, (len(land.sizes), 1))
-    close = np.hypot(*land.newton_step(which, start).T) < spacing
+    # no node falls on a line of symmetry
+    places = spacing * np.stack(np.divmod(np.arange(n * n), n), axis=-1) + (0.012345, 0.00789)
+    which = np.repeat(np.arange(len(landscapes.sizes)), n * n)
+    start = np.tile(places, (len(landscapes.sizes), 1))
+    close = np.hypot(*landscapes.of(which).newton_step(start).T) < spacing
     which, start = which[close], start[close]
-    t = start
+    t, each = start, landscapes.of(which)
     for _ in range(20):
-        step = land.newton_step(which, t)
+        step = each.newton_step(t)
         t = t + step
     # a last step below this changes energies by at most its square
-    found = (np.abs(step) < 1e-6).all(-1) & (np.abs(t - start) < 4.0 * spacing).all(-1)
-    which, t = which[found], t[found]
-    kind = 3 * which + (land.local(which, t).curvatures > 0.0).sum(-1)
+    near = (np.abs(step) < 1e-6).all(-1) & (np.abs(t - start) < 4.0 * spacing).all(-1)
+    which, t = which[near], t[near]
+    kind = 3 * which + (landscapes.of(which).local(t).curvatures > 0.0).sum(-1)
     groups = (np.flatnonzero(kind == each) for each in np.unique(kind))
-    distinct = np.concatenate([which[:0], *(own[np.unique(_same(t[own]))] for own in groups)])
+    distinct = np.concatenate([which[:0], *(group[np.unique(_same(t[group]))] for group in groups)])
     return which[distinct], t[distinct]
 
 
-def _same(points: Array) -> npt.NDArray[np.intp]:
+def _same(points: Array) -> Whole:
     """For each of the points (m, 2) the number of the first that is the same but for whole periods."""
     apart = points[:, None] - points
     near = np.abs(apart - _TURN * np.rint(apart / _TURN)) < _SAME
     return np.asarray(near.all(-1).argmax(1))
 
 
-def _descended(land: _Landscapes, which: Whole, t: Array) -> Array:
-    """The minima to which the landscapes `which` fall from t; steps that would lead up are shortened."""
-    trust, energy = np.ones((which.size, 1)), land.energy(which, t)
-    for _ in range(400):
-        step = trust * land.newton_step(which, t, down=True)
-        level = land.energy(which, t + step)
-        lower = (level <= energy + 1e-15)[:, None]
-        t, energy = np.where(lower, t + step, t), np.where(lower[:, 0], level, energy)
-        trust = np.where(lower, np.minimum(2.0 * trust, 1.0), 0.25 * trust)
-        if (np.abs(step) < 1e-9).all():
-            break
-    return t
-
-
-def _lowest_way(tops: Array, levels: Array, feet: Array, energies: Array) -> Climb | None:
-    """The climb of one landscape over saddles (m, 2) of energies (m,) that fall to minima (2, m, 2) of energies (2, m)
-    on their two sides; None where they lead to no copy of the lowest."""
+def _over_saddles(tops: Array, levels: Array, feet: Array, energies: Array) -> LowestBarrier | None:
+    """The lowest barrier of one landscape with saddles (m, 2) of energies (m,) that fall to minima (2, m, 2) of
+    energies (2, m) on their two sides; None where they lead to no copy of the lowest."""
     minima, energies = feet.reshape(-1, 2), energies.ravel()
     first = _same(minima)
     copy = np.rint((minima - minima[first]) / _TURN).astype(int) % 2 @ [1, 2]
     distinct, kind = np.unique(first, return_inverse=True)
-    (one, other), apart = kind.reshape(2, -1), np.bitwise_xor(*copy.reshape(2, -1))
+    (near, far), apart = kind.reshape(2, -1), np.bitwise_xor(*copy.reshape(2, -1))
     # the energy at which two of the minima's four copies are joined, first by one saddle, then over all ways
     count = distinct.size
     joined = np.full((4 * count, 4 * count), np.inf)
     for shift in range(4):
-        np.minimum.at(joined, (shift * count + one, (shift ^ apart) * count + other), levels)
+        np.minimum.at(joined, (shift * count + near, (shift ^ apart) * count + far), levels)
     joined = np.minimum(joined, joined.T)
     for through in range(len(joined)):
         joined = np.minimum(joined, np.maximum(joined[:, [through]], joined[through]))
@@ -202,5 +198,5 @@ def _lowest_way(tops: Array, levels: Array, feet: Array, energies: Array) -> Cli
     level = joined[lowest[:, None], lowest[:, None] + count * np.array([1, 2, 3])].min()
     if level == np.inf:
         return None
-    height, top = np.maximum(level - depth, 0.0), np.flatnonzero(levels == level)[0]
-    return Climb(height, np.zeros(()), depth, minima[energies.argmin()], tops[top])
+    top = tops[np.flatnonzero(levels == level)[0]]
+    return LowestBarrier(max(level - depth, 0.0), depth, minima[energies.argmin()], top, True)

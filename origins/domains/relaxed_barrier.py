@@ -15,19 +15,15 @@ import numpy.typing as npt
 
 from origins.domains.islands import points_of
 from origins.domains.lowest_saddle import lowest_saddles
+from origins.domains.substrates import vectors
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     import ase
 
-_MOST_FLEXIBLE = 1500  # atoms of a flexible island
-_RESOLVED = (
-    1e-2  # of the largest wave: with shorter waves larger than this the relaxed energy jumps
-)
 _SMALL = 1e-7  # of the largest wave: smaller waves are left out of the search
 _RELAXED = 1e-3  # of the greatest force on an atom: forces that a relaxation leaves, and differences from slopes
-_LEAST_CURVATURE = 1e-6  # of force over radian; at flatter places the stated error is too small
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,16 +93,17 @@ def relaxed_barrier(
         rule = "must be an ASE calculator, such as origins.substrate_calculator(substrate)"
         refuse("calculator", type(calculator).__name__, rule)
     island = _MovingIsland(atoms, calculator, rigid, planar, _periods(atoms, calculator, periods))
-    if not rigid and len(island.moving) > _MOST_FLEXIBLE:
-        rule = f"may hold at most {_MOST_FLEXIBLE} atoms that move by themselves; take rigid=True"
+    if not rigid and len(island.moving) > 1500:
+        rule = "may hold at most 1500 atoms that move by themselves; take rigid=True"
         refuse("atoms", atoms, rule)
     noise = _checked(island)
-    shapes, missed = _lowest_way(island, noise)
-    (minimum, left), (saddle, left_there) = map(island.finished, shapes)
+    shifts, missed = _minimum_and_saddle(island, noise)
+    (minimum, force), (saddle, force_there) = map(island.finished, shifts)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
-    # forces that remain displace a stationary point by their size over its curvature
-    remain = max(left, left_there) / island.force
-    error = missed + 2.0 * noise + island.radian * island.force * remain**2 / _LEAST_CURVATURE
+    # forces that remain displace a stationary point by their size over its curvature, here 1e-6 of force over radian;
+    # at flatter places the stated error is too small
+    remain = max(force, force_there) / island.force
+    error = missed + 2.0 * noise + island.radian * island.force * remain**2 / 1e-6
     seconds = perf_counter() - started
     return RelaxedBarrier(max(height, 0.0), error, minimum, saddle, island.evaluations, seconds)
 
@@ -122,6 +119,8 @@ class _MovingIsland:
     def __init__(
         self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
     ) -> None:
+        """Find the atoms that move, and the units; InputError for constraints other than FixAtoms, and where all atoms
+        are fixed."""
         from ase.constraints import FixAtoms
 
         fixed = np.zeros(len(atoms), dtype=bool)
@@ -144,20 +143,20 @@ class _MovingIsland:
         self._here.set_constraint()
         self._here.calc = self.calculator = calculator
         self.radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
-        thirds = [[(i + 0.37) / 3.0, (j + 0.21) / 3.0] for i in range(3) for j in range(3)]
-        forces = [self.energy_and_forces(self.shifted(share))[1] for share in thirds]
+        places = (np.indices((3, 3)).reshape(2, 9).T + np.array([0.37, 0.21])) / 3.0
+        forces = [self.energy_and_forces(self.shifted(share))[1] for share in places]
         self.force = float(np.linalg.norm(forces, axis=-1).max())
 
     def shifted(self, share: npt.ArrayLike) -> Array:
         """Shifts of all atoms by `share` (2,) of the periods."""
         return np.broadcast_to(np.append(np.asarray(share) @ self.periods, 0.0), self.rest.shape)
 
-    def free(self, shifts: Array) -> Array:
-        """The part of shifts, or forces, (N_a, 3) that the island's motion allows."""
-        left = shifts * [1.0, 1.0, 0.0] if self.planar else shifts
+    def permitted(self, shifts: Array) -> Array:
+        """The part of shifts, or forces, (N_a, 3) that the island's motion permits."""
+        out = shifts * [1.0, 1.0, 0.0] if self.planar else shifts
         if self.rigid:
-            return np.broadcast_to(left.mean(axis=0), left.shape)
-        return left - (left * self._turn).sum() * self._turn
+            return np.broadcast_to(out.mean(axis=0), out.shape)
+        return out - (out * self._turn).sum() * self._turn
 
     def energy_and_forces(self, shifts: Array) -> tuple[float, Array]:
         """The energy, and the forces on each atom (N_a, 3); InputError where they are not finite."""
@@ -175,66 +174,61 @@ class _MovingIsland:
         from scipy.optimize import minimize
 
         def inner(part: Array) -> Array:
-            allowed = self.free(part)
-            return allowed - allowed.mean(axis=0) * [1.0, 1.0, 0.0]
+            part = self.permitted(part.reshape(shifts.shape))
+            return part - part.mean(axis=0) * [1.0, 1.0, 0.0]
 
         def energy_and_slope(q: Array) -> tuple[float, Array]:
-            there = shifts + self.radian * inner(q.reshape(shifts.shape))
-            energy, forces = self.energy_and_forces(there)
+            energy, forces = self.energy_and_forces(shifts + self.radian * inner(q))
             return energy / (self.radian * self.force), -inner(forces).ravel() / self.force
 
         if self.rigid and self.planar:
             return self.energy_and_forces(shifts)[0], shifts
         options, start = {"gtol": _RELAXED, "ftol": 0.0, "maxiter": 2000}, np.zeros(shifts.size)
         found = minimize(energy_and_slope, start, jac=True, method="L-BFGS-B", options=options)
-        there = shifts + self.radian * inner(found.x.reshape(shifts.shape))
-        return float(found.fun) * self.radian * self.force, there
+        return float(found.fun) * self.radian * self.force, shifts + self.radian * inner(found.x)
 
-    def level(self, shifts: Array) -> Array:
+    def without_force(self, shifts: Array) -> Array:
         """The nearby shifts at which the forces vanish; `shifts` themselves where none is found."""
         from scipy.optimize import root
 
-        def forces(q: Array) -> Array:
-            there = shifts + self.radian * self.free(q.reshape(shifts.shape))
-            return (self.free(self.energy_and_forces(there)[1]) / self.force).ravel()
+        def moved(q: Array) -> Array:
+            return shifts + self.radian * self.permitted(q.reshape(shifts.shape))
 
-        if np.abs(forces(np.zeros(shifts.size))).max() <= 1e-10:
+        def forces(q: Array) -> Array:
+            return (self.permitted(self.energy_and_forces(moved(q))[1]) / self.force).ravel()
+
+        start, options = np.zeros(shifts.size), {"fatol": 1e-10, "maxiter": 200}
+        if np.abs(forces(start)).max() <= 1e-10:
             return shifts
-        options = {"fatol": 1e-10, "maxiter": 200}
-        moved = root(forces, np.zeros(shifts.size), method="krylov", options=options).x
-        settled = np.abs(forces(moved)).max() <= 1e-8 and np.abs(moved).max() <= 0.5
-        return shifts + self.radian * self.free(moved.reshape(shifts.shape)) * settled
+        q = root(forces, start, method="krylov", options=options).x
+        settled = np.abs(forces(q)).max() <= 1e-8 and np.abs(q).max() <= 0.5
+        return moved(q) if settled else shifts
 
     def finished(self, shifts: Array) -> tuple[ase.Atoms, float]:
-        """A copy of the atoms as given, the island shifted, with energy and forces; the force that is left."""
+        """A copy of the atoms as given, the island shifted, with energy and forces; the force that remains."""
         from ase.calculators.singlepoint import SinglePointCalculator
 
         energy, forces = self.energy_and_forces(shifts)
         atoms = self.given.copy()
         atoms.positions[self.moving] = self._here.positions[self.moving]
         atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=self._here.get_forces())
-        left = self.free(forces) * (len(forces) if self.rigid else 1)
-        return atoms, float(np.abs(left).max())
+        remaining = self.permitted(forces) * (len(forces) if self.rigid else 1)
+        return atoms, float(np.abs(remaining).max())
 
 
 def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
     """The periods as given, or those of the calculator or of the atoms."""
     if given is None:
         parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
-        known = [getattr(part, "periods", None) for part in parts]
+        known = (getattr(part, "periods", None) for part in parts)
         cell = np.asarray(atoms.cell)[np.asarray(atoms.pbc)]
         flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
-        found = [each for each in known if each is not None] + [flat] * (len(flat) == 2)
-        if not found:
-            rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
-            refuse("periods", None, rule)
-        given = found[0]
-    try:
-        periods: Array = np.array(given, dtype=float)
-    except (TypeError, ValueError):
-        periods = np.empty(0)
-    right = periods.shape == (2, 2) and np.isfinite(periods).all()
-    if not right or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
+        given = next((each for each in known if each is not None), flat if len(flat) == 2 else None)
+    if given is None:
+        rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
+        refuse("periods", None, rule)
+    periods = vectors(given, "periods")
+    if len(periods) != 2 or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
         rule = "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]"
         refuse("periods", given, rule)
     return periods
@@ -249,35 +243,35 @@ def _checked(island: _MovingIsland) -> float:
     most = abs(energy) + len(forces) * force * (radian + float(np.abs(island.rest).max()))
     noise = 8.0 * float(np.finfo(float).eps) * most
     for period, direction in zip(island.periods, np.eye(3), strict=False):
-        off = abs(island.energy_and_forces(place + np.append(period, 0.0))[0] - energy)
-        if off > 1e-9 * force * radian + 4.0 * noise:
+        change = abs(island.energy_and_forces(place + np.append(period, 0.0))[0] - energy)
+        if change > 1e-9 * force * radian + 4.0 * noise:
             shown = f"({period[0]:.6g}, {period[1]:.6g})"
-            rule = f"must leave energies as they are; moved by {shown} they change by {off:.2g}"
+            rule = f"must leave energies as they are; moved by {shown} they change by {change:.2g}"
             refuse("periods", island.periods, rule)
         step = 1e-4 * radian * direction
         ahead, behind = (island.energy_and_forces(place + way)[0] for way in (step, -step))
-        off = abs(behind - ahead - 2.0 * forces.sum(axis=0) @ step)
-        if off > 2.0 * _RELAXED * force * step.max() + 2.0 * noise:
+        wrong = abs(behind - ahead - 2.0 * forces.sum(axis=0) @ step)
+        if wrong > 2.0 * _RELAXED * force * step.max() + 2.0 * noise:
             name = type(island.calculator).__name__
             refuse("calculator", name, "forces must be those of its energy")
     return noise
 
 
-def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float]:
+def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array], float]:
     """Shifts of the atoms at the lowest minimum and at the saddle, and the search's own error, an energy."""
     exact = island.rigid and island.planar
     for count in (16, 32, 64) if exact else (16,):
-        energies, shape = np.empty((count, count)), np.zeros_like(island.rest)
-        shapes: dict[tuple[int, int], Array] = {}
-        for i, j in np.ndindex(count, count):
-            j = j if i % 2 == 0 else count - 1 - j  # a neighbour's shape is a good first guess
+        places = np.indices((count, count)).reshape(2, -1).T
+        there_and_back = np.where(places[:, 0] % 2 == 0, places[:, 1], count - 1 - places[:, 1])
+        energies, change = np.empty((count, count)), np.zeros_like(island.rest)
+        changes: dict[tuple[int, int], Array] = {}
+        for i, j in zip(places[:, 0], there_and_back, strict=True):
             place = island.shifted([i / count, j / count])
-            energies[i, j], there = island.relaxed(place + shape)
-            if not exact:
-                shape = shapes[i, j] = there - place
+            energies[i, j], shifts = island.relaxed(place + change)
+            if not exact:  # the change of a neighbour is a good first guess
+                change = changes[i, j] = shifts - place
         waves = np.fft.fft2(energies).ravel() / count**2
-        K = np.stack(np.divmod(np.arange(count**2), count), axis=-1)
-        K = (K + count // 2) % count - count // 2
+        K = (places + count // 2) % count - count // 2
         sizes, highest = np.abs(waves), np.abs(K).max(-1)
         shortest, largest = sizes[highest > count // 3].max(), sizes[1:].max()
         if shortest <= _SMALL * largest:
@@ -287,12 +281,11 @@ def _lowest_way(island: _MovingIsland, noise: float) -> tuple[list[Array], float
     kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
     if not kept.any():
         return [np.zeros_like(island.rest)] * 2, noise
-    climb = lowest_saddles(K[kept], 2.0 * waves[None, kept])
-    shares = [t[0] / (2.0 * np.pi) for t in (climb.minimum, climb.saddle)]
-    found = [island.shifted(share) for share in shares]
-    if not exact:
-        nearest = [tuple(np.rint(share * count).astype(int) % count) for share in shares]
-        starts = [place + shapes[at] for place, at in zip(found, nearest, strict=True)]
-        found = [island.relaxed(start)[1] for start in starts]
-    missed = 0.0 if shortest <= _RESOLVED * largest else float(np.ptp(energies))
-    return [island.level(shape) for shape in found], missed
+    (lowest,) = lowest_saddles(K[kept], 2.0 * waves[None, kept])
+    shares = [t / (2.0 * np.pi) for t in (lowest.minimum, lowest.saddle)]
+    nearest = [tuple(np.rint(share * count).astype(int) % count) for share in shares]
+    pairs = zip(shares, nearest, strict=True)
+    starts = [island.shifted(share) + changes.get(at, 0.0) for share, at in pairs]
+    # where short waves are larger than a hundredth of the largest one the relaxed energy jumps
+    missed = 0.0 if shortest <= 1e-2 * largest else float(np.ptp(energies))
+    return [island.without_force(island.relaxed(each)[1]) for each in starts], missed

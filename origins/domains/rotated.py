@@ -10,23 +10,21 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
-from origins.domains.barriers import checked_substrate, radians
+from origins.domains.barriers import radians
 from origins.domains.drawing import DomainSamples, Island, draw, of_atoms, triangular
-from origins.domains.substrates import Substrate
-from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
-from origins.roughness.power_law import PowerLaw
+from origins.domains.substrates import Substrate, checked_substrate
+from origins.errors import InputError, between, finite_array, one_of, positive, refuse, whole
 from origins.samples.from_samples import from_samples
 from origins.streams import key_of
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import mixture
-from origins.thresholds.powered import Powered
+from origins.thresholds.powered import Powered, PowerLaw
 
 if TYPE_CHECKING:
     import ase
 
 LAWS = ("area", "equal", "paper")
 _MOST_ATOMS = 1e12
-_FEW = 2  # islands for which P_c comes from b(angle): solvers take half a minute for the peaks of three
 
 
 def domains(
@@ -95,8 +93,7 @@ def domains(
     Returns
     -------
     thresholds : Thresholds
-        As from_samples makes them of x_s, with their sampling error, and with `.domains`, a DomainSamples:
-        barriers, the weight of islands that slide freely, and how well exp(-f_s/f) fits. Force
+        As from_samples makes them of x_s, with their sampling error, and with `.domains`, a DomainSamples. Force
         and holding fraction of a run count only the islands that resist.
 
         One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
@@ -111,15 +108,13 @@ def domains(
     if substrate.rank == 1:
         rule = "varies in one direction only, and every island slides freely across it"
         raise InputError(f"substrate: {rule}")
-    scale = _checked_law(law, stiffness, coefficient)
+    strength = _checked_law(law, stiffness, coefficient)
     if bonds is not None and (islands is None or angles is None):
         refuse("bonds", bonds, "makes islands of your own flexible, at listed angles; give both")
     if sum(way is not None for way in (sizes, mean_atoms, islands)) != 1:
-        raise InputError(
-            "domains: give exactly one of sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a "
-            "list of ase.Atoms"
-        )
-    chosen = None if angles is None else radians(finite_array("angles", angles), "angles")
+        ways = "sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a list of ase.Atoms"
+        raise InputError(f"domains: give exactly one of {ways}")
+    listed = None if angles is None else radians(finite_array("angles", angles), "angles")
     heat = None if temperature is None else positive("temperature", temperature)
     low, high = key_of(seed)
     generator = np.random.Generator(np.random.Philox(key=high << 32 | low))
@@ -130,42 +125,41 @@ def domains(
         if hasattr(islands, "get_positions") or len(islands) == 0:
             refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
         firm = None if bonds is None else positive("bonds", bonds)
-        own = [of_atoms(substrate, atoms, firm, chosen) for atoms in islands]
-        family = _listed(own, weights, quantiles)
+        given = [of_atoms(substrate, atoms, firm, listed) for atoms in islands]
+        family = _listed(given, weights, quantiles)
     elif lattice_constant is None:
         rule = "triangular islands need it; give a length, such as lattice_constant = 2.5"
         refuse("lattice_constant", None, rule)
     else:
         make = partial(triangular, substrate, positive("lattice_constant", lattice_constant))
         if sizes is not None:
-            family = _listed([make(*pair) for pair in _pairs(sizes).tolist()], weights, quantiles)
+            family = _listed([make(*pair) for pair in _pairs(sizes)], weights, quantiles)
         elif weights is None:
             family = _decaying(mean_atoms, make, quantiles)
         else:
             refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
-    barriers, turned = draw(family.islands, family.kinds, chosen, heat, generator, comm)
+    barriers, turned = draw(family.islands, family.kinds, listed, heat, generator, comm)
     resisting = barriers > 0.0
     if not resisting.any():
-        raise InputError(
-            f"domains: none of {samples} islands has a barrier, so no contact resists and there are no "
-            "thresholds; change the angles, the sizes or the lattice constant"
-        )
+        rule = "no contact resists; change the angles, the sizes or the lattice constant"
+        raise InputError(f"domains: none of {samples} islands has a barrier: {rule}")
     period = float(np.hypot(*substrate.cell[0]))
     atoms = np.array([island.atoms for island in family.islands])
     relative = np.sqrt(atoms / family.mean_atoms) if law == "area" else np.ones(atoms.size)
-    gains, exponent = 1.0 / (period * scale * relative), 0.5 if law == "paper" else 1.0
+    gains, exponent = 1.0 / (period * strength * relative), 0.5 if law == "paper" else 1.0
     lengths = (barriers * gains[family.kinds])[resisting] ** exponent
-    thresholds: Thresholds | None = None
-    two_waves = len(substrate.coefficients) == 2 and chosen is None and heat is None
-    if two_waves and resisting.all() and mean_atoms is None and atoms.size <= _FEW:
-        every = zip(family.islands, gains, strict=True)
-        laws = [angle_thresholds(each.sizes, each.phase, float(gain)) for each, gain in every]
-        known = [each for each in laws if each is not None]
-        if len(known) == len(laws):
-            thresholds = known[0] if len(known) == 1 else mixture(known, family.shares)
-            if exponent != 1.0:
-                thresholds = Powered(thresholds, PowerLaw(1.0, exponent))
-    thresholds = thresholds or from_samples(lengths)
+    laws: list[Thresholds] = []
+    two_waves = len(substrate.coefficients) == 2 and listed is None and heat is None
+    # of three islands solvers would take half a minute for the peaks
+    if two_waves and resisting.all() and mean_atoms is None and atoms.size <= 2:
+        pairs = zip(family.islands, gains.tolist(), strict=True)
+        laws = [known for pair in pairs if (known := angle_thresholds(*pair)) is not None]
+    if len(laws) == atoms.size:
+        thresholds = laws[0] if len(laws) == 1 else mixture(laws, family.shares)
+        if exponent != 1.0:
+            thresholds = Powered(thresholds, PowerLaw(1.0, exponent))
+    else:
+        thresholds = from_samples(lengths)
     mean_stiffness = float((barriers[resisting] / period / lengths).mean())
     n_atoms = atoms[family.kinds]
     thresholds.domains = DomainSamples(barriers, turned, n_atoms, period, mean_stiffness)
@@ -184,15 +178,14 @@ class _Family(NamedTuple):
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     """The stiffness, or the coefficient, as the law needs it."""
     given = {"stiffness": stiffness, "coefficient": coefficient}
-    needed = "coefficient" if one_of("law", law, LAWS) == "paper" else "stiffness"
-    value = given.pop(needed)
-    for other, extra in given.items():
-        if extra is not None:
-            refuse(other, extra, f'has no part in law = "{law}"; leave it out')
-    if value is None:
+    paper = one_of("law", law, LAWS) == "paper"
+    needed, other = ("coefficient", "stiffness") if paper else ("stiffness", "coefficient")
+    if given[other] is not None:
+        refuse(other, given[other], f'has no part in law = "{law}"; leave it out')
+    if given[needed] is None:
         rule = f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0'
         refuse(needed, None, rule)
-    return positive(needed, value)
+    return positive(needed, given[needed])
 
 
 def _listed(islands: list[Island], weights: npt.ArrayLike | None, quantiles: Array) -> _Family:
@@ -206,8 +199,8 @@ def _listed(islands: list[Island], weights: npt.ArrayLike | None, quantiles: Arr
     return _Family(islands, shares, kinds, float(shares @ [island.atoms for island in islands]))
 
 
-def _pairs(sizes: npt.ArrayLike) -> npt.NDArray[np.int64]:
-    """(n_i, n_j) of each size, shape (m, 2); InputError for other values."""
+def _pairs(sizes: npt.ArrayLike) -> list[list[int]]:
+    """(n_i, n_j) of each size; InputError for other values."""
     try:
         pairs = np.asarray(sizes)
     except ValueError:  # rows of different lengths
@@ -216,19 +209,17 @@ def _pairs(sizes: npt.ArrayLike) -> npt.NDArray[np.int64]:
     if not right or pairs.min() < 1 or pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
         rule = f"must be pairs of whole numbers of at least 1, such as [[10, 9]], {_MOST_ATOMS:g} atoms at most"
         refuse("sizes", sizes, rule)
-    return pairs.astype(np.int64)
+    return pairs.tolist()
 
 
 def _decaying(mean_atoms: object, make: Callable[..., Island], quantiles: Array) -> _Family:
     """Islands of N atoms, P(N) ~ exp(-N/mean_atoms), N = 1, 2, ..., about as high as wide: n_j is (2N/sqrt(3))^(1/2)
     and n_i is N/n_j, both rounded to whole numbers of at least 1."""
-    decay = positive("mean_atoms", mean_atoms)
-    if decay > _MOST_ATOMS:
-        refuse("mean_atoms", mean_atoms, f"must be at most {_MOST_ATOMS:g}")
+    decay = between("mean_atoms", mean_atoms, 0.0, _MOST_ATOMS, "take fewer atoms")
     count = 1.0 + np.floor(-decay * np.log1p(-quantiles))
     rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
     columns = np.maximum(np.rint(count / rows), 1.0)
-    pairs = np.column_stack([columns, rows]).astype(np.int64)
+    pairs = np.column_stack([columns, rows]).astype(int)
     different, kinds, times = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
     islands = [make(*pair) for pair in different.tolist()]
     mean = float(-1.0 / np.expm1(-1.0 / decay))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
@@ -9,7 +10,7 @@ from math import pi, sqrt
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite, positive, refuse
+from origins.errors import finite, positive, refuse
 from origins.thresholds.law import Array
 
 _LARGEST_DENOMINATOR = 64  # shortest wavevector over the shortest one of the reciprocal lattice
@@ -56,32 +57,25 @@ class Substrate:
         return 2 if across > _AGREEMENT * (longest @ longest) else 1
 
     @cached_property
-    def indices(self) -> npt.NDArray[np.int64]:
-        """Whole numbers of shape (n, 2): G_n = indices @ reciprocal basis, the basis being that of `cell`.
-
-        Raises InputError where `cell` does.
-        """
-        return self._lattice[0]
-
-    @cached_property
     def cell(self) -> Array:
         """The two shortest translations that do not change V, as rows, lengths.
 
         Raises InputError where all wavevectors are parallel (V then repeats in one direction only) and where they
         are not whole multiples of two of them (V then never repeats).
         """
-        return self._lattice[1]
-
-    @cached_property
-    def _lattice(self) -> tuple[npt.NDArray[np.int64], Array]:
-        G = self.wavevectors
         if self.rank == 1:
             rule = "are all parallel: the substrate has no cell, and islands slide freely along it"
-            refuse("wavevectors", G, rule)
-        reciprocal = _shortest_basis(G)
-        indices = np.rint(G @ np.linalg.inv(reciprocal)).astype(np.int64)
+            refuse("wavevectors", self.wavevectors, rule)
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
-        return indices[:, ::-1], np.asarray(2.0 * pi * np.linalg.inv(reciprocal).T[::-1])
+        return np.asarray(2.0 * pi * np.linalg.inv(_shortest_basis(self.wavevectors)).T[::-1])
+
+    @cached_property
+    def indices(self) -> npt.NDArray[np.int64]:
+        """Whole numbers of shape (n, 2): G_n = indices @ reciprocal basis, the basis being that of `cell`.
+
+        Raises InputError where `cell` does.
+        """
+        return np.rint(self.wavevectors @ self.cell.T / (2.0 * pi)).astype(np.int64)
 
 
 def fourier_substrate(
@@ -100,36 +94,52 @@ def fourier_substrate(
 
     Raises InputError for other shapes, values that are not finite, and where V is constant.
     """
+    G = vectors(wavevectors)
     try:
-        G, c = np.asarray(wavevectors, dtype=float), np.asarray(coefficients, dtype=complex)
-    except (TypeError, ValueError) as error:
-        told = f"must be arrays of numbers: {error}"
-        raise InputError(f"wavevectors, coefficients: {told}") from error
-    if G.ndim != 2 or G.shape[1] != 2 or G.shape[0] == 0 or not np.isfinite(G).all():
-        rule = "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]"
-        refuse("wavevectors", G, rule)
+        c = np.asarray(coefficients, dtype=complex)
+    except (TypeError, ValueError):
+        c = np.empty(0, dtype=complex)
     if c.shape != G.shape[:1] or not np.isfinite(c).all():
-        rule = f"must be finite and of shape ({len(G)},), one for each wavevector"
-        refuse("coefficients", c, rule)
-    # whole numbers, equal for equal wavevectors; the first that is not zero is positive
-    places = np.rint(G / (_AGREEMENT * np.abs(G).max() or 1.0)).astype(np.int64)
-    leading = np.where(places[:, 0] == 0, places[:, 1], places[:, 0])
-    signs = np.where(leading < 0, -1, 1)
-    places = signs[:, None] * places
-    _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    shares = np.zeros(first.size, dtype=complex)
-    np.add.at(shares, same.ravel(), np.where(signs < 0, c.conj(), c))
-    level = leading[first] == 0
+        rule = f"must be {len(G)} finite numbers, one for each wavevector"
+        refuse("coefficients", coefficients, rule)
+    unit = _AGREEMENT * np.abs(G).max() or 1.0
+    waves: dict[tuple[float, ...], Array] = {}
+    sums: dict[tuple[float, ...], complex] = defaultdict(complex)
+    for wave, share in zip(G, c.tolist(), strict=True):
+        place = tuple(np.rint(wave / unit).tolist())  # whole numbers, equal for equal wavevectors
+        sign = -1.0 if place < (0.0, 0.0) else 1.0
+        place = tuple(sign * each for each in place)
+        waves.setdefault(place, sign * wave)
+        sums[place] += share if sign > 0.0 else share.conjugate()
+    constant = finite("constant", constant) + sums.pop((0.0, 0.0), 0.0).real
     # where waves cancel only rounding remains
-    kept = ~level & (np.abs(shares) > 1e-15 * np.abs(c).max())
-    if not kept.any():
-        told = "nothing but a constant is left; give at least one wave that is not zero"
-        raise InputError(f"wavevectors: {told}")
-    constant = finite("constant", constant) + float(shares[level].real.sum())
-    waves, shares = (signs[:, None] * G)[first][kept], shares[kept]
-    waves.setflags(write=False)
-    shares.setflags(write=False)
-    return Substrate(waves, shares, constant)
+    kept = [place for place, share in sums.items() if abs(share) > 1e-15 * np.abs(c).max()]
+    if not kept:
+        refuse("wavevectors", G, "leave nothing but a constant; give a wave that is not zero")
+    made = np.array([waves[place] for place in kept]), np.array([sums[place] for place in kept])
+    for array in made:
+        array.setflags(write=False)
+    return Substrate(*made, constant)
+
+
+def vectors(value: npt.ArrayLike, name: str = "wavevectors") -> Array:
+    """`value` as an array of shape (n, 2), n >= 1; InputError unless they are finite."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[1] != 2 or not array.size or not np.isfinite(array).all():
+        refuse(name, value, "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]")
+    return array
+
+
+def checked_substrate(substrate: Substrate | None) -> Substrate:
+    """`substrate`, or sin x + sin y for None; InputError for anything else."""
+    if substrate is None:
+        return square_substrate()
+    if not isinstance(substrate, Substrate):
+        refuse("substrate", substrate, "must be a Substrate, such as origins.hexagonal_substrate()")
+    return substrate
 
 
 def square_substrate(amplitude: float = 1.0, period: float = 2.0 * pi) -> Substrate:

@@ -64,17 +64,26 @@ class GrainContact:
         As each contact keeps its quantile, of those that pinned together the share exp(-h) still holds, h being
         the largest hazard so far. For ages up to tau_m it is infinite, except at x = 0.
         """
-        x, age = np.asarray(x, dtype=float), np.asarray(age, dtype=float)
-        stretch, excess = np.broadcast_arrays(x, self.growth.excess(age))
-        s = np.sqrt(self.growth.B) * stretch
+        age = np.asarray(age, dtype=float)
+        return self.hazard_at(np.asarray(x, dtype=float), self.growth.excess(age))[()]
+
+    def hazard_at(self, x: Array, excess: Array) -> Array:
+        """The hazard at stretches |x| where the largest grain's diameter is the film's times 1 + `excess`."""
+        x, excess = np.broadcast_arrays(x, excess)
+        s = np.sqrt(self.growth.B) * np.abs(x)
         over = s * (s / (1.0 + np.hypot(1.0, s)))  # diameter of the breaking grain over d, less 1
-        left = excess - over
-        out = np.where(over > 0.0, np.inf, 0.0)
-        held = (left > 0.0) & (over > 0.0)
-        largest = 1.0 + excess[held]
-        q = over[held] / excess[held] * (largest / left[held])
-        out[held] = hazard_beyond(q, 1.0 / largest, excess[held] / largest)
-        return out[()]
+        held = (over < excess) & (over > 0.0)
+        out, over, excess = np.where(over > 0.0, np.inf, 0.0), over[held], excess[held]
+        out[held] = hazard_beyond(over / excess * ((1.0 + excess) / (excess - over)), excess)
+        return out
+
+    def threshold_at(self, hazard: Array, excess: Array) -> Array:
+        """Threshold (a length) of the contact with this hazard, the inverse of hazard_at; shapes broadcast."""
+        hazard, excess = np.broadcast_arrays(hazard, excess)
+        q = invert_beyond(np.minimum(hazard, 1e300), excess)
+        # the largest grain has an infinite hazard
+        share = np.where(np.isinf(hazard), 1.0, q * excess / (1.0 + excess + q * excess))
+        return np.sqrt(excess * share * (excess * share + 2.0) / self.growth.B)
 
     def lost_hazard(self, velocity: float) -> float:
         """h = (9/2) B (velocity tau_m)²: a share exp(-h) of the contacts ever holds if sliding begins as they pin."""
@@ -100,19 +109,13 @@ class GrainContact:
 
         It rises with age, from 0 at tau_m. InputError for ages below tau_m, at which no grain pins.
         """
-        ranks, ages = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(age, dtype=float))
-        if (bad := ~((ranks >= 0.0) & (ranks <= 1.0))).any():
-            refuse("u", ranks[bad].flat[0], "must be a quantile between 0 and 1")
-        if (bad := ~((ages >= self.growth.first_pinning_time) & (ages < np.inf))).any():
-            refuse("age", ages[bad].flat[0], self._none_pins)
-        excess = self.growth.excess(ages)
-        largest = 1.0 + excess
+        u, age = np.asarray(u, dtype=float), np.asarray(age, dtype=float)
+        if (bad := ~((u >= 0.0) & (u <= 1.0))).any():
+            refuse("u", u[bad].flat[0], "must be a quantile between 0 and 1")
+        if (bad := ~((age >= self.growth.first_pinning_time) & (age < np.inf))).any():
+            refuse("age", age[bad].flat[0], self._none_pins)
         with np.errstate(divide="ignore"):
-            hazard = -np.log1p(-ranks)
-        q = invert_beyond(np.minimum(hazard, 1e300), 1.0 / largest, excess / largest)
-        with np.errstate(over="ignore", invalid="ignore"):  # where the hazard is infinite
-            gap = np.where(np.isinf(hazard), excess, excess * (q * excess / (largest + q * excess)))
-        return np.sqrt(gap * (gap + 2.0) / self.growth.B)[()]
+            return self.threshold_at(-np.log1p(-u), self.growth.excess(age))[()]
 
 
 def growing_grains(alpha: float, B: float, age: float) -> GrainContact:

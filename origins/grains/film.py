@@ -48,17 +48,21 @@ def grains(
         return GrainGrowth(alpha, B).thresholds(time, jacobian)
     if rho is None or alpha is not None or time is not None:
         refuse("rho", rho, "is alpha time^(1/3): give rho, such as 2.0, or alpha and time")
-    rho = positive("rho", rho)
     # without rounding: near rho = 2/3 all thresholds depend on this difference
-    excess = float(Fraction(rho) * 3 / 2 - 1)
-    if not 0.0 < excess < 1.5 * _LARGEST:
-        told = "no grain pins yet: the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
-        refuse("rho", rho, told if excess <= 0.0 else f"must be at most {_LARGEST:g}")
-    return _law(excess, B, jacobian)
+    excess = float(Fraction(positive("rho", rho)) * 3 / 2 - 1)
+    first = "the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
+    return _law("rho", rho, excess, B, jacobian, first)
 
 
-def _law(excess: float, B: float, jacobian: str) -> Thresholds:
+def _law(
+    name: str, value: float, excess: float, B: float, jacobian: str, first: str
+) -> PinningGrains:
+    """P_c where the largest grain's diameter is the film's thickness times 1 + `excess`; InputError for `name` where
+    none pins yet, `first` saying when the first does."""
     one_of("jacobian", jacobian, ("exact", "paper"))
+    if not 0.0 < excess < 1.5 * _LARGEST:
+        late = f"must keep rho at most {_LARGEST:g}"
+        refuse(name, value, late if excess > 0.0 else f"no grain pins yet: {first}")
     return PinningGrains(excess, positive("B", B), jacobian == "paper")
 
 
@@ -90,8 +94,11 @@ class GrainGrowth:
 
     def excess(self, time: npt.ArrayLike) -> Array:
         """Radius of the largest grain over that of the first to pin, less 1; 0 up to tau_m."""
-        since = (np.asarray(time) - self.first_pinning_time) / self.first_pinning_time
-        return np.asarray(np.expm1(np.log1p(np.maximum(since, 0.0)) / 3.0))
+        return self.excess_after(np.maximum(np.asarray(time) - self.first_pinning_time, 0.0))
+
+    def excess_after(self, later: npt.ArrayLike) -> Array:
+        """The same at a time `later` >= 0 after tau_m, which keeps its digits right after the first pinning."""
+        return np.asarray(np.expm1(np.log1p(np.asarray(later) / self.first_pinning_time) / 3.0))
 
     def rho(self, time: npt.ArrayLike) -> Array:
         """Mean grain diameter over film thickness, shape as time. InputError for times not above zero."""
@@ -103,10 +110,9 @@ class GrainGrowth:
 
     def pinned_fraction(self, time: npt.ArrayLike) -> Array:
         """Fraction of the grains at `time` that span the film; 0 up to tau_m. InputError for times not above zero."""
-        excess = self.excess(self._times(time))
         with np.errstate(divide="ignore"):
-            q = np.minimum(np.atleast_1d(1.0 / excess), 1e300)
-        return np.exp(-hazard_beyond(q, 0.0, 1.0)).reshape(excess.shape)[()]
+            q = np.minimum(1.0 / self.excess(self._times(time)), 1e300)
+        return np.exp(-hazard_beyond(np.atleast_1d(q))).reshape(q.shape)[()]
 
     def pinning_number(self, time: npt.ArrayLike) -> Array:
         """Grains that span the film, over the number of all grains at tau_m: largest at rho = 1, finally ~ 1/time.
@@ -118,16 +124,12 @@ class GrainGrowth:
     def thresholds(self, time: float, jacobian: Literal["exact", "paper"] = "exact") -> Thresholds:
         """P_c of the grains that pin at `time`; see grains. InputError for times up to tau_m, when none pins."""
         excess = float(self.excess(positive("time", time)))
-        if not 0.0 < excess < 1.5 * _LARGEST:
-            first = f"the first does at (2/(3 alpha))³ = {self.first_pinning_time:.12g}"
-            late = f"must keep rho = alpha time^(1/3) at most {_LARGEST:g}"
-            refuse("time", time, late if excess > 0.0 else f"no grain pins yet: {first}")
-        return _law(excess, self.B, jacobian)
+        first = f"the first does at (2/(3 alpha))³ = {self.first_pinning_time:.12g}"
+        return _law("time", time, excess, self.B, jacobian, first)
 
     def _times(self, time: npt.ArrayLike) -> Array:
         times = np.asarray(time, dtype=float)
-        bad = ~((times > 0.0) & np.isfinite(times))
-        if bad.any():
+        if (bad := ~((times > 0.0) & np.isfinite(times))).any():
             refuse("time", times[bad].flat[0], "must be finite and above zero")
         return times
 
@@ -187,14 +189,11 @@ class PinningGrains(Thresholds):
     def _log_weight(self, x: Array) -> Array:
         s = self._root_b * x
         k = np.hypot(1.0, s)  # diameter of the grain over the film's thickness
-        # the distance from the largest one, without cancellation
-        left = (
-            self._root_b
-            * (self._upper - x)
-            * (self._root_b * (self._upper + x) / (self._largest + k))
-        )
+        # that of the largest one less k, without cancellation
+        below, beyond = self._root_b * (self._upper - x), self._root_b * (self._upper + x)
+        room = below * beyond / (self._largest + k)
         with np.errstate(divide="ignore", invalid="ignore"):
-            q = s * (s / (1.0 + k)) / (self._free * left)
+            q = s * (s / (1.0 + k)) / (self._free * room)
             size = 2.0 * np.log(k) - 7.0 / 3.0 * np.log1p((k - 1.0) / (2.0 * self._largest + 1.0))
             size += 11.0 / 3.0 * np.log1p(q * self._free) - q
-            return np.where(left > 0.0, size if self._printed else size + np.log(s / k), -np.inf)
+            return np.where(room > 0.0, size if self._printed else size + np.log(s / k), -np.inf)

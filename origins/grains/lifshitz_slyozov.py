@@ -1,4 +1,4 @@
-"""Lifshitz and Slyozov's law of grain sizes under coalescence (paper, Eq. LS1), and its integrated hazard.
+"""The cumulative hazard of Lifshitz and Slyozov's law of grain sizes under coalescence (paper, Eq. LS1).
 
 Sizes are written y = r/(3<r>/2), relative to the largest grain. The density is then the derivative of
 
@@ -10,17 +10,19 @@ psi(y) - psi(y0) is convex in q, and q goes to infinity at the largest grain, wh
 
 import numpy as np
 
-from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import gauss
 
 
-def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
-    """psi(y) - psi(y0) for finite q >= 0, to the relative accuracy of floating point, however small it is.
+def hazard_beyond(q: Array, excess: Array | float = 1e300) -> Array:
+    """psi(y) - psi(y0) for finite q >= 0: e^-psi is the survival of the sizes (paper, Eq. LS1).
 
-    y0 in [0, 1) and e0 = 1 - y0 are both given, so that neither end loses digits; shapes broadcast.
+    It has the relative accuracy of floating point, however small it is. y0 = 1/(1 + excess), so that neither end loses
+    digits; shapes broadcast. When left out, y0 is 0.
     """
-    gap = e0 * (q * e0 / (1.0 + q * e0))
-    out = q - 5.0 / 3.0 * np.log1p(q * e0) + 4.0 / 3.0 * np.log1p(gap / (2.0 + y0))
+    y0, room = 1.0 / (1.0 + excess), excess / (1.0 + excess)
+    gap = room * (q * room / (1.0 + q * room))
+    out = q - 5.0 / 3.0 * np.log1p(q * room) + 4.0 / 3.0 * np.log1p(gap / (2.0 + y0))
     # small grains: the three terms cancel to the third order, their derivative does not
     small = y0 + gap < 0.4
     if small.any():
@@ -30,53 +32,21 @@ def hazard_beyond(q: Array, y0: Array | float, e0: Array | float) -> Array:
     return out
 
 
-def invert_beyond(hazard: Array, y0: Array | float, e0: Array | float) -> Array:
+def invert_beyond(hazard: Array, excess: Array) -> Array:
     """q >= 0 with psi(y) - psi(y0) = hazard >= 0, finite; shapes broadcast to that of hazard.
 
     Halley's steps approach the root from above from the first guess, since the hazard is convex in q.
     """
-    goal = np.maximum(hazard, 1e-300)
-    with np.errstate(divide="ignore", over="ignore"):
+    goal, y0, room = np.maximum(hazard, 1e-300), 1.0 / (1.0 + excess), excess / (1.0 + excess)
+    with np.errstate(over="ignore"):
         straight = goal * (2.0 + y0) / (3.0 * np.square(y0))
     q = np.minimum(straight, np.cbrt(2.0 * goal) + goal + 5.0 / 3.0 * np.log1p(goal))
     for _ in range(60):
-        left = e0 / (1.0 + q * e0)
-        y = y0 + q * e0 * left
-        step = (hazard_beyond(q, y0, e0) - goal) * (2.0 + y) / (3.0 * y * y)
-        step /= 1.0 - 0.5 * step * left * left * (4.0 + y) / (y * (2.0 + y))
+        beyond = room / (1.0 + q * room)  # 1 - y
+        y = y0 + q * room * beyond
+        step = (hazard_beyond(q, excess) - goal) * (2.0 + y) / (3.0 * y * y)
+        step /= 1.0 - 0.5 * step * beyond * beyond * (4.0 + y) / (y * (2.0 + y))
         q = np.maximum(q - step, 0.125 * q)
         if (np.abs(step) <= 1e-5 * q).all():  # the error that a step leaves is cubic
             break
     return np.where(hazard > 0.0, q, 0.0)
-
-
-class LifshitzSlyozov(Thresholds):
-    """Law of u = r/<r> on (0, 3/2), normalised: constant 3^4 e/2^(5/3), mean 1 (paper, Eq. LS1).
-
-    u is a number, not a stretch; the methods are those of every law.
-    """
-
-    onset_power = 2.0
-
-    def support(self) -> tuple[float, float]:
-        return 0.0, 1.5
-
-    def _hazard(self, u: Array) -> Array:
-        return hazard_beyond(u / (1.5 - u), 0.0, 1.0)
-
-    def _cdf(self, u: Array) -> Array:
-        return -np.expm1(-self._hazard(u))
-
-    def _sf(self, u: Array) -> Array:
-        return np.exp(-self._hazard(u))
-
-    def _logsf(self, u: Array) -> Array:
-        return -self._hazard(u)
-
-    def _logpdf(self, u: Array) -> Array:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            log = np.log(3.0 * u * u / ((u + 3.0) * (1.5 - u) ** 2)) - self._hazard(u)
-        return np.where((u > 0.0) & (u < 1.5), log, -np.inf)
-
-    def _moment(self, n: float) -> float:
-        return 1.0 if n == 1 else super()._moment(n)

@@ -36,8 +36,8 @@ class Ageing:
         None for any other law: origins.laws.diffusion.Diffusion(final, edges) gives the motion of its weights.
 
     Raises InputError for a rate that is negative or not finite, and for a P_cf with atoms or gaps, where Ũ would be
-    infinite; for closure "exact" also for one that jumps inside its support. Where P_cf ends at a positive density,
-    thresholds are reflected.
+    infinite; for closure "exact" also for one that jumps inside its support, and the solvers do where it begins above
+    0 or ends. In the paper's closure thresholds are reflected where P_cf ends at a positive density.
     """
 
     def __init__(
@@ -108,7 +108,3 @@ class OrnsteinUhlenbeck:
     def std_after(self, time: npt.ArrayLike) -> Array:
         """std (1 - e^(-2λt))^(1/2), a length."""
         return self.std * np.sqrt(-np.expm1(-2.0 * self.rate * np.asarray(time)))
-
-    def draw(self, x0: npt.ArrayLike, time: npt.ArrayLike, normal: npt.ArrayLike) -> Array:
-        """Value after `time`, from standard normal draws; exact over any time."""
-        return self.mean_after(x0, time) + self.std_after(time) * np.asarray(normal, dtype=float)

@@ -74,8 +74,8 @@ def called(rates: Any) -> CompiledRates:
         scale: float
 
     def number(method: Callable[..., Any], count: int) -> Callable[..., float]:
-        found = CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(method(*given)))
-        return lambda law, *given: found(*given)
+        callback = CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(method(*given)))
+        return lambda law, *given: callback(*given)
 
     rates.log_rate(0.0, 1.0, 1.0)
     rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)

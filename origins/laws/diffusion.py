@@ -42,12 +42,12 @@ class Diffusion:
         if self.edges.size < 3 or not (np.diff(self.edges) > 0.0).all():
             rule = "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)"
             refuse("edges", self.edges, rule)
-        known = self.weights(final, "final", walls=False)
+        known = self.weights(final, "final")
+        # smaller weights are summed from the log-density, which neither underflows nor knows of walls
+        faint = ~(known > 1e-11)
+        nodes, factors = gauss(self.edges[:-1][faint], self.edges[1:][faint])
         with np.errstate(divide="ignore", invalid="ignore"):
             log_weights = np.log(known)
-        # smaller weights are summed from the log-density, which does not underflow
-        if (faint := ~(known > 1e-200)).any():
-            nodes, factors = gauss(self.edges[:-1][faint], self.edges[1:][faint])
             log_weights[faint] = logsumexp(final.logpdf(nodes), axis=-1, b=factors)
         empty = np.flatnonzero(~np.isfinite(log_weights))
         if empty.size:
@@ -63,8 +63,8 @@ class Diffusion:
         self.up = 1.0 / (exprel(uphill) * widths[:-1] * distances)
         self.down = 1.0 / (exprel(-uphill) * widths[1:] * distances)
 
-    def weights(self, law: Thresholds, name: str = "law", walls: bool = True) -> Array:
-        """Weight of `law` in each cell, shape (n,), with what lies beyond the `walls` it adds up to 1.
+    def weights(self, law: Thresholds, name: str = "law") -> Array:
+        """Weight of `law` in each cell, shape (n,), with what lies beyond the walls it adds up to 1.
 
         InputError, with `name`, where more than 1e-12 of it does.
         """
@@ -73,9 +73,6 @@ class Diffusion:
             ends = f"{self.edges[0]:g} and {self.edges[-1]:g}; widen them"
             fault = f"has a weight of {cdf[0] + sf[-1]:.3g} beyond the outermost edges"
             raise InputError(f"{name}: {fault}, {ends}")
+        cdf[0] = sf[-1] = 0.0  # the walls hold back what lies beyond
         # from the smaller of cdf and survival, which has more digits
-        out = np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))
-        if walls:
-            out[0] += cdf[0]
-            out[-1] += sf[-1]
-        return out
+        return np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))

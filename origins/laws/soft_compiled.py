@@ -9,8 +9,7 @@ import numpy.typing as npt
 from scipy.special import dawsn
 
 from origins.laws.compiled import CompiledRates, inlined
-
-Array = npt.NDArray[np.float64]
+from origins.laws.rate_law import Array
 
 _STEP = 1.0 / 128.0  # of the tables: cubics are then exact to 1e-9 of D and to 1e-11 of a stretch
 _LAST = 12.0  # above which Dawson's integral is a series
@@ -40,9 +39,8 @@ def _tables(inverse_of: Callable[[npt.ArrayLike], Array]) -> list[Array]:
 def soft_compiled(
     spring: float, omega: float, inverse_of: Callable[[npt.ArrayLike], Array]
 ) -> CompiledRates:
-    """The compiled functions of SoftRates, with a table of inverse_of, the inverse of y² + ln D(y)."""
-    log_share = float(0.5 * np.log(spring) - np.log(omega))
-    law = SoftLaw(spring, log_share, omega, *_tables(inverse_of))
+    """The compiled functions of SoftRates with this k/2k_BT and ω; inverse_of is the inverse of y² + ln D(y)."""
+    law = SoftLaw(spring, float(0.5 * np.log(spring) - np.log(omega)), omega, *_tables(inverse_of))
     return CompiledRates(law, _rate, _passed, _reached, _most)
 
 

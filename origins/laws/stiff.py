@@ -48,9 +48,9 @@ class StiffRates(ActivatedRates):
         first = np.sqrt(np.maximum((threshold - near) / threshold, 0.0))
         last = np.sqrt(np.maximum((threshold - far) / threshold, 0.0))
         # u(near) - u(far), without cancellation
-        lost = (far - near) / threshold * (first * first + first * last + last * last)
-        lost = lost / np.maximum(first + last, 1e-300)
-        length = 2.0 / 3.0 * threshold * (-np.expm1(-c * lost) / c)
+        fall = (far - near) / threshold * (first * first + first * last + last * last)
+        fall = fall / np.maximum(first + last, 1e-300)
+        length = 2.0 / 3.0 * threshold * (-np.expm1(-c * fall) / c)
         return np.log(self.scale) + (np.log(length) - c * last * last * last)
 
     @quiet
@@ -62,16 +62,14 @@ class StiffRates(ActivatedRates):
         log_part = log_amount - np.log(self.scale) + np.log(1.5 * c / threshold)
         root = np.sqrt(np.maximum((threshold - near) / threshold, 0.0))
         level = log_part + c * root * root * root
-        # c u at the end is -ln(e^log_part + e^(-c u_near)): `more` is ln(1 + the ratio of the smaller to the larger)
+        # c u at the end is -ln(e^log_part + e^(-c u_near)); of u and gone = 1 - u the smaller keeps its digits
         more = np.log1p(np.exp(-np.abs(level)))
         u = np.maximum(np.minimum(-log_part, c * root * root * root) - more, 0.0) / c
         gone = near / threshold * (1.0 + root + root * root) / (1.0 + root)
-        gone = gone + (np.maximum(level, 0.0) + more) / c
-        # x from the smaller of u and gone = 1 - u, which has kept its digits
-        late = 1.0 - np.cbrt(u * u)
-        early = -np.expm1(2.0 / 3.0 * np.log1p(-np.minimum(gone, 0.75)))
+        gone = np.minimum(gone + (np.maximum(level, 0.0) + more) / c, 0.75)
         is_late = u < 0.5
-        x = threshold * (is_late * late + (1.0 - is_late) * early)
+        log_u = is_late * np.log(u) + (1.0 - is_late) * np.log1p(-gone)
+        x = threshold * -np.expm1(2.0 / 3.0 * log_u)
         return np.minimum(np.maximum(x, near), threshold)
 
     def compiled(self) -> CompiledRates:

@@ -6,11 +6,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from origins.errors import InputError, one_of, positive, refuse
-from origins.laws import RATE_LAWS, SoftRates, StiffRates
-from origins.laws.rate_law import Array, RateLaw
+from origins.laws.rate_law import Array, Numbers, RateLaw
+from origins.laws.soft import SoftRates
+from origins.laws.stiff import StiffRates
+
+# the laws that Thermal and scene files take by name
+RATE_LAWS: dict[str, type[SoftRates] | type[StiffRates]] = {"soft": SoftRates, "stiff": StiffRates}
 
 
 class BreakingRate:
@@ -31,9 +34,7 @@ class BreakingRate:
     rates: RateLaw
     closure: Literal["exact", "paper"]
 
-    def rate(
-        self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
-    ) -> Array:
+    def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers = 1.0) -> Array:
         """h(x; x_s), per time."""
         return np.exp(self.log_rate(x, threshold, stiffness))
 
@@ -48,19 +49,13 @@ class BreakingRate:
         # above e^50 ω no contact holds, and this is still a number
         return np.asarray(np.exp(np.minimum(log_rate, 50.0 + np.log(self.rates.scale))))
 
-    def log_rate(
-        self, x: npt.ArrayLike, threshold: npt.ArrayLike, stiffness: npt.ArrayLike = 1.0
-    ) -> Array:
+    def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers = 1.0) -> Array:
         """ln h, finite where h underflows; -inf where h = 0, as for a stiff contact at x_s."""
         stretch, limit, spring = _checked(threshold, stiffness, x=x)
         return self.rates.log_rate(np.abs(stretch), limit, spring)[()]
 
     def cumulative(
-        self,
-        x: npt.ArrayLike,
-        threshold: npt.ArrayLike,
-        start: npt.ArrayLike = 0.0,
-        stiffness: npt.ArrayLike = 1.0,
+        self, x: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
     ) -> Array:
         """Integral A >= 0 of h over the stretches between `start` and x, in either direction: a length per time.
 
@@ -69,11 +64,7 @@ class BreakingRate:
         return np.exp(self.log_cumulative(x, threshold, start, stiffness))
 
     def log_cumulative(
-        self,
-        x: npt.ArrayLike,
-        threshold: npt.ArrayLike,
-        start: npt.ArrayLike = 0.0,
-        stiffness: npt.ArrayLike = 1.0,
+        self, x: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
     ) -> Array:
         """ln A, finite where A underflows; -inf where x = start, where A = 0."""
         end, begin, limit, spring = _checked(threshold, stiffness, x=x, start=start)
@@ -84,11 +75,7 @@ class BreakingRate:
         return np.logaddexp(passed, rest)[()]
 
     def inverse(
-        self,
-        amount: npt.ArrayLike,
-        threshold: npt.ArrayLike,
-        start: npt.ArrayLike = 0.0,
-        stiffness: npt.ArrayLike = 1.0,
+        self, amount: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
     ) -> Array:
         """Stretch x >= start at which A, integrated from `start`, reaches `amount` >= 0 (a length per time).
 
@@ -182,18 +169,16 @@ def as_thermal(law: object) -> Thermal | GivenRates | None:
     refuse("thermal", law, f"must be an origins.Thermal, such as {such}")
 
 
-def _checked(
-    threshold: npt.ArrayLike, stiffness: npt.ArrayLike, **more: npt.ArrayLike
-) -> list[Array]:
-    """`more` in their order, thresholds and stiffnesses, all of the common shape; InputError for bad values."""
-    named = {**more, "threshold": threshold, "stiffness": stiffness}
+def _checked(threshold: Numbers, stiffness: Numbers, **others: Numbers) -> list[Array]:
+    """`others` in their order, thresholds and stiffnesses, all of the common shape; InputError for bad values."""
+    named = {**others, "threshold": threshold, "stiffness": stiffness}
     arrays = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in named.values()))
     limit = arrays[-2]
     for name, values in zip(named, arrays, strict=True):
         good, rule = (values > 0.0) & np.isfinite(values), "must be finite and above zero"
         if name == "amount":
             good, rule = values >= 0.0, "must be zero or above"
-        elif name in more:
+        elif name in others:
             good = np.abs(values) <= limit
             rule = f"a contact holds only where |{name}| is at most its threshold"
         if not good.all():

@@ -6,15 +6,13 @@ import numpy as np
 from scipy.special import erf
 
 from origins.errors import InputError, between, one_of, positive, refuse
-from origins.roughness.greenwood_williamson import pressed, summits_of
-from origins.roughness.interface import Interface
-from origins.roughness.material import Material
+from origins.roughness.greenwood_williamson import Summits
+from origins.roughness.interface import Interface, Material
 from origins.roughness.moments import SpectralMoments, spectral_moments
-from origins.roughness.power_law import Bend, straight
 from origins.roughness.surface import as_topography
 from origins.thresholds.families import persson
 from origins.thresholds.law import Thresholds
-from origins.thresholds.powered import Powered
+from origins.thresholds.powered import Bend, Powered, straight
 
 
 def from_topography(
@@ -84,19 +82,19 @@ def from_moments(
     one_of("law", law, ("paper", "amontons", "strength"))
     if law == "paper" and material.contact_stiffness is not None:
         raise InputError('material.contact_stiffness: law = "paper" has k = c x_s; leave it out')
-    known = {"model": model, "law": law, "material": material, "moments": moments}
-    known["pressure"] = positive("pressure", pressure)
+    fields = {"model": model, "law": law, "material": material, "moments": moments}
+    fields["pressure"] = positive("pressure", pressure)
     if one_of("model", model, ("gw", "persson")) == "gw":
         if patch_area is not None:
             refuse("patch_area", patch_area, 'model = "gw" counts its own contacts; leave it out')
-        return _on_summits(known, regime, height_law)
+        return _on_summits(fields, regime, height_law)
     for name, value in (("height_law", height_law), ("regime", regime)):
         if value not in ("gaussian", "elastic"):
             refuse(name, value, 'belongs to the summits of model = "gw"; leave it out')
     if patch_area is None:
         rule = 'model = "persson" needs the area of one contact in m², such as interface.mean_area of model = "gw" here'
         refuse("patch_area", patch_area, rule)
-    return _on_patches(known, between("patch_area", patch_area, 1e-40, 1e20, "it is in m²"))
+    return _on_patches(fields, between("patch_area", patch_area, 1e-40, 1e20, "it is in m²"))
 
 
 def resolution_study(
@@ -120,24 +118,26 @@ def resolution_study(
     return tuple(from_topography(surface, step=step, **options) for step in factors)
 
 
-def _on_summits(known: dict[str, Any], regime: str, height_law: str) -> Thresholds:
+def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresholds:
     """Greenwood and Williamson's contacts (paper, Eqs. GW1, GW2): area and load are powers of the compression."""
-    moments, material, pressure = known["moments"], known["material"], known["pressure"]
-    summits = summits_of(moments, material, regime, height_law)
-    z = pressed(summits, pressure)
+    moments, material, pressure = fields["moments"], fields["material"], fields["pressure"]
+    summits = Summits(moments, material, regime, height_law)
+    z = summits.pressed(pressure)
     plastic = of_hertz = None
     if material.hardness is not None:
         limit = material.critical_compression(summits.radius)
         plastic = 1.0 if regime == "plastic" else float(summits.compressions(z).sf(limit))
-        elastic = summits_of(moments, material, height_law=height_law)
-        of_hertz = float(elastic.compressions(elastic.separation(pressure)).sf(limit))
+        by_hertz = z
+        if regime != "elastic":
+            by_hertz = Summits(moments, material, "elastic", height_law).separation(pressure)
+        of_hertz = float(summits.compressions(by_hertz).sf(limit))
     return _joined(
         summits.compressions(z),
         summits.load,
         straight(np.pi * summits.radius, 1.0),
-        **known,
+        **fields,
         area_fraction=summits.area_fraction(z),
-        contact_density=summits.contact_density(z),
+        contact_density=float(np.exp(summits.log_contact_density(z))),
         plastic_fraction=plastic,
         hertz_plastic_fraction=of_hertz,
         regime=regime,
@@ -145,14 +145,14 @@ def _on_summits(known: dict[str, Any], regime: str, height_law: str) -> Threshol
     )
 
 
-def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
+def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
     """Persson's stresses on patches of one area: P(s) ~ exp[-(s-p)²/D²] - exp[-(s+p)²/D²] (paper, Eq. PcPersson).
 
     D = E* h'_rms/2^(1/2) = E* m2^(1/2); the norm of P(s) is erf(p/D), the real over the nominal area of contact.
     """
-    material, pressure = known["material"], known["pressure"]
-    width = float(material.contact_modulus * np.sqrt(known["moments"].m2))
-    if known["law"] == "strength":
+    material, pressure = fields["material"], fields["pressure"]
+    width = float(material.contact_modulus * np.sqrt(fields["moments"].m2))
+    if fields["law"] == "strength":
         rule = "f_s = tau A is one value on patches of one area; write law = 'amontons', or model = 'gw'"
         refuse("law", "strength", rule)
     # the square root of the stress has the law (PcPersson3)
@@ -163,7 +163,7 @@ def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
         roots,
         straight(patch_area, 2.0),
         straight(patch_area, 0.0),
-        **known,
+        **fields,
         area_fraction=area_fraction,
         contact_density=area_fraction / patch_area,
         plastic_fraction=plastic,
@@ -172,13 +172,13 @@ def _on_patches(known: dict[str, Any], patch_area: float) -> Thresholds:
     )
 
 
-def _joined(size: Thresholds, load: Bend, area: Bend, **known: Any) -> Thresholds:
+def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Thresholds:
     """Thresholds and interface of contacts whose load (N) and area (m²) are powers of `size`, a random variable.
 
     Raises InputError where the material lacks a constant, and where k grows at least as fast as f_s, so that x_s does
     not grow with the contact.
     """
-    law, material, moments = known["law"], known["material"], known["moments"]
+    law, material, moments = fields["law"], fields["material"], fields["moments"]
     constant = "shear_strength" if law == "strength" else "local_friction"
     strength = material.needed(constant, f'law = "{law}"')
     force = (area if law == "strength" else load).times(strength)
@@ -197,12 +197,12 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **known: Any) -> Threshold
             )
         thresholds = Powered(size, stretch)
         stiffness = each.coefficient * size._moment(each.exponent)
-    density, pressure = known["contact_density"], known["pressure"]
-    carried = known["area_fraction"] if law == "strength" else pressure
+    density, pressure = fields["contact_density"], fields["pressure"]
+    carried = fields["area_fraction"] if law == "strength" else pressure
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
     radius = area.times(1.0 / np.pi).raised(0.5)
     thresholds.interface = Interface(
-        **known,
+        **fields,
         mean_radius=radius.coefficient * size._moment(radius.exponent),
         mean_threshold=thresholds.mean(),
         mean_stiffness=stiffness,

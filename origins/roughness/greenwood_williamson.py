@@ -6,74 +6,64 @@ hardness times area). The two loads are equal at one compression, and so are the
 continuous there, but the threshold as a function of delta has a kink and P_c has a jump.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.special import log_ndtr
 
 from origins.errors import between, finite, one_of, positive, refuse
-from origins.roughness.material import Material
+from origins.roughness.interface import Material
 from origins.roughness.moments import SpectralMoments
-from origins.roughness.power_law import Bend, straight
 from origins.thresholds.families import Weibull
 from origins.thresholds.gaussian import gaussian
 from origins.thresholds.law import Thresholds
-from origins.thresholds.powered import Powered
-from origins.thresholds.quadrature import gauss
+from origins.thresholds.powered import Bend, Powered, straight
 
 REGIMES = ("elastic", "plastic", "mixed")
 
 
-def compressions(std: float, z: float, heights: str = "gaussian") -> Thresholds:
-    """The law of the compressions of those summits that touch a flat at z standard deviations.
-
-    Gaussian heights give a normal law cut at 0, exponential ones, which begin at 0, the exponential law for any z.
-    """
-    return gaussian(-z * std, std) if heights == "gaussian" else Weibull(1.0, 1.0 / std)
-
-
-@dataclass(frozen=True)
 class Summits:
-    """The summits of a surface and their load: lengths in m, `density` in 1/m², `load` in N as a law of m; z, in
-    sigma_h, is the height of the flat above their mean plane."""
+    """The summits that a surface's moments imply, of one radius (m), their heights of deviation `std` (m) and `density`
+    (1/m²), and the load in N of one as a law of its compression in m.
 
-    radius: float
-    std: float
-    density: float
-    heights: str
-    load: Bend
+    z, in sigma_h, is the height of the flat above the summits' mean plane. Exponential heights have mean and standard
+    deviation sigma_h, begin at the plane h = 0, and give thresholds that do not depend on the load (paper, Eqs. GW3
+    and GW4). Raises InputError for other names, and for a regime that needs the hardness where the material has none.
+    """
+
+    def __init__(
+        self, moments: SpectralMoments, material: Material, regime: str, height_law: str
+    ) -> None:
+        one_of("regime", regime, REGIMES)
+        self.heights = one_of("height_law", height_law, ("gaussian", "exponential"))
+        self.radius, self.std = moments.summit_radius, moments.summit_std
+        self.density = moments.summit_density
+        hertz = 4.0 / 3.0 * material.contact_modulus * np.sqrt(self.radius)
+        self.load = straight(hertz, 1.5)
+        if regime != "elastic":
+            hardness = material.needed("hardness", f'regime = "{regime}"')
+            self.load = straight(np.pi * self.radius * hardness, 1.0)
+        if regime == "mixed":
+            self.load = Bend(hertz, 1.5, 1.0, material.critical_compression(self.radius))
 
     def compressions(self, z: float) -> Thresholds:
-        """The law of the compressions of the contacts, in m."""
-        return compressions(self.std, z, self.heights)
+        """The law of the compressions in m of the summits that touch: a normal law cut at 0, or the exponential one."""
+        if self.heights == "gaussian":
+            return gaussian(-z * self.std, self.std)
+        return Weibull(1.0, 1.0 / self.std)
 
-    def contact_density(self, z: float) -> float:
-        """Contacts per nominal area, 1/m²."""
+    def log_contact_density(self, z: float) -> float:
+        """Log of the contacts per nominal area in 1/m²."""
         log_touching = log_ndtr(-z) if self.heights == "gaussian" else -z
-        return float(self.density * np.exp(log_touching))
+        return float(np.log(self.density) + log_touching)
 
     def area_fraction(self, z: float) -> float:
         """Real over nominal area of contact."""
-        return self.contact_density(z) * np.pi * self.radius * self.compressions(z).mean()
+        mean_area = np.pi * self.radius * self.compressions(z).mean()
+        return float(np.exp(self.log_contact_density(z)) * mean_area)
 
     def log_pressure(self, z: float) -> float:
         """Log of the nominal pressure in Pa where the flat is at z sigma_h."""
-        if self.heights == "exponential":
-            return (
-                float(np.log(self.density * Powered(self.compressions(0.0), self.load).mean())) - z
-            )
-        # compressions t in sigma_h, up to a relative density of e^-80; in s = t^(1/4) powers of t are smooth at 0
-        above = max(z, 0.0)
-        near, far = max(-z - 13.0, 0.0), max(-z, 0.0) + np.hypot(above, 13.0) - above
-        edges = np.linspace(near**0.25, far**0.25, 30)
-        edges = np.sort(np.append(edges, np.clip(self.load.at / self.std, near, far) ** 0.25))
-        s, weights = gauss(edges[:-1], edges[1:])
-        t = s**4
-        density = np.exp(-0.5 * ((z + t) ** 2 if z < 0.0 else t * (2.0 * z + t)))
-        load = float((4.0 * s**3 * weights * density * self.load(self.std * t)).sum())
-        return float(np.log(self.density) + np.log(load) - 0.5 * above**2) - 0.5 * np.log(
-            2.0 * np.pi
-        )
+        mean_load = Powered(self.compressions(z), self.load).mean()
+        return self.log_contact_density(z) + float(np.log(mean_load))
 
     def separation(self, pressure: float) -> float:
         """z = h0/sigma_h under a nominal pressure in Pa; at least -1e6, which is taken for covered."""
@@ -89,6 +79,12 @@ class Summits:
         low, high = max(-float(deepest), -1e6), np.sqrt(2.0 * max(excess(0.0), 0.0))
         return brentq(excess, low, high, xtol=1e-14, rtol=1e-14) if excess(low) > 0.0 else low
 
+    def pressed(self, pressure: float) -> float:
+        """z under a nominal pressure in Pa; InputError for one too large for the model."""
+        z = self.separation(pressure)
+        self.check(z, "pressure", pressure, "lower it")
+        return z
+
     def check(self, z: float, name: str, value: float, remedy: str) -> None:
         """InputError where the contacts, which must be far apart, would cover the whole surface, and for a flat below
         h = 0 under exponential heights, which begin there."""
@@ -100,39 +96,6 @@ class Summits:
             rule = f"summits would cover {covered:.3g} of the surface, under a flat at {z:.3g} sigma_h; they must be "
             rule += f"far apart: {other}; are heights and pixel size in metres, moduli in Pa?"
             refuse(name, value, rule)
-
-
-def summits_of(
-    moments: SpectralMoments,
-    material: Material,
-    regime: str = "elastic",
-    height_law: str = "gaussian",
-) -> Summits:
-    """The summits that a surface's moments imply, loaded in a regime.
-
-    Raises InputError for other names, and for a regime that needs the hardness where the material has none.
-    """
-    one_of("regime", regime, REGIMES)
-    one_of("height_law", height_law, ("gaussian", "exponential"))
-    radius = moments.summit_radius
-    load = straight(4.0 / 3.0 * material.contact_modulus * np.sqrt(radius), 1.5)
-    if regime != "elastic":
-        hardness = material.needed("hardness", f'regime = "{regime}"')
-        plastic = straight(np.pi * radius * hardness, 1.0)
-        limit = material.critical_compression(radius)
-        load = plastic if regime == "plastic" else Bend(load.coefficient, 1.5, 1.0, limit)
-    return Summits(radius, moments.summit_std, moments.summit_density, height_law, load)
-
-
-def pressed(summits: Summits, pressure: float) -> float:
-    """Position z of the flat, in sigma_h, under a nominal pressure (Pa).
-
-    Exponential heights have mean and standard deviation sigma_h, begin at the plane h = 0, and give thresholds
-    that do not depend on the load (paper, Eqs. GW3 and GW4). Raises InputError for a pressure too large for the model.
-    """
-    z = summits.separation(pressure)
-    summits.check(z, "pressure", pressure, "lower it")
-    return z
 
 
 def separation_of_pressure(
@@ -147,8 +110,8 @@ def separation_of_pressure(
 
     moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does.
     """
-    summits = summits_of(moments, material, regime, height_law)
-    return float(pressed(summits, positive("pressure", pressure)) * summits.std)
+    summits = Summits(moments, material, regime, height_law)
+    return float(summits.pressed(positive("pressure", pressure)) * summits.std)
 
 
 def pressure_of_separation(
@@ -164,7 +127,7 @@ def pressure_of_separation(
     moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does, for a flat below
     h = 0 under exponential heights, and for one so high that the pressure underflows.
     """
-    summits = summits_of(moments, material, regime, height_law)
+    summits = Summits(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std
     summits.check(z, "separation", separation, "raise it")
     pressure = float(np.exp(summits.log_pressure(z)))
@@ -207,19 +170,19 @@ def gw_gaussian(
     scale = between("scale", scale, 1e-150, 1e150, "choose another unit of length")
     # b of elastic contacts, for k ~ A^(1/2); 1/2 of plastic ones
     exponents = {"paper": 0.75, "amontons": 1.0, "strength": 0.5}
-    exponent = exponents[one_of("law", law, (*exponents,))]
-    if one_of("regime", regime, REGIMES) != "mixed":
-        if plasticity_index is not None:
-            rule = 'belongs to regime = "mixed" alone; leave it out'
+    exponent, at = exponents[one_of("law", law, (*exponents,))], np.inf
+    if one_of("regime", regime, REGIMES) == "mixed":
+        if plasticity_index is None:
+            rule = 'regime = "mixed" needs it, such as plasticity_index = 5.0'
             refuse("plasticity_index", plasticity_index, rule)
-        return Powered(
-            compressions(1.0, z), straight(scale, exponent if regime == "elastic" else 0.5)
+        psi = between("plasticity_index", plasticity_index, 1e-100, 1e100, "it is a pure number")
+        at = (2.25 * np.pi / psi) ** 2
+    elif plasticity_index is not None:
+        refuse(
+            "plasticity_index", plasticity_index, 'belongs to regime = "mixed" alone; leave it out'
         )
-    if plasticity_index is None:
-        rule = 'regime = "mixed" needs it, such as plasticity_index = 5.0'
-        refuse("plasticity_index", plasticity_index, rule)
-    psi = between("plasticity_index", plasticity_index, 1e-100, 1e100, "it is a pure number")
-    at = (2.25 * np.pi / psi) ** 2
+    if regime == "plastic":
+        exponent = 0.5
     # `scale` belongs to the part that includes delta = sigma_h
     first = scale * min(at, 1.0) ** (0.5 - exponent)
-    return Powered(compressions(1.0, z), Bend(first, exponent, 0.5, at))
+    return Powered(gaussian(-z, 1.0), Bend(first, exponent, 0.5, at))

@@ -72,13 +72,15 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in heights.shape), indexing="ij")
     count = {"centre": 1, "tilt": 3, "curvature": 6}[detrend]
     terms = np.stack([np.ones_like(x), x, y, x * x, y * y, x * y][:count], axis=-1)
-    there = np.isfinite(heights)
+    measured = np.isfinite(heights)
     # fitted about their mean, in units of their range, for heights in any unit and far from zero
-    known = heights[there]
-    middle, span = float(known.mean()), float(np.ptp(known))
-    coefficients = np.linalg.lstsq(terms[there], (known - middle) / (span or 1.0), rcond=None)[0]
+    values = heights[measured]
+    middle, span = float(values.mean()), float(np.ptp(values))
+    coefficients = np.linalg.lstsq(terms[measured], (values - middle) / (span or 1.0), rcond=None)[
+        0
+    ]
     rest = heights - middle - span * (terms @ coefficients)
-    if not float(np.nanstd(rest)) > 1e-12 * float(np.abs(known).max()):  # else it is round-off
+    if not float(np.nanstd(rest)) > 1e-12 * float(np.abs(values).max()):  # else it is round-off
         rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
         refuse("heights", heights, rule)
     return Topography(rest, surface.pixel_size)
@@ -137,13 +139,11 @@ def self_affine_surface(
     if whole("seed", seed, 0) >= 2**64:
         refuse("seed", seed, "must be below 2**64")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
-    needed, pages = (
-        40 * n_x * n_y,
-        ("SC_PHYS_PAGES", "SC_PAGE_SIZE"),
-    )  # bytes; 36 a point were measured
-    there = math.prod(map(os.sysconf, pages)) if hasattr(os, "sysconf") else np.inf
-    if needed > there:
-        rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {there / 1e9:.3g} GB"
+    needed = 40 * n_x * n_y  # bytes; 36 a point were measured
+    pages = ("SC_PHYS_PAGES", "SC_PAGE_SIZE")
+    total = math.prod(map(os.sysconf, pages)) if hasattr(os, "sysconf") else np.inf
+    if needed > total:
+        rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {total / 1e9:.3g} GB"
         refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
     dx, dy = pixel_sizes(pixel_size)
     hurst = between("hurst", hurst, 0.0, 1.0, "it is the Hurst exponent")

@@ -153,9 +153,9 @@ class Sampled(Mixture):
         weights = shares[atom]
         self.smooth_part: Thresholds | None = None
         if not atom.all():
-            own = float(shares[~atom].sum())
-            part = smooth(values[~atom], shares[~atom] / own, size * own)
-            laws, weights, self.smooth_part = [*laws, part], np.append(weights, own), part
+            weight = float(shares[~atom].sum())
+            part = smooth(values[~atom], shares[~atom] / weight, size * weight)
+            laws, weights, self.smooth_part = [*laws, part], np.append(weights, weight), part
         super().__init__(laws, weights / weights.sum())
         self.samples, self.shares = values, shares
         if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:
@@ -216,14 +216,13 @@ def bootstrap(
     Raises InputError for thresholds that are not from samples, and for a statistic that is not finite or changes shape.
     """
     laws = bootstrap_laws(thresholds, whole("resamples", resamples, 2), seed)
-    found = [np.asarray(statistic(law), dtype=float) for law in (thresholds, *laws)]
-    for one in found:
-        if one.shape != found[0].shape or not np.isfinite(one).all():
-            refuse("statistic", one, "must be finite, and of one shape, for all laws")
-    value, resampled = found[0], np.stack(found[1:])
-    return Bootstrapped(
-        value, resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - value, resampled
-    )
+    values = [np.asarray(statistic(law), dtype=float) for law in (thresholds, *laws)]
+    for value in values:
+        if value.shape != values[0].shape or not np.isfinite(value).all():
+            refuse("statistic", value, "must be finite, and of one shape, for all laws")
+    resampled = np.stack(values[1:])
+    scatter, bias = resampled.std(axis=0, ddof=1), resampled.mean(axis=0) - values[0]
+    return Bootstrapped(values[0], scatter, bias, resampled)
 
 
 def bootstrap_laws(

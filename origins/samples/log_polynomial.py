@@ -8,7 +8,6 @@ Sci. 11, 89, 1996).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,22 +21,6 @@ _NODES, _WEIGHTS = legendre.leggauss(8)
 _TAIL_NODES, _TAIL_WEIGHTS = laguerre.laggauss(2)
 
 
-@dataclass(frozen=True)
-class Form:
-    """The terms of a log-density, and its continuation beyond the extreme samples.
-
-    from_zero : straight in x from the first sample down to x = 0; else P_c has an edge at the first sample.
-    power : m log x is added.
-    open_above : straight in x beyond the last sample, an exponential tail; else P_c has an edge there.
-    decades : a polynomial of log(1 + x/median) with x added, for thresholds over decades; else a polynomial of x.
-    """
-
-    from_zero: bool = True
-    power: bool = False
-    open_above: bool = True
-    decades: bool = False
-
-
 class _State(NamedTuple):
     """Coefficients, the penalised log-likelihood per sample there, and mean and covariance of the columns under the
     density."""
@@ -49,17 +32,34 @@ class _State(NamedTuple):
 
 
 class LogPolynomial(Thresholds):
-    """The law of one form, of largest score, for samples x (lengths, sorted, distinct) with `shares` (sum 1).
+    """The law of largest score, of one form, for samples x (lengths, sorted, distinct) with `shares` (sum 1).
 
     log P_c is a sum of columns, each times its coefficient, and a constant: Legendre polynomials of degree 1, 2, ...,
-    then x (Form.decades), then log x (Form.power), all continued as straight lines beyond the extreme samples; they
-    take x in units of the samples' median. size : the effective number of samples. score : log-likelihood minus the
-    cost of the parameters.
+    then x (decades), then log x (power), all continued as straight lines beyond the extreme samples; they
+    take x in units of the samples' median. size : the effective number of samples. The form:
+
+    power : m log x is added.
+    decades : a polynomial of log(1 + x/median) with x added, for thresholds over decades; else a polynomial of x.
+    from_zero : straight in x from the first sample down to x = 0; else P_c has an edge at the first sample.
+    open_above : straight in x beyond the last sample, an exponential tail; else P_c has an edge there.
+
+    score : log-likelihood minus the cost of the parameters.
     """
 
-    def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
+    def __init__(
+        self,
+        x: Array,
+        shares: Array,
+        size: float,
+        power: bool = False,
+        decades: bool = False,
+        from_zero: bool = True,
+        open_above: bool = True,
+    ) -> None:
         """Prepare the columns and their sums over samples and over panels, and fit the coefficients."""
-        self.form, self._size, self._extremes = form, size, (float(x[0]), float(x[-1]))
+        self.power, self.decades = power, decades
+        self.from_zero, self.open_above = from_zero, open_above
+        self._size, self._extremes = size, (float(x[0]), float(x[-1]))
         self._unit = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
         x = x / self._unit
         first, last = self._first, self._last = float(x[0]), float(x[-1])
@@ -68,10 +68,10 @@ class LogPolynomial(Thresholds):
         self._degree = degree = int(np.clip(round(4.0 * size**0.3), 4, 48))
         order = np.arange(1, degree + 1)
         steep = order * (order + 1) / (2.0 * self._half)
-        bent = (1.0 + first, 1.0 + last) if form.decades else (1.0, 1.0)
-        more = [1.0] * form.decades
-        self._below = np.array([*(-steep * (-1.0) ** order / bent[0]), *more, *[0.0] * form.power])
-        self._above = np.array([*(steep / bent[1]), *more, *[1.0 / last] * form.power])
+        bent = (1.0 + first, 1.0 + last) if decades else (1.0, 1.0)
+        more = [1.0] * decades
+        self._below = np.array([*(-steep * (-1.0) ** order / bent[0]), *more, *[0.0] * power])
+        self._above = np.array([*(steep / bent[1]), *more, *[1.0 / last] * power])
         # not the columns of all samples in memory at once
         parts = [slice(i, i + 16384) for i in range(0, x.size, 16384)]
         self._mean = np.sum([shares[part] @ self.columns(x[part]) for part in parts], axis=0)
@@ -80,7 +80,7 @@ class LogPolynomial(Thresholds):
         among = x[np.linspace(0, x.size - 1, min(x.size, 3 * degree)).astype(int)]
         ends = [among, np.linspace(first, last, 2 * degree)]
         ends += [first + (last - first) * near, last - (last - first) * near]
-        if form.from_zero:
+        if from_zero:
             ends += [first * (1.0 - near), last * np.geomspace(1e-30, 1.0, 60)]
         edges = np.unique(np.concatenate(ends))
         half = 0.5 * np.diff(edges)[:, None]
@@ -92,7 +92,7 @@ class LogPolynomial(Thresholds):
 
     def support(self) -> tuple[float, float]:
         first, last = self._extremes
-        return 0.0 if self.form.from_zero else first, np.inf if self.form.open_above else last
+        return 0.0 if self.from_zero else first, np.inf if self.open_above else last
 
     @property
     def breakpoints(self) -> Array:
@@ -103,16 +103,16 @@ class LogPolynomial(Thresholds):
         return (self.columns(x / self._unit) * self.coefficients).sum(axis=-1)
 
     def _variable(self, x: Array) -> Array:
-        return np.log1p(x) if self.form.decades else x
+        return np.log1p(x) if self.decades else x
 
     def columns(self, x: Array) -> Array:
         """Values of the columns at x (in medians), shape (..., columns)."""
         inner = np.clip(x, self._first, self._last)
         y = (self._variable(inner) - self._middle) / self._half
         parts = [legendre.legvander(y, self._degree)[..., 1:]]
-        if self.form.decades:
+        if self.decades:
             parts.append(inner[..., None])
-        if self.form.power:
+        if self.power:
             with np.errstate(divide="ignore"):
                 parts.append(np.log(np.minimum(x, self._last))[..., None])
         out = np.concatenate(parts, axis=-1)
@@ -125,27 +125,22 @@ class LogPolynomial(Thresholds):
         Each parameter, of an effective number, costs log(size)/2 (Schwarz) up to 55 samples, then 2, twice Akaike's (a
         larger cost would leave biases of many standard errors in large samples), corrected for few samples by Hurvich.
         """
-        form, size, degree = self.form, self._size, self._degree
+        size, degree = self._size, self._degree
         start = np.zeros(self._mean.size)
-        if form.decades:
+        if self.decades:
             start[degree] = -1.0
         else:
-            start[0] = -1.0 / self._above[0] / max(1.0 - (not form.from_zero) * self._first, 0.1)
+            start[0] = -1.0 / self._above[0] / max(1.0 - (not self.from_zero) * self._first, 0.1)
         straight, bends, ridge = np.zeros((3, start.size, start.size))
         np.fill_diagonal(straight[1:degree, 1:degree], 1e10)
         nodes, weights = legendre.leggauss(degree + 1)
         third = legendre.legval(nodes, legendre.legder(np.eye(degree + 1), 3, axis=0))[1:]
         bends[:degree, :degree] = (third * weights) @ third.T / degree
         # m = 10 costs 1/2 of the log-likelihood, so that its error is finite
-        ridge[-1, -1] = form.power * 0.01 / size
+        ridge[-1, -1] = self.power * 0.01 / size
         weaker = np.multiply.outer(10.0 ** np.arange(2.0, -10.5, -1.0), bends)
         cost = min(0.5 * float(np.log(size)), 2.0)
-        tried, scores, information, errors = (
-            list[Array](),
-            list[float](),
-            list[float](),
-            list[float](),
-        )
+        tried, scores, information, errors = [], [], [], []
         for smooth in [straight + bends, *weaker][: 1 if few else None]:
             penalty = smooth + ridge
             state = self._highest(start, penalty)
@@ -153,9 +148,9 @@ class LogPolynomial(Thresholds):
             count = float(np.trace(spread @ state.covariance))
             likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
             score = likelihood - cost * count * size / max(size - count - 1.0, 1.0)
-            score -= _EDGE * (form.power and start[-1] < 0.0)
+            score -= _EDGE * (self.power and start[-1] < 0.0)
             # a tail that falls by e over 1/2 of the last sample is as heavy as x^-2
-            if form.open_above and -(self._above @ start) * self._last < 0.75:
+            if self.open_above and -(self._above @ start) * self._last < 0.75:
                 score = -np.inf
             tried.append(start)
             scores.append(score)
@@ -165,8 +160,8 @@ class LogPolynomial(Thresholds):
                 break
         best = int(np.argmax(scores))
         self.coefficients, self.onset_power, self.onset_power_error = tried[best], 0.0, np.inf
-        self.score = scores[best] - (2 - form.from_zero - form.open_above) * (cost + _EDGE)
-        if form.power:
+        self.score = scores[best] - (2 - self.from_zero - self.open_above) * (cost + _EDGE)
+        if self.power:
             # other penalties of similar likelihood give other powers: their spread is part of the error of m
             powers = np.array(tried)[:, -1]
             likely = np.exp(np.array(information) - information[best])
@@ -178,9 +173,9 @@ class LogPolynomial(Thresholds):
         """The state; None if these give no density: a tail that does not fall, a power below -0.95, or overflow."""
         columns, log = self._nodes, self._nodes @ coefficients + self._log_weights
         # closer to 1/x nearly all weight would be at x that underflow
-        if self.form.power and coefficients[-1] <= -0.95:
+        if self.power and coefficients[-1] <= -0.95:
             return None
-        if self.form.open_above:
+        if self.open_above:
             if (fall := -float(self._above @ coefficients)) <= 0.0:
                 return None
             tail = self._end + np.outer(_TAIL_NODES / fall, self._above)
@@ -230,26 +225,27 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
     number. Raises InputError where the law is too rough for any use.
     """
 
-    def fitted(form: Form) -> LogPolynomial:
+    def fitted(**form: bool) -> LogPolynomial:
         with np.errstate(all="ignore"):  # coefficients that overflow are rejected
-            return LogPolynomial(x, shares, size, form)
+            return LogPolynomial(x, shares, size, **form)
 
     if x.size == 2:  # a straight line from one to the other
-        return fitted(Form(from_zero=False, open_above=False))
+        return fitted(from_zero=False, open_above=False)
     middle = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
     # a variable over decades for far samples, a power where some are near 0
     decades, powers = {False, bool(x[-1] > 8.0 * middle)}, {False, bool(x[0] < middle / 3.0)}
-    tried = [fitted(Form(power=power, decades=far)) for far in decades for power in powers]
+    tried = [fitted(power=power, decades=far) for far in decades for power in powers]
     best = max(tried, key=lambda law: law.score)
     # edges where the law expects more than the extreme sample beyond it
     if best.cdf(x[0]) * size > 1.5:
-        tried.append(fitted(replace(best.form, from_zero=False, power=False)))
+        tried.append(fitted(decades=best.decades, from_zero=False))
         best = max(tried, key=lambda law: law.score)
     if best.sf(x[-1]) * size > 1.5:
-        tried.append(fitted(replace(best.form, open_above=False)))
+        form = {"power": best.power, "decades": best.decades, "from_zero": best.from_zero}
+        tried.append(fitted(**form, open_above=False))
         best = max(tried, key=lambda law: law.score)
-    if best.form.from_zero and not best.form.power:
+    if best.from_zero and not best.power:
         # the error of m = 0 is the size of the power that would be fitted, plus its error
-        rivals = [abs(law.onset_power) + law.onset_power_error for law in tried if law.form.power]
+        rivals = [abs(law.onset_power) + law.onset_power_error for law in tried if law.power]
         best.onset_power_error = min(rivals, default=np.inf)
     return best

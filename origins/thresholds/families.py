@@ -44,18 +44,13 @@ class Rectangular(Thresholds):
     def _sf(self, x: Array) -> Array:
         return (self._upper - x) / self._width
 
-    def _ppf(self, q: Array) -> Array:
-        return self._lower + self._width * q
+    def _quantiles(self, below: Array, above: Array) -> Array:
+        from_lower = self._lower + self._width * below
+        return np.where(below < above, from_lower, self._upper - self._width * above)
 
-    def _isf(self, q: Array) -> Array:
-        return self._upper - self._width * q
-
-    def _moment(self, n: float) -> float:
+    def _moment(self, n: float, centre: float = 0.0) -> float:
         x, weights = gauss(np.array(self._lower), np.array(self._upper))  # exact up to n = 15
-        return float(weights @ x**n / self._width)
-
-    def _variance(self) -> float:
-        return self._width**2 / 12.0
+        return float(weights @ (x - centre) ** n / self._width)
 
 
 class Identical(Thresholds):
@@ -71,16 +66,11 @@ class Identical(Thresholds):
     def _pdf(self, x: Array) -> Array:
         return np.zeros(x.shape)
 
-    def _ppf(self, q: Array) -> Array:
-        return np.full(q.shape, self._value)
+    def _quantiles(self, below: Array, above: Array) -> Array:
+        return np.full(below.shape, self._value)
 
-    _isf = _ppf
-
-    def _moment(self, n: float) -> float:
-        return self._value**n
-
-    def _variance(self) -> float:
-        return 0.0
+    def _moment(self, n: float, centre: float = 0.0) -> float:
+        return (self._value - centre) ** n
 
 
 def gw_elastic(B: float) -> Thresholds:
@@ -126,7 +116,9 @@ class GeneralisedGamma(Thresholds):
         with np.errstate(divide="ignore", over="ignore"):
             return self._log_front + xlogy(self.onset_power, u) - u**self._decay
 
-    def _moment(self, n: float) -> float:
+    def _moment(self, n: float, centre: float = 0.0) -> float:
+        if centre != 0.0:
+            return super()._moment(n, centre)
         with np.errstate(over="ignore"):
             return float(np.float64(self._width) ** n * poch(self._order, n / self._decay))
 
@@ -147,11 +139,9 @@ class Weibull(GeneralisedGamma):
     def _cdf(self, x: Array) -> Array:
         return -np.expm1(self._logsf(x))
 
-    def _ppf(self, q: Array) -> Array:
-        return self._width * (-np.log1p(-q)) ** (1.0 / self._decay)
-
-    def _isf(self, q: Array) -> Array:
-        return self._width * (-np.log(q)) ** (1.0 / self._decay)
+    def _quantiles(self, below: Array, above: Array) -> Array:
+        log_survival = np.where(below < above, np.log1p(-np.minimum(below, 0.5)), np.log(above))
+        return self._width * (-log_survival) ** (1.0 / self._decay)
 
 
 def persson(centre: float, width: float) -> Thresholds:

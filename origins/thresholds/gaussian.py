@@ -78,41 +78,36 @@ class UpperGaussian(CutGaussian):
             return -0.5 * self._z(x) ** 2 + self._log_peak
 
     def _logsf(self, x: Array) -> Array:
-        return self._near_one(x, log_ndtr(-self._z(x)) - self._log_kept)
+        return log_ndtr(-self._z(x)) - self._log_kept
 
     def _sf(self, x: Array) -> Array:
         return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
 
     def _cdf(self, x: Array) -> Array:
         out = (ndtr(self._z(x)) - ndtr(self._least)) / self._kept
-        # just above 0 these cancel: integrate the density instead
-        near = x * max(1.0, -self._least) < 0.3 * self.parent_std
+        near = x * max(1.0, -self._least) < 0.3 * self.parent_std  # just above 0 these cancel
         if near.any():
             nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
             out[near] = (weights * self._pdf(nodes)).sum(-1)
         return np.minimum(out, 1.0)
 
-    def _reaching(self, below: Array, above: Array) -> Array:
+    def _quantiles(self, below: Array, above: Array) -> Array:
         """In closed form, except near x = 0, where that loses digits."""
         lower = ndtri(ndtr(self._least) + below * self._kept)
         z = np.where(below < above, lower, -ndtri_exp(np.log(above) + self._log_kept))
         x = self.parent_mean + self.parent_std * z
         near = ~(x > 0.5 * self.parent_mean)
-        x[near] = super()._reaching(below[near], above[near])
+        x[near] = super()._quantiles(below[near], above[near])
         return x
 
-    def _moment(self, n: float) -> float:
-        if n != round(n):
-            return super()._moment(n)
+    def _moment(self, n: float, centre: float = 0.0) -> float:
+        if n != round(n) or centre != 0.0:
+            return super()._moment(n, centre)
         variance = self.parent_std**2
         lower, moment = 1.0, self.parent_mean + variance * float(np.exp(self._log_at_zero))
         for order in range(2, round(n) + 1):
             lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
         return moment
-
-    def _variance(self) -> float:
-        rise = self.parent_std * float(np.exp(self._log_at_zero))
-        return float(self.parent_std**2 * (1.0 + self._least * rise - rise * rise))
 
 
 class ChordGaussian(Thresholds):

@@ -56,8 +56,8 @@ class Thresholds:
       `atoms`.
     - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
       `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other; also asked at
-      the support's lower end), `_logsf` (finite where the survival underflows), `_ppf` and `_isf` (1e-12 in x, or
-      1e-10 in the probability), `_moment` and `_variance` (1e-10). A family with atoms defines `_cdf` and `_sf`.
+      the support's lower end), `_logsf` (finite where the survival underflows), `_quantiles(below, above)` (1e-12 in
+      x, or 1e-10 in the probability) and `_moment(n, centre)` (1e-10). A family with atoms defines `_cdf` and `_sf`.
 
     Raises InputError, with the family's name, where its survival leaves [0, 1].
 
@@ -100,13 +100,15 @@ class Thresholds:
     @cached_property
     def _numerical(self) -> NumericalLaw:
         """The law computed from the density; InputError where a density that must be normalised is not."""
-        found = NumericalLaw(self._log_weight, *self.support(), self.breakpoints, self.onset_power)
+        numerical = NumericalLaw(
+            self._log_weight, *self.support(), self.breakpoints, self.onset_power
+        )
         normalised = type(self)._log_weight is Thresholds._log_weight
-        if normalised and not abs(found.log_whole) < 1e-6:  # more than rounding explains
-            adds_up = f"its density adds up to {np.exp(found.log_whole):.6g}, not to 1"
+        if normalised and not abs(numerical.log_whole) < 1e-6:  # more than rounding explains
+            adds_up = f"its density adds up to {np.exp(numerical.log_whole):.6g}, not to 1"
             rule = "state it as _log_weight, which need not be normalised"
             raise InputError(f"{type(self).__name__}: {adds_up}; {rule}")
-        return found
+        return numerical
 
     def _log_weight(self, x: Array) -> Array:
         return self._logpdf(x)
@@ -132,21 +134,9 @@ class Thresholds:
         if type(self)._sf is Thresholds._sf:
             return self._numerical.logsf(x)
         with np.errstate(divide="ignore"):
-            return self._near_one(x, np.log(self._sf(x)))
+            return np.log(self._sf(x))
 
-    def _near_one(self, x: Array, log_survival: Array) -> Array:
-        """log_survival, computed from the cdf where it is near 0, which has more digits there."""
-        near = log_survival > -0.5
-        log_survival[near] = np.log1p(-self._cdf(x[near]))
-        return log_survival
-
-    def _ppf(self, q: Array) -> Array:
-        return self._reaching(q, 1.0 - q)
-
-    def _isf(self, q: Array) -> Array:
-        return self._reaching(1.0 - q, q)
-
-    def _reaching(self, below: Array, above: Array) -> Array:
+    def _quantiles(self, below: Array, above: Array) -> Array:
         """The least floats of the support with these weights below and above them, the smaller of which is exact.
 
         They are left ends of gaps and places of atoms, too. The bits of floats above zero, read as whole numbers,
@@ -168,16 +158,8 @@ class Thresholds:
             low, high = places[first, column], places[first + 1, column]
         return high.view(np.float64)
 
-    def _moment(self, n: float) -> float:
-        return self._central_moment(n, 0.0)
-
-    def _central_moment(self, n: float, centre: float) -> float:
+    def _moment(self, n: float, centre: float = 0.0) -> float:
         return self._numerical.moment(n, centre)
-
-    def _variance(self) -> float:
-        mean, square = self.moment(1), self.moment(2)
-        wide = not square - mean * mean < 1e-3 * square
-        return square - mean * mean if wide else self._central_moment(2, mean)
 
     # -- public methods -------------------------------------------------------------------------------
     def pdf(self, x: npt.ArrayLike) -> Array:
@@ -204,15 +186,22 @@ class Thresholds:
 
     def logsf(self, x: npt.ArrayLike) -> Array:
         """log of the survival, finite where it underflows."""
-        return self._inside(self._logsf, x, 0.0, -np.inf)
+
+        def inner(x: Array) -> Array:
+            log_survival = self._logsf(x)
+            near_one = log_survival > -0.5  # the cdf has more digits there
+            log_survival[near_one] = np.log1p(-self._cdf(x[near_one]))
+            return log_survival
+
+        return self._inside(inner, x, 0.0, -np.inf)
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         """Threshold below which a fraction q lies. InputError for q outside [0, 1]."""
-        return self._quantile(self._ppf, q, *self.support())
+        return self._probable(q, from_below=True)
 
     def isf(self, q: npt.ArrayLike) -> Array:
         """Threshold above which a fraction q lies, accurate for tiny q. InputError for q outside [0, 1]."""
-        return self._quantile(self._isf, q, *self.support()[::-1])
+        return self._probable(q, from_below=False)
 
     def moment(self, n: int) -> float:
         """<x_s^n>, n = 0, 1, 2, ..., a length to the power n; inf where it does not exist."""
@@ -225,7 +214,11 @@ class Thresholds:
 
     def std(self) -> float:
         """Standard deviation of x_s, a length."""
-        return float(np.sqrt(max(self._variance(), 0.0)))
+        mean, square = self.moment(1), self.moment(2)
+        variance = square - mean * mean
+        if variance < 1e-3 * square:  # the difference has lost digits
+            variance = self._moment(2, mean)
+        return float(np.sqrt(variance))
 
     def rvs(
         self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None
@@ -255,15 +248,14 @@ class Thresholds:
             out[within] = inner(x[within])
         return out[()]
 
-    def _quantile(
-        self, inner: Callable[[Array], Array], q: npt.ArrayLike, first: float, last: float
-    ) -> Array:
-        """inner(q), and the support's ends at q = 0 and 1."""
+    def _probable(self, q: npt.ArrayLike, from_below: bool) -> Array:
+        """Thresholds with a weight q on one side, and the support's ends at q = 0 and 1."""
         q = np.asarray(q, dtype=float)
         if not (good := (q >= 0.0) & (q <= 1.0)).all():
             refuse("q", q[~good].flat[0], "must be a probability between 0 and 1")
-        out = np.where(q == 0.0, first, last)
+        out = np.where((q == 0.0) == from_below, *self.support())
         within = (q > 0.0) & (q < 1.0)
         if within.any():
-            out[within] = inner(q[within])
+            sides = q[within], 1.0 - q[within]
+            out[within] = self._quantiles(*(sides if from_below else sides[::-1]))
         return out[()]

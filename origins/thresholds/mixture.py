@@ -90,15 +90,15 @@ def continuous_mixture(
         laws = [as_thresholds(law(phi)) for phi in phis]
         if not x.size:
             x = np.unique([x for part in laws for x in (*part.ppf(_TAILS), *part.isf(_TAILS))])
-        found = ContinuousMixture(laws, weights / weights.sum())
-        sums = np.append(found.sf(x), found.mean())
+        average = ContinuousMixture(laws, weights / weights.sum())
+        sums = np.append(average.sf(x), average.mean())
         if before.size:
             unit = np.append(np.ones(x.size), sums[-1])
-            found.quadrature_error = float((np.abs(sums - before) / unit).max())
-            if found.quadrature_error <= accuracy:
-                return found
+            average.quadrature_error = float((np.abs(sums - before) / unit).max())
+            if average.quadrature_error <= accuracy:
+                return average
         before = sums
-    fault = f"{_NODES[-1]} laws reach {found.quadrature_error:.2g} only; ask for less, or smooth the law"
+    fault = f"{_NODES[-1]} laws reach {average.quadrature_error:.2g} only; ask for less, or smooth the law"
     rule = "values and jumps that move with phi average yourself, as uniform(1.0, 1.0) for identical(1.0 + phi)"
     refuse("accuracy", accuracy, f"{fault}; {rule}")
 
@@ -161,15 +161,10 @@ class Mixture(Thresholds):
         return np.minimum(self._sum([c.sf(x) for c in self.components]), 1.0)
 
     def _logsf(self, x: Array) -> Array:
-        return self._near_one(x, self._log_sum([c.logsf(x) for c in self.components]))
+        return self._log_sum([c.logsf(x) for c in self.components])
 
-    def _moment(self, n: float) -> float:
-        return float(self.weights @ [c._moment(n) for c in self.components])
-
-    def _variance(self) -> float:
-        mean = self.mean()
-        parts = [c._variance() + (c.mean() - mean) ** 2 for c in self.components]
-        return float(self.weights @ parts)
+    def _moment(self, n: float, centre: float = 0.0) -> float:
+        return float(self.weights @ [c._moment(n, centre) for c in self.components])
 
 
 class ContinuousMixture(Mixture):

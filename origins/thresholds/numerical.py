@@ -68,20 +68,18 @@ class NumericalLaw:
         self._power, self._top, log_onset = power, -np.inf, -np.inf
         values, missed = self._halve(self._first_edges(np.asarray(points, dtype=float)))
         self._widths = np.diff(self._edges)
-        if np.isfinite(
-            self._power
-        ):  # on the first panel the density is its power; the nodes get its mean
+        # on the first panel the density is its power; the nodes get its mean
+        if np.isfinite(self._power):
             log_onset = float(self._log_at(self._edges[1:2])[0])
             values[0], missed[0] = np.exp(log_onset - self._top) / (power + 1.0), 0.0
         masses = self._widths * (values @ _WEIGHTS)
         whole = float(masses.sum())
-        lost = np.where(missed > _NOISE, missed * masses, 0.0)
-        if not lost.sum() < 1e-10 * whole:  # beside a pole panels cannot be halved enough
-            at = self._edges[lost.argmax()]
-            fault = "the density diverges, or is too rough"
-            raise InputError(
-                f"thresholds: {fault}, at x = {at:g}; state _cdf, _sf and _moment, too"
+        errors = np.where(missed > _NOISE, missed * masses, 0.0)
+        if not errors.sum() < 1e-10 * whole:  # beside a pole panels cannot be halved enough
+            fault = (
+                f"the density diverges, or is too rough, at x = {self._edges[errors.argmax()]:g}"
             )
+            raise InputError(f"thresholds: {fault}; state _cdf, _sf and _moment, too")
         self.log_whole = self._top + float(np.log(whole))
         self._masses, values = masses / whole, values / whole
         self._means = _TO_MEAN @ values.T
@@ -98,43 +96,46 @@ class NumericalLaw:
 
     def _around(self, *places: float) -> Array:
         """The points at all distances on either side of the finite places, inside the support."""
-        found = np.unique([p + side * _STEPS for p in places if np.isfinite(p) for side in (-1, 1)])
-        return found[(found > self._lower) & (found < self._upper)]
+        points = np.unique(
+            [p + side * _STEPS for p in places if np.isfinite(p) for side in (-1, 1)]
+        )
+        return points[(points > self._lower) & (points < self._upper)]
 
     def _first_edges(self, points: Array) -> Array:
         """Edges that halve towards the ends and where most weight is; the first is the onset's power, if it is one.
 
         Keeps the log of the largest density seen, and drops a power that the density does not follow.
         """
-        seen, most = self._around(*points, self._lower, self._upper), -np.inf
+        places, most = self._around(*points, self._lower, self._upper), -np.inf
         while True:  # a peak may be far narrower than the steps
-            density = self._log_at(seen)
-            weight = density + np.log(seen - self._lower)
-            highest, self._top = float(seen[weight.argmax()]), float(density[weight.argmax()])
+            density = self._log_at(places)
+            weight = density + np.log(places - self._lower)
+            highest, self._top = float(places[weight.argmax()]), float(density[weight.argmax()])
             if not weight.max() > most + 0.1:
                 break
             most = weight.max()
-            seen = np.union1d(seen, self._around(highest))
+            places = np.union1d(places, self._around(highest))
         if np.isneginf(self._top):
-            fault = "the density is zero, or no number, wherever it was looked at"
-            raise InputError(f"thresholds: {fault}")
+            raise InputError(
+                "thresholds: the density is zero, or no number, wherever it was looked at"
+            )
         inside = points[(points > self._lower) & (points < self._upper)]
         edges = np.union1d(self._around(self._lower, self._upper, highest), [*inside, highest])
         log, log_away = self._log_at(edges), np.log(edges - self._lower)
-        live = np.flatnonzero(log + log_away >= weight.max() - _NOTHING)
-        first, from_lower = max(live[0] - 1, 0), bool(live[0] == 0)
+        counted = np.flatnonzero(log + log_away >= weight.max() - _NOTHING)
+        first, from_lower = max(counted[0] - 1, 0), bool(counted[0] == 0)
         if from_lower and np.isfinite(self._power):
             with np.errstate(invalid="ignore"):
-                off = np.abs(np.diff(log) - self._power * np.diff(log_away))
+                deviation = np.abs(np.diff(log) - self._power * np.diff(log_away))
             # the log-density deviates from its power, from one edge to the next
-            first = int((~(off < 1e-12 + 4.0 * _EPSILON * np.abs(log[1:]))).argmax())
+            first = int((~(deviation < 1e-12 + 4.0 * _EPSILON * np.abs(log[1:]))).argmax())
             # moments take the first panel as if its weight were spread evenly: it must be short
             short = self._lower + 1e-18 * (highest - self._lower)
             first = min(first, int(np.searchsorted(edges, short)))
         if not from_lower or log[first] == -np.inf:
             self._power = np.inf
         ends = [self._lower] if from_lower else [], [self._upper]
-        edges = np.concatenate([ends[0], edges[first : live[-1] + 2], ends[1]])
+        edges = np.concatenate([ends[0], edges[first : counted[-1] + 2], ends[1]])
         return edges[np.isfinite(edges)]
 
     def _halve(self, edges: Array) -> tuple[Array, Array]:
@@ -149,8 +150,8 @@ class NumericalLaw:
         done, count = [], left.size
         while left.size:
             if count > 20_000:  # smooth densities take some 300
-                rule = f"{count} panels do not follow it; smooth it"
-                raise InputError(f"thresholds: the density is too rough: {rule}")
+                fault = f"{count} panels do not follow it; smooth it"
+                raise InputError(f"thresholds: the density is too rough: {fault}")
             width, place = right - left, np.maximum(np.abs(left), np.abs(right))
             finer = self._log_at(left[:, None] + width[:, None] * _HALVED) - self._top
             highest = finer.max(axis=1)
@@ -181,11 +182,7 @@ class NumericalLaw:
         panel = np.clip(np.searchsorted(self._edges, y, side="right") - 1, 0, self._widths.size - 1)
         away = y - self._edges[panel]
         place = 2.0 * (away / self._widths[panel]) - 1.0
-        # Clenshaw's sum of the Chebyshev series
-        later, last, twice = np.zeros(y.shape), np.zeros(y.shape), 2.0 * place
-        for row in self._means[:0:-1]:
-            later, last = row.take(panel) + twice * later - last, later
-        weight = away * (self._means[0].take(panel) + place * later - last)
+        weight = away * chebyshev.chebval(place, self._means[:, panel], tensor=False)
         if np.isfinite(self._power):
             first = panel == 0
             share = away[first] / self._widths[0]
@@ -209,13 +206,13 @@ class NumericalLaw:
 
     def logsf(self, x: Array) -> Array:
         """Log of the survival; where that underflows, by Laguerre's nodes along the tail."""
-        below, above = self._sides(x)
+        above = self.sf(x)
         with np.errstate(divide="ignore"):
-            out = np.where(below < 0.5, np.log1p(-np.minimum(below, 0.5)), np.log(above))
+            log_survival = np.log(above)
         deep = above < 1e-280
         if deep.any():
-            out[deep] = self._log_tail(x[deep])
-        return out
+            log_survival[deep] = self._log_tail(x[deep])
+        return log_survival
 
     def _log_tail(self, x: Array) -> Array:
         """Log survival far out, where the density falls by a factor e over much less than x."""
@@ -224,6 +221,7 @@ class NumericalLaw:
         with np.errstate(all="ignore"):
             fall = (step / (start - self._log_at(x + step)))[:, None]
             along = self._log_at(x[:, None] + fall * _TAIL_PLACES) - start[:, None] + _TAIL_PLACES
+            along[np.abs(start) > 1e13] = 0.0  # only rounding is left of it
             out = start - self.log_whole + np.log(fall[:, 0] * (np.exp(along) @ _TAIL_WEIGHTS))
         return np.where(np.isneginf(start), -np.inf, out)
 

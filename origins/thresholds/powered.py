@@ -1,9 +1,72 @@
-"""Thresholds that are a power of another law's variable, or one power below a point and another one above."""
+"""Power laws, also with another exponent beyond a bend, and the thresholds that are such a power of another law's
+variable."""
+
+from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from origins.roughness.power_law import Bend, PowerLaw, straight
+from origins.errors import finite, positive
 from origins.thresholds.law import Array, Thresholds
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """coefficient * y^exponent for y >= 0, in SI units.
+
+    Raises InputError unless the coefficient is above zero and both are finite.
+    """
+
+    coefficient: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        positive("coefficient", self.coefficient)
+        finite("exponent", self.exponent)
+
+    def __call__(self, y: npt.ArrayLike) -> Array:
+        return np.asarray(self.coefficient * np.asarray(y, dtype=float) ** self.exponent)[()]
+
+
+@dataclass(frozen=True)
+class Bend(PowerLaw):
+    """The power law up to y = at, and beyond it, without a jump, with the exponent `above`."""
+
+    above: float
+    at: float
+
+    def __call__(self, y: npt.ArrayLike) -> Array:
+        y = np.asarray(y, dtype=float)
+        up_to = super().__call__(np.minimum(y, self.at))
+        if self.at == np.inf:
+            return up_to
+        return np.asarray(up_to * np.maximum(y / self.at, 1.0) ** self.above)[()]
+
+    def times(self, coefficient: float, exponent: float = 0.0) -> "Bend":
+        """The product with a power law of the same y."""
+        above = self.above + exponent
+        return Bend(self.coefficient * coefficient, self.exponent + exponent, above, self.at)
+
+    def raised(self, power: float) -> "Bend":
+        """This law to a power."""
+        exponents = self.exponent * power, self.above * power
+        return Bend(self.coefficient**power, *exponents, self.at)
+
+    def slope(self, y: Array) -> Array:
+        """The derivative, which jumps at the bend."""
+        return self.times(1.0, -1.0)(y) * np.where(y <= self.at, self.exponent, self.above)
+
+    def against(self, other: "Bend") -> "Bend":
+        """This law as a function of another one, which rises with y; if both bend, then at the same y."""
+        power, at = self.exponent / other.exponent, min(self.at, other.at)
+        coefficient = self.coefficient * other.coefficient**-power
+        at = float(other(at)) if at < np.inf else at
+        return Bend(coefficient, power, self.above / other.above, at)
+
+
+def straight(coefficient: float, exponent: float) -> Bend:
+    """The power law without a bend."""
+    return Bend(coefficient, exponent, exponent, np.inf)
 
 
 class Powered(Thresholds):
@@ -20,14 +83,11 @@ class Powered(Thresholds):
         marks, self.atoms = power(base.breakpoints), (power(base.atoms[0]), base.atoms[1])
         bent = [] if power.at == np.inf else [self._back.at]
         self.breakpoints = np.unique(np.append(marks, bent))
-        self._at_zero = -np.inf  # log P_c(0)
         self.onset_power = base.onset_power
         if base.support()[0] == 0.0:
             self.onset_power = (base.onset_power + 1.0) / power.exponent - 1.0
-        if self.onset_power < 0.0:
-            self._at_zero = np.inf
-        elif self.onset_power == 0.0:
-            # a density that begins at a finite value: cdf = density * x
+        self._at_zero = -np.inf * self.onset_power  # log P_c(0)
+        if self.onset_power == 0.0:  # the density begins at a finite value, the cdf over x
             self._at_zero = float(np.log(1e-30 / self.ppf(1e-30)))
 
     def support(self) -> tuple[float, float]:
@@ -53,13 +113,10 @@ class Powered(Thresholds):
     def _logsf(self, x: Array) -> Array:
         return self.base.logsf(self._y(x))
 
-    def _ppf(self, q: Array) -> Array:
-        return self.power(self.base.ppf(q))
+    def _quantiles(self, below: Array, above: Array) -> Array:
+        return self.power(self.base._quantiles(below, above))
 
-    def _isf(self, q: Array) -> Array:
-        return self.power(self.base.isf(q))
-
-    def _moment(self, n: float) -> float:
-        if self.power.at < np.inf:
-            return super()._moment(n)
+    def _moment(self, n: float, centre: float = 0.0) -> float:
+        if self.power.at < np.inf or centre != 0.0:
+            return super()._moment(n, centre)
         return self.power.coefficient**n * self.base._moment(n * self.power.exponent)

@@ -91,16 +91,13 @@ class ScipyDensity(Thresholds):
     def _fit_onset(self) -> None:
         """Set onset_power to the limit of (x - a) P_c / cdf - 1 at the support's lower end a, and its error."""
         lower, self.onset_power = self._support[0], np.inf  # where there is no limit
-        halvings = np.array([30.0, 36.0, 42.0] if lower == 0.0 else [16.0, 19.0, 22.0])
+        halvings = np.array([36.0, 42.0] if lower == 0.0 else [19.0, 22.0])
         x = lower + (float(self.ppf(0.5)) - lower) * 2.0**-halvings
         with np.errstate(all="ignore"):
-            first, power, last = (x - lower) * self.pdf(x) / self.cdf(x) - 1.0
-        if np.isfinite(last) and abs(last - power) <= 1e-3 * (1.0 + abs(power)):
-            # the deviation from the limit falls as a power of the distance: one Aitken step
-            bend = last - 2.0 * power + first
-            limit = last if bend == 0.0 else last - (last - power) ** 2 / bend
-            self.onset_power = float(np.round(limit, 6)) + 0.0
-            self.onset_power_error = float(abs(limit - last)) + 1e-6
+            further, nearer = (x - lower) * self.pdf(x) / self.cdf(x) - 1.0
+        if abs(nearer - further) <= 1e-3 * (1.0 + abs(further)):
+            self.onset_power = float(np.round(nearer, 6)) + 0.0
+            self.onset_power_error = float(abs(nearer - further)) + 1e-6
 
 
 class FrozenThresholds(ScipyDensity):
@@ -115,21 +112,21 @@ class FrozenThresholds(ScipyDensity):
         self.distribution, self._last = distribution, np.inf
         self._median = float(distribution.ppf(0.5))
         away = self._median * np.append(1.0, 2.0**2.0 ** np.arange(10))
-        held = self._ask("sf", np.minimum(away, ends[1]))
-        wrong = np.isnan(held) | (held > np.minimum.accumulate(held) + 1e-12)
+        tail = self._ask("sf", np.minimum(away, ends[1]))
+        wrong = np.isnan(tail) | (tail > np.minimum.accumulate(tail) + 1e-12)
         if wrong.any():
-            known = max(int(wrong.argmax()) - 1, 0)
-            self._last = float(away[known])
-            if not held[known] <= _ROUNDING:
-                rule = f"the distribution's sf is no survival beyond x = {self._last:g}, where it is {held[known]:.2g}"
+            last = max(int(wrong.argmax()) - 1, 0)
+            self._last = float(away[last])
+            if not tail[last] <= _ROUNDING:
+                rule = f"the distribution's sf is no survival beyond x = {self._last:g}, where it is {tail[last]:.2g}"
                 raise InputError(f"thresholds: {rule}")
         super().__init__(distribution, ends, below)
 
     def _given(self, method: str, x: Array, below: Any, above: Any) -> Array:
         """What the distribution gives; where it gives no number and beyond the last place, the limit on that side."""
-        found = self._ask(method, x)
-        lost = np.isnan(found) | (x > self._last)
-        return np.where(lost, np.where(x < self._median, below, above), found)
+        value = self._ask(method, x)
+        unknown = np.isnan(value) | (x > self._last)
+        return np.where(unknown, np.where(x < self._median, below, above), value)
 
     def _logpdf(self, x: Array) -> Array:
         return self._given("logpdf", x, -np.inf, -np.inf)
@@ -143,13 +140,12 @@ class FrozenThresholds(ScipyDensity):
     def _logsf(self, x: Array) -> Array:
         with np.errstate(divide="ignore"):
             else_known = np.log(self._sf(x))
-        return self._near_one(x, self._given("logsf", x, else_known, else_known))
+        return self._given("logsf", x, else_known, else_known)
 
-    def _moment(self, n: float) -> float:
+    def _moment(self, n: float, centre: float = 0.0) -> float:
         mean = float(self.distribution.mean())
+        if n == 2 and centre != 0.0:
+            return float(self.distribution.var()) + (mean - centre) ** 2
         value = mean if n == 1 else float(self.distribution.moment(n))
         # where a moment is infinite some distributions evaluate a formula that is not valid there
         return value if value >= mean**n * (1.0 - 1e-9) else np.inf
-
-    def _variance(self) -> float:
-        return float(self.distribution.var())

@@ -56,22 +56,22 @@ class Verdict:
         return kept
 
 
-def compare(scenes: Sequence[Scene], comm: Any = None, told: bool = False) -> list[Verdict]:
+def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -> list[Verdict]:
     """A verdict per scene, the one most prone to stick-slip (largest K*) first.
 
     The scenes' own [master] and [eq] are run too, for the picture and the evidence, except where a spring pulls or the
     slider turns: forces along such paths are not compared, and a caution says so. `comm` is as for toolkit.run;
-    `told` prints progress on stderr. Raises InputError, with the name of the scene, for thresholds of infinite <x_s^2>:
-    there is no kinetic force to compare with.
+    `progress` shows progress on stderr. Raises InputError, with the name of the scene, for thresholds of infinite
+    <x_s^2>: there is no kinetic force to compare with.
     """
     verdicts = []
     for scene in scenes:
         with inside(scene.name, {}):
-            verdicts.append(_judge(scene, comm, told))
+            verdicts.append(_judge(scene, comm, progress))
     return sorted(verdicts, key=lambda one: [-one.value(name) for name in PROPENSITY[:2]])
 
 
-def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
+def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
     """F_k, K* and what the run of one scene showed."""
     contacts, speed, unit = scene.contacts, scene.sliding, scene.contacts.mean_threshold
 
@@ -95,7 +95,7 @@ def _judge(scene: Scene, comm: Any, told: bool) -> Verdict:
     except InputError as error:
         scene = replace(scene, master=None, eq=None)
         cautions = [f"F(X) is left out: {error}", *cautions]
-    result = solve(scene, comm, told=told)[0]
+    result = solve(scene, comm, show_progress=progress)[0]
     evidence = _evidence(result, numbers["kinetic_force"].value * unit)
     return Verdict(scene.name, numbers, held, cautions, evidence, found, result)
 
@@ -123,8 +123,8 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         cells, own = [str(rank), verdict.name], [*verdict.conditions, *verdict.cautions]
         for name in _SHOWN:
             number = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
-            told = with_error(number.value, number.error or 0.0, 4 if name == "onset_power" else 6)
-            cells.append({"inf": "infinite", "nan": ""}.get(told, told))
+            text = with_error(number.value, number.error or 0.0, 4 if name == "onset_power" else 6)
+            cells.append({"inf": "infinite", "nan": ""}.get(text, text))
         cells.append(f"{verdict.found.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
             worst, expected = seen["worst_deviation"], seen["expected"]

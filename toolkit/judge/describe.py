@@ -131,5 +131,5 @@ def conditions(contacts: Contacts, velocity: float) -> list[str]:
     if contacts.stiffness == "linked":
         laws.append("linked stiffness")
     unit = "length per time" if contacts.interface is None else "m/s"
-    told = ", ".join([f"v = {velocity:.4g} {unit}", *laws])
-    return [f"F_k, K*, F_s/F_k and X* at {told}; all else is P_c alone"] if laws else []
+    where = ", ".join([f"v = {velocity:.4g} {unit}", *laws])
+    return [f"F_k, K*, F_s/F_k and X* at {where}; all else is P_c alone"] if laws else []

@@ -72,8 +72,8 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
 
 
 def _line(cells: Any) -> str:
-    told = (f"{cell:.3g}" if isinstance(cell, float) else str(cell or "") for cell in cells)
-    return "  ".join(f"{cell:>9}" for cell in told)
+    texts = (f"{cell:.3g}" if isinstance(cell, float) else str(cell or "") for cell in cells)
+    return "  ".join(f"{cell:>9}" for cell in texts)
 
 
 def _methods(scene: Scene) -> dict[str, Callable[[float], tuple[Array, float | None]]]:

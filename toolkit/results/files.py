@@ -82,8 +82,8 @@ def load(folder: str | os.PathLike[str]) -> Result:
 def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """Name and text of the scene whose result `folder` holds, and whether it is `swept`; {} where none can be read."""
     with suppress(InputError, OSError), opened(Path(folder) / RESULT) as store:
-        told = {name: str(store.attrs[name]) for name in ("name", "scene")}
-        return told | {"swept": "sweep" in store}
+        scene = {name: str(store.attrs[name]) for name in ("name", "scene")}
+        return scene | {"swept": "sweep" in store}
     return {}
 
 
@@ -138,17 +138,17 @@ def _flat(answer: Any) -> dict[str, Any]:
 def _numbers(answer: Any) -> dict[str, Any]:
     """The fields of a record that are not arrays, as JSON types; the largest of arrays of errors and defects, and the
     last of a path's force."""
-    told: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     for name, value in _flat(answer).items():
         if not isinstance(value, np.ndarray):
             value = list(value) if isinstance(value, tuple) else value
-            told[name] = value.item() if isinstance(value, np.generic) else value
+            numbers[name] = value.item() if isinstance(value, np.generic) else value
         elif name.endswith(("error", "defect")):
-            told[f"largest_{name}"] = float(np.abs(value).max(initial=0.0))
+            numbers[f"largest_{name}"] = float(np.abs(value).max(initial=0.0))
         elif name == "force" and hasattr(answer, "path"):
-            told["last_force"] = float(value[-1])
-    told.pop(_HISTOGRAMS, None)
-    return told
+            numbers["last_force"] = float(value[-1])
+    numbers.pop(_HISTOGRAMS, None)
+    return numbers
 
 
 def write_json(content: dict[str, Any], path: Path) -> None:

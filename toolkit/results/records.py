@@ -222,16 +222,16 @@ def slips_beside(result: Result) -> list[dict[str, Any]]:
 def slip_line(result: Result) -> str:
     """The comparison slip by slip, as a line of text."""
     solved, eq = result.master, result.eq
-    told = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
+    line = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
     unit = result.mean_threshold
     if solved is not None and solved.slips is not None:
-        told += f", {solved.slips.drive.size} of the master equation"
+        line += f", {solved.slips.drive.size} of the master equation"
     late = [
         with_error((slip["mean_drive"] - slip["drive"]) / unit, slip["drive_error"] / unit, 2)
         for slip in slips_beside(result)[:10]
         if slip["have"] > 1
     ]
     if late:
-        told += f"; of eq the first are late by {', '.join(late)} of <x_s>"
-    told += "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each; unless N is large,"
-    return f"{told} chance may make them slip early, and at K > K*, too"
+        line += f"; of eq the first are late by {', '.join(late)} of <x_s>"
+    line += "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each; unless N is large,"
+    return f"{line} chance may make them slip early, and at K > K*, too"

@@ -131,10 +131,10 @@ class Checkpoint:
         return found
 
 
-def write_state(file: Path, state: Any, told: dict[str, str]) -> None:
-    """Write `state`, and `told`, the identity of the run: completely or not at all, flushed to the disk."""
+def write_state(file: Path, state: Any, run_keys: dict[str, str]) -> None:
+    """Write `state`, and `run_keys`, the result of `identity`: completely or not at all, flushed to the disk."""
     stream = BytesIO()
-    np.savez(stream, told_of=json.dumps(told), **state.arrays())
+    np.savez(stream, told_of=json.dumps(run_keys), **state.arrays())
     write_sealed(file, stream.getvalue())
 
 
@@ -146,8 +146,8 @@ def read_state(file: Path) -> Any:
         if (contents := read_sealed(file)) is None:
             return None
         arrays = dict(np.load(BytesIO(contents), allow_pickle=False))
-        told = json.loads(str(arrays.pop("told_of")))
-        return State.of_arrays(arrays), told
+        run_keys = json.loads(str(arrays.pop("told_of")))
+        return State.of_arrays(arrays), run_keys
     except OSError:
         return None
     except (KeyError, TypeError, ValueError) as error:  # its checksum was right
@@ -158,11 +158,11 @@ def read_state(file: Path) -> Any:
 def identity(scene: Scene) -> dict[str, str]:
     """All that the ensemble's numbers depend on, by name: the scene's keys, the laws as drawn, the version."""
     table = msgspec.to_builtins(read_table(tomllib.loads(scene.text)))
-    told = {key: text for key, text in _flat(table, "") if not key.startswith(_BESIDE)}
-    told["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
+    run_keys = {key: text for key, text in _flat(table, "") if not key.startswith(_BESIDE)}
+    run_keys["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
-        told["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
-    return {**told, "eq.blocks": "philox-7, 2^14", "version": __version__}
+        run_keys["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
+    return {**run_keys, "eq.blocks": "philox-7, 2^14, one table a law", "version": __version__}
 
 
 def say(line: str) -> None:

@@ -70,16 +70,16 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     if scene.eq is None:
         return out
     done = sum(state.contacts for state in earlier)
-    told = forecast(scene, comm, done)
+    found = forecast(scene, comm, done)
     so_far = f", {done:,} of them done before" if done else ""
     out += [
-        f"contacts        {told.contacts:,}{so_far}",
-        f"breaks          {told.breaks:.2g}",
-        f"run time        {told.run_time:.2g} s on {1 if comm is None else comm.Get_size()} rank(s) for what is left, "
+        f"contacts        {found.contacts:,}{so_far}",
+        f"breaks          {found.breaks:.2g}",
+        f"run time        {found.run_time:.2g} s on {1 if comm is None else comm.Get_size()} rank(s) for what is left, "
         "[master] and compilation not counted",
     ]
-    if not math.isnan(told.error):
-        out.append(f"standard error  {told.error:.2g} of <x_s>, the largest over the path")
-    if told.run_time > (scene.eq.wall_time or math.inf):
+    if not math.isnan(found.error):
+        out.append(f"standard error  {found.error:.2g} of <x_s>, the largest over the path")
+    if found.run_time > (scene.eq.wall_time or math.inf):
         out.append(f"wall time       {scene.eq.wall_time:g} s stops it before")
-    return [*out, f"good to a factor of two, as {told.pilot:,} contacts tell; nothing was written"]
+    return [*out, f"good to a factor of two, as {found.pilot:,} contacts tell; nothing was written"]

@@ -91,13 +91,13 @@ def solve(
     comm: Any,
     progress: Callable[[int, int], None] | None = None,
     kept: Checkpoint | None = None,
-    told: bool = False,
+    show_progress: bool = False,
 ) -> tuple[Result, bool]:
-    """Run the scene's solvers; returns the result and whether it is finished. `told` prints progress on stderr."""
+    """Run the scene's solvers; returns the result and whether it is finished. Progress is shown on stderr."""
     interface, law, deadline = scene.contacts.interface, scene.contacts.thresholds, scene.deadline()
 
     def shown(what: str) -> Any:
-        return closing(Progress(what)) if told else nullcontext()
+        return closing(Progress(what)) if show_progress else nullcontext()
 
     ensemble, before = None, 0
     master = sweep = eq = None

@@ -31,12 +31,12 @@ def with_error(value: float, error: float, digits: int) -> str:
     not finite."""
     if not (np.isfinite(value) and 0.0 < error < np.inf):
         return f"{value:.{digits}g}"
-    told = f"{error:.1g}"
-    known = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(told)))) + 1
+    error_text = f"{error:.1g}"
+    known = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(error_text)))) + 1
     if known >= digits:
-        return f"{value:.{digits}g} ± {told}"
+        return f"{value:.{digits}g} ± {error_text}"
     # with its last zeros
-    return f"{value:#.{max(known, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {told}"
+    return f"{value:#.{max(known, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {error_text}"
 
 
 def of_interface(interface: Interface) -> dict[str, Number]:
@@ -156,14 +156,14 @@ def of_islands(law: Thresholds) -> list[str]:
         peaks = law.breakpoints[np.isinf(law.pdf(law.breakpoints))]
     if not peaks.size:
         return []
-    told = []
+    drops = []
     for spring in (1.0, 10.0, 100.0):
         slip = longest_slip(law, peaks, spring) / law.mean()
         at = f"a slip of {slip:.2g} <x_s> at K = {spring:g} N<k>"
-        told.append(f"{spring * slip:.2g} <x_s> in {at}")
+        drops.append(f"{spring * slip:.2g} <x_s> in {at}")
     return [
         "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle; as relaxed "
-        f"contacts break for the first time, F/(N<k>) drops at most by about {', '.join(told)}"
+        f"contacts break for the first time, F/(N<k>) drops at most by about {', '.join(drops)}"
     ]
 
 
@@ -191,8 +191,8 @@ def of_samples(law: Thresholds) -> list[str]:
     notes = []
     for part in sampled_parts(law):
         if part.effective_samples < 29.5 or part.cdf_misfit > part.cdf_error:
-            told = f"few thresholds, or structure that their smooth law misses: {part.n_samples} samples, worth "
-            told += f"{part.effective_samples:.3g}; its cdf lies {part.cdf_misfit:.2g} from theirs, sampling allows "
-            told += f"{part.cdf_error:.2g}; take more samples, or give peaks apart, in a mixture"
-            notes.append(told)
+            note = f"few thresholds, or structure that their smooth law misses: {part.n_samples} samples, worth "
+            note += f"{part.effective_samples:.3g}; its cdf lies {part.cdf_misfit:.2g} from theirs, sampling allows "
+            note += f"{part.cdf_error:.2g}; take more samples, or give peaks apart, in a mixture"
+            notes.append(note)
     return notes

@@ -141,13 +141,13 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        told = str(error)
+        message = str(error)
         for python, toml in _TOML.items():
-            told = told.replace(python, toml, 1)
-        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", told)
+            message = message.replace(python, toml, 1)
+        found = re.match(r"(\w+)([\w.\[\]]*(?: = |: ).*)", message)
         if found and found[1] in keys:
             raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
-        raise InputError(f"{where}: {told}") from error
+        raise InputError(f"{where}: {message}") from error
 
 
 def read_file(

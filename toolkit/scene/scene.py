@@ -130,8 +130,8 @@ def _find(scene: object) -> Path:
         refuse("scene", str(scene), f"cannot be read: {getattr(error, 'strerror', None) or error}")
     close = get_close_matches(file.stem, sorted({*beside, *shipped_scenes()}))
     meant = f" did you mean {' or '.join(beside.get(name, name) for name in close)}?"
-    told = "`mesofriction scenes` lists those that are shipped"
-    rule = f"no such file, and no shipped scene;{meant if close else ''} {told}"
+    shipped = "`mesofriction scenes` lists those that are shipped"
+    rule = f"no such file, and no shipped scene;{meant if close else ''} {shipped}"
     refuse("scene", str(scene), rule)
 
 

@@ -42,13 +42,15 @@ LONGEST = 3.0  # reaches over speed: a time after which hardly any contact holds
 
 
 class AgeingLife(Life):
-    """Life (see master.lives.life) of contacts that age, closure "exact", where X = v t.
+    """Life (see master.lives.life) of contacts that age, closure "exact".
+
+    With more than one leg `left` is for contacts of the start, and for those that have moved straight
+    since their birth; master.renewal.strand_births follows births of earlier legs.
 
     Parameters
     ----------
     contacts : Contacts
     motion : Motion
-        X(t); with more than one leg, `left` is for contacts that were born on the last one.
     accuracy : float
         Aimed-at error of the share that holds; strands take very long for 1e-9 and less.
     until : float
@@ -58,8 +60,6 @@ class AgeingLife(Life):
     ----------
     mesh : Mesh
         Cells and steps that suffice for strands.
-    furthest : float
-        Length beyond which there are hardly any thresholds.
     """
 
     def __init__(
@@ -69,17 +69,17 @@ class AgeingLife(Life):
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final
-        self.contacts, self.motion = contacts, motion
+        self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
         self._accuracy, self._until = accuracy, until
-        self.furthest = max(float(law.isf(1e-17)) for law in laws)
-        self.reach = self.furthest
+        self.reach = self._furthest = max(float(law.isf(1e-17)) for law in laws)
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
-        self.fastest = float(np.abs(motion.speeds).max())
+        self._fastest = float(np.abs(motion.speeds).max())
         self._closed = ageing.normal is not None and contacts.thermal is None
         self._rules: list[tuple[Start, StretchRule]] = []
         self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
-        self._missed = self._ruled = self._tabled = self._differed = 0.0
-        if not motion.one_leg:
+        self._start_on_legs: list[BSpline] = []
+        self._errors: dict[str, float] = {}
+        if self.has_strands:
             _ = self.mesh
             return
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
@@ -88,42 +88,42 @@ class AgeingLife(Life):
         last = min(last, float(contacts.thresholds.isf(1e-6)))
         speed = float(motion.speeds[0])
         reached = [r + self._table(speed, r).reach_lag * abs(speed) for r in {0.0, last}]
-        self.reach = min(self.furthest, max(reached))
+        self.reach = min(self.reach, max(reached))
 
-    def _judge(self) -> None:
-        """Error of the share that holds: of rules, of strands, of tables, and 1e-13 by rounding."""
-        self.error = self._ruled + self._missed + self._tabled + 1e-13
+    def _add_error(self, source: str, error: float) -> None:
+        """Count an error of the share that holds: the largest of each source, and 1e-13 by rounding."""
+        self._errors[source] = max(self._errors.get(source, 0.0), error)
+        self.error = self.left_out = sum(self._errors.values()) + 1e-13
 
     @cached_property
     def mesh(self) -> Mesh:
         """See above."""
-        mesh = Mesh(self.contacts, 1, self.fastest)
-        before = self._trial(mesh)
+        mesh = Mesh(self.contacts, 1, self._fastest)
+        before, differed = self._trial(mesh)
         # the difference between two resolutions, before they are extrapolated
-        self._missed = MARGIN * self._differed
-        while self._missed > self._accuracy and mesh.resolution < 6:
-            if not mesh.cells[1].can_be_finer or clock.monotonic() > self._until:
+        error = MARGIN * differed
+        while error > self._accuracy and mesh.can_be_finer and clock.monotonic() <= self._until:
+            finer, last = Mesh(self.contacts, mesh.resolution + 1, self._fastest), error
+            now, differed = self._trial(finer)
+            change = float(np.abs(now - before).max())
+            if COARSE * change <= self._accuracy and self.has_strands:
+                error = COARSE * change
                 break
-            finer = Mesh(self.contacts, mesh.resolution + 1, self.fastest)
-            now = self._trial(finer)
-            last, change = self._missed, float(np.abs(now - before).max())
-            if COARSE * change <= self._accuracy and not self.motion.one_leg:
-                self._missed = COARSE * change
+            mesh, before, error = finer, now, min(FELL * change, MARGIN * differed)
+            if error > HARDLY * last:
                 break
-            mesh, before = finer, now
-            self._missed = min(FELL * change, MARGIN * self._differed)
-            if self._missed > HARDLY * last:
-                break
-        self._judge()
+        self._add_error("strands", error)
         return mesh
 
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
-        speed = float(self.motion.speeds[0])
-        if not self.motion.one_leg:
-            legs = history.legs()
-            lived = legs.duration.reshape(-1, legs.speed.size).max(axis=0) > 0.0
-            speed = float(legs.speed[np.argmax(lived) if lived.any() else -1])
+        motion, start = history.motion, self.contacts.start
+        leg = motion.leg_of_all(history.t)
+        # births of the same law as the start are asked for on motions of one leg
+        if born is start and not motion.one_leg and (leg > 0 or not start.is_single):
+            return self._left_of_start(leg, history)
+        # on one leg the speed is the same to the bit, so that its tables are found again
+        speed = float((motion if self.has_strands else self.motion).speeds[leg])
         lag = np.maximum(history.t - history.s, 0.0)
         if not isinstance(born, Start):
             share = self._held(speed, np.broadcast_to(born, lag.shape), lag)
@@ -134,6 +134,18 @@ class AgeingLife(Life):
             held = weight * self._table(speed, float(stretch)).survival(lag)
             out += held * np.stack([np.ones(lag.shape), stretch + speed * lag])
         return out
+
+    def _left_of_start(self, leg: int, history: History) -> Array:
+        """Share and force on a leg of the contacts of the start, all of which are one strand."""
+        if not self._start_on_legs:
+            self._start = self.begin(self.contacts.start)
+        while len(self._start_on_legs) <= leg:
+            found = self.follow(self._start, len(self._start_on_legs))
+            self._start_on_legs.append(found.over_root(found.left[..., 0]))
+        spline = self._start_on_legs[leg]
+        root = np.sqrt(np.maximum(history.t - history.motion.times[leg], 0.0))
+        now = np.moveaxis(spline(np.minimum(root, spline.t[-1])), -1, 0)
+        return now + np.zeros((2, *history.now.shape))
 
     def _held(self, speed: float, stretch: Array, lag: Array) -> Array:
         """Share that holds of contacts born at these stretches, arrays of one shape; of many stretches
@@ -165,13 +177,11 @@ class AgeingLife(Life):
                 aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
                 table = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
             else:
-                lasts = np.diff(self.motion.times)
-                longest = float(lasts[self.motion.speeds == speed].max(initial=lasts.min()))
+                longest = float(np.ptp(self.motion.times))
                 if speed:
-                    longest = min(longest, LONGEST * (self.furthest - along) / abs(speed))
+                    longest = min(longest, LONGEST * (self._furthest - along) / abs(speed))
                 table = StrandSurvival(self.begin(SingleStart(along)), abs(speed), longest)
-            self._tabled = max(self._tabled, table.error)
-            self._judge()
+            self._add_error("tables", table.error)
             self._tables[speed, stretch] = table
         return self._tables[speed, stretch]
 
@@ -180,18 +190,18 @@ class AgeingLife(Life):
         for known, rule in self._rules:
             if known is born:
                 return rule
-        most, missed = self.contacts.thresholds.support()[1], 0.0
-        rule = stretch_rule(born, most, COUNTS[0])
-        if rule.stretch.size > 1:
-            before = self._shares(rule)
-            for count in COUNTS[1:]:
-                rule = stretch_rule(born, most, count)
-                now = self._shares(rule)
-                missed, before = float(np.abs(now - before).max()), now
-                if missed <= self._accuracy or clock.monotonic() > self._until:
-                    break
-        self._ruled = max(self._ruled, missed)
-        self._judge()
+        most, before, change = self.contacts.thresholds.support()[1], np.zeros(1), np.inf
+        for count in COUNTS:
+            rule = stretch_rule(born, most, count)
+            if rule.stretch.size == 1:
+                change = 0.0
+                break
+            now = self._shares(rule)
+            change, before = float(np.abs(now - before).max()), now
+            late = count > COUNTS[0] and clock.monotonic() > self._until
+            if change <= self._accuracy or late:
+                break
+        self._add_error("stretches", change)
         self._rules.append((born, rule))
         return rule
 
@@ -199,39 +209,39 @@ class AgeingLife(Life):
         """A strand of contacts that are born now at stretches of the law `born`."""
         return Strands(self.mesh, *self._rule(born))
 
+    def follow(self, strands: Strands, leg: int) -> Followed:
+        """Move strands along a leg; returns their shares and forces on the way."""
+        duration = float(np.diff(self.motion.times)[leg])
+        return strands.follow(float(self.motion.speeds[leg]), duration)
+
     def _shares(self, rule: StretchRule) -> Array:
         """Share that holds of contacts born at the rule's stretches at the motion's beginning; strands
         use few cells, whose errors hardly depend on the rule."""
-        if self._closed and self.motion.one_leg and self.fastest:
+        if self._closed and self.motion.one_leg and self._fastest:
             speed = float(self.motion.speeds[0])
             lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
             tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
             return rule.weight @ np.array([table.survival(lags) for table in tables])
-        mesh = Mesh(self.contacts, 1, self.fastest)
-        # the same way for any stretches, so that two rules are compared at the same moments
-        return self._followed(Strands(mesh, *rule), 0, 2.0 * self.furthest)
+        return self._followed(Strands(Mesh(self.contacts, 1, self._fastest), *rule), 0)
 
-    def _trial(self, mesh: Mesh) -> Array:
-        """Share that holds, along the whole motion, of the contacts of the start and of some births."""
+    def _trial(self, mesh: Mesh) -> tuple[Array, float]:
+        """Share that holds, along the whole motion, of the contacts of the start and of some births;
+        and how much the two resolutions of the mesh differ."""
         legs = self.motion.speeds.size
-        births = np.linspace(0, legs - 1, min(4, legs)).astype(int)
-        self._differed = 0.0
-        start = Strands(mesh, *self._rule(self.contacts.start))
-        parts = [self._followed(start, 0, self.furthest - min(float(start.stretch.min()), 0.0))]
-        for first in births.tolist():
-            relaxed = Strands(mesh, np.zeros(1), np.ones(1))
-            parts.append(self._followed(relaxed, first, self.furthest))
-        return np.concatenate(parts)
+        strands = [Strands(mesh, *self._rule(self.contacts.start))]
+        first = [0, *np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()]
+        strands += [Strands(mesh, np.zeros(1), np.ones(1)) for _ in first[1:]]
+        shares = [self._followed(*each) for each in zip(strands, first, strict=True)]
+        return np.concatenate(shares), max(strand.error for strand in strands)
 
-    def _followed(self, strand: Strands, first: int, furthest: float) -> Array:
+    def _followed(self, strand: Strands, first: int) -> Array:
         """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
         motion, shares, held = self.motion, [], 1.0
-        length = TRAVEL_STEP * strand.mesh.width
         for leg in range(first, motion.speeds.size):
             duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
-            if motion.one_leg and speed:
-                duration = min(duration, furthest / abs(speed))
-            looks = 12 + int(abs(speed) * duration / length)
+            if motion.one_leg and speed:  # the same way for any stretches
+                duration = min(duration, 2.0 * self._furthest / abs(speed))
+            looks = 12 + int(abs(speed) * duration / (TRAVEL_STEP * strand.mesh.width))
             ends = np.linspace(0.0, duration, looks + 1)
             if leg == first:  # further points right after a birth
                 ends = np.insert(ends, 1, ends[1] * np.array([0.01, 0.1]))
@@ -240,58 +250,4 @@ class AgeingLife(Life):
                     strand.advance(speed, time)
                     held = float(strand.left()[0, 0])
                 shares.append(held)
-        self._differed = max(self._differed, strand.error)
         return np.array(shares)
-
-
-class AgeingPath(AgeingLife):
-    """Life (see master.lives.life) of contacts that age, closure "exact", on any motion.
-
-    `left` is for contacts that moved straight since their birth, and for those of the start;
-    master.renewal.strand_births follows births of earlier legs.
-    """
-
-    has_strands = True
-    _start: Strands | None = None
-
-    def left(self, born: Start | Array, history: History) -> Array:
-        """See Life."""
-        legs = history.legs()
-        lived = (legs.duration.reshape(-1, legs.speed.size).max(axis=0) > 0.0).sum()
-        # strands of all stretches of a start follow the slider together
-        all_at_once = born is self.contacts.start and not self.contacts.start.is_single
-        if lived <= 1 and not all_at_once:
-            return super().left(born, history)
-        last = history.motion.leg_of_all(history.t)
-        t = history.t - history.motion.times[last]
-        return self._of_start(last, np.broadcast_to(t, legs.duration.shape[:-1]))
-
-    def _of_start(self, leg: int, t: Array) -> Array:
-        """Share and force of the contacts of the start, at times since the beginning of a leg."""
-        if self._start is None:
-            self._start = self.begin(self.contacts.start)
-            self._started: list[BSpline] = []
-        while len(self._started) <= leg:
-            found = self.follow(self._start, len(self._started))
-            self._started.append(found.over_root(found.left[..., 0]))
-        spline = self._started[leg]
-        found = spline(np.sqrt(np.clip(t, 0.0, float(spline.t[-1]) ** 2)))
-        return np.moveaxis(found, -1, 0)
-
-    def aged(self, born: Start, speed: float, ages: Array) -> Strands:
-        """Strands of contacts that have moved straight on since their births, `ages` (n,) ago.
-
-        At one speed one strand gives all of them, at different times.
-        """
-        order, strand = np.argsort(ages), self.begin(born)
-        found, age = [], 0.0
-        for later in ages[order]:
-            strand.advance(speed, later - age)
-            found.append(strand.take(np.zeros(1, dtype=np.intp)))
-            age = later
-        return found[0].join(*found[1:]).take(np.argsort(order))
-
-    def follow(self, strands: Strands, leg: int) -> Followed:
-        """Move strands along a leg; returns their shares and forces on the way."""
-        duration = float(np.diff(self.motion.times)[leg])
-        return strands.follow(float(self.motion.speeds[leg]), duration)

@@ -11,17 +11,12 @@ faces comes from cubics through the four cells around, of fourth order, and weig
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PchipInterpolator
-from scipy.special import ndtr
 
 from origins import Contacts, Thresholds
 from origins.errors import InputError
-from origins.thresholds.gaussian import CutGaussian
 
 Array = npt.NDArray[np.float64]
 
@@ -29,25 +24,6 @@ Array = npt.NDArray[np.float64]
 FINER = 0.75
 # Survival of both laws at which the cells end, and most of them.
 FAR, MOST_CELLS = 1e-16, 4000
-# Strands sleep while |x| is this many standard deviations below the mean of normal thresholds: a
-# share below 1e-11 may have met it.
-ASLEEP = 7.0
-
-
-class Move(NamedTuple):
-    """One step of strands, arrays (n,): |x| at both ends (lengths), and how long it takes."""
-
-    begin: Array
-    end: Array
-    duration: Array
-
-
-class Faces(NamedTuple):
-    """Coefficients that give the density and its slope at the lower face f of each cell from the weights
-    of the cells f - 2 to f + 1; arrays (cells, 4)."""
-
-    value: Array
-    slope: Array
 
 
 class Cells:
@@ -66,6 +42,8 @@ class Cells:
     ----------
     width : float
         The smaller of the narrowest widths of both laws (a length).
+    heat_rate : float
+        Mean rate at which fresh relaxed contacts break by heat (per time).
     edges : array of shape (cells + 1,)
         Of the cells, from 0 on (lengths).
 
@@ -92,7 +70,10 @@ class Cells:
             )
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
         self._diffusion, self._normal = ageing.rate, ageing.normal
-        self.width = min(narrowest(law), narrowest(ageing.final))
+        self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
+        if self._thermal is not None:
+            thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
+            self.heat_rate = float(self._thermal.plain_rate(np.zeros(1), thresholds).mean())
         # the edge of the density at |x| is D/v thick; thinner ones contain too few thresholds to matter
         layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
         self.edges = _cell_edges(
@@ -102,10 +83,8 @@ class Cells:
             max(float(law.isf(1e-4)), float(ageing.final.isf(1e-4))),
             2.0 ** (-FINER * resolution),
         )
-        self._faces = _faces_of(self.edges)
-        self._slope = None if self._normal else _final_slope(ageing.final, self.width)
-        self._gaussian = self._normal is not None and isinstance(law, CutGaussian)
-        self._gaussian &= self._thermal is None
+        self._face_density, self._face_slope = _at_faces(self.edges)
+        self._final_slope = None if self._normal else _final_slope(ageing.final, self.width)
 
     @property
     def can_be_finer(self) -> bool:
@@ -115,73 +94,49 @@ class Cells:
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch| (n,), one row of sum 1 for each."""
         at = np.abs(stretch)[:, None] + self.edges
-        return _between(self._law.cdf(at), self._law.sf(at))
+        cdf, sf = self._law.cdf(at), self._law.sf(at)
+        weights = np.where(cdf[:, :-1] < 0.5, np.diff(cdf), -np.diff(sf))
+        return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
-    def far_above(self, stretch: Array, age: Array, deviations: float) -> npt.NDArray[np.bool_]:
-        """Whether thresholds of this age are known to be so many standard deviations above |stretch|."""
-        if not self._gaussian:
-            return np.zeros(np.shape(stretch), dtype=bool)
-        mean, std = self._unmet(age)
-        return np.asarray(mean - deviations * std > np.abs(stretch))
-
-    def unmet(self, stretch: Array, age: Array) -> Array:
-        """Weights of thresholds of this age if none of them has met |x| before."""
-        mean, std = self._unmet(age)
-        z = (np.abs(stretch)[:, None] + self.edges - mean[:, None]) / std[:, None]
-        return _between(ndtr(z), ndtr(-z))
-
-    def _unmet(self, age: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation of normal thresholds that were fresh `age` ago."""
-        law, normal = self._law, self._normal
-        assert isinstance(law, CutGaussian) and normal is not None
-        kept = law.parent_std * np.exp(-normal.rate * age)
-        return normal.mean_after(law.parent_mean, age), np.hypot(normal.std_after(age), kept)
-
-    def stepped(self, weights: Array, begin: Array, way: Array, time: Array, ends: Array) -> Array:
-        """Weights after a move by `way` from the stretches `begin` within `time`, arrays (n,), in steps
-        that end at `ends`, shares of the move."""
-        for a, b in pairwise(ends):
-            first, last, lasts = begin + way * a, begin + way * b, time * (b - a)
-            # cut the step where |x| turns at 0
-            turns = first * last < 0.0
-            share = np.where(turns, first / np.where(turns, first - last, 1.0), 1.0)
-            lowest = np.where(turns, 0.0, np.abs(last))
-            weights = self._moved(weights, Move(np.abs(first), lowest, lasts * share))
-            if turns.any():
-                rest = Move(lowest[turns], np.abs(last)[turns], (lasts * (1.0 - share))[turns])
-                weights[turns] = self._moved(weights[turns], rest)
+    def stepped(self, weights: Array, begin: Array, end: Array, duration: float) -> Array:
+        """Weights after one step from the stretches `begin` straight to `end`, arrays (n,)."""
+        # cut the step where |x| turns at 0
+        turns = begin * end < 0.0
+        share = np.where(turns, begin / np.where(turns, begin - end, 1.0), 1.0)
+        lowest, furthest = np.where(turns, 0.0, np.abs(end)), np.abs(end)
+        weights = self._moved(weights, np.abs(begin), lowest, duration * share)
+        if turns.any():
+            rest = lowest[turns], furthest[turns], duration * (1.0 - share[turns])
+            weights[turns] = self._moved(weights[turns], *rest)
         return weights
 
-    def _moved(self, weights: Array, move: Move) -> Array:
-        """Weights after a straight move, in which |x| does not turn."""
-        if not move.duration.any():
-            return self._shifted(weights, move)
-        times = move.duration * np.ones((2, 1))
-        rise = (move.end - move.begin)[:, None]
-        level = move.begin + rise[:, 0] * self._kernel.STAGES[:, None]
-        faces = level[:, :, None] + self.edges[:-1]
-        flow = self._drift(faces) * times[:, :, None] + rise
+    def _moved(self, weights: Array, begin: Array, end: Array, durations: Array) -> Array:
+        """Weights after |x| has moved from `begin` to `end` >= 0 within these times, arrays (n,)."""
+        if not durations.any():
+            return self._shifted(weights, end - begin)
+        rise, times = (end - begin)[:, None], durations * np.ones((2, 1))
+        level = begin + rise[:, 0] * self._kernel.STAGES[:, None]
+        flow = self._drift(level[:, :, None] + self.edges[:-1]) * times[:, :, None] + rise
         # at least a cell wide: a thinner edge of the density need not be resolved
         spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise[:, 0]))
-        leaving = entering = flow
-        breaking = np.empty((2, level.shape[1], 0))
+        leaving, entering, breaking = flow, flow, np.zeros(flow.shape)
         if self._thermal is not None:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt
             entering = flow - np.concatenate([tilt[:, :, :1], tilt[:, :, :-1]], axis=2)
-        spread = np.ascontiguousarray(spread)
-        return self._kernel.step(weights, leaving, entering, breaking, spread, *self._faces)
+        given = leaving, entering, breaking, np.ascontiguousarray(spread)
+        return np.asarray(self._kernel.step(weights, *given, self._face_density, self._face_slope))
 
     def _drift(self, threshold: Array) -> Array:
         """D U' at thresholds above 0."""
         if self._normal is not None:
             return self._diffusion * (threshold - self._normal.mean) / self._normal.std**2
-        assert self._slope is not None
+        assert self._final_slope is not None
         at = np.log(np.maximum(threshold, 1e-300) / self.width)
-        at = np.clip(at, self._slope.x[0], self._slope.x[-1])
+        at = np.clip(at, self._final_slope.x[0], self._final_slope.x[-1])
         # no threshold is at 0
         return np.asarray(
-            self._diffusion * self._slope(at) / np.where(threshold > 0.0, threshold, np.inf)
+            self._diffusion * self._final_slope(at) / np.where(threshold > 0.0, threshold, np.inf)
         )
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
@@ -201,22 +156,14 @@ class Cells:
         mean = (at_ends[:, :, :-1] + 4.0 * at_middle + at_ends[:, :, 1:]) / 6.0
         return mean, np.diff(self.edges) * np.diff(at_ends, axis=2) / 12.0
 
-    def _shifted(self, weights: Array, move: Move) -> Array:
+    def _shifted(self, weights: Array, rise: Array) -> Array:
         """Weights that remain above |x| when it jumps."""
         out = np.empty(weights.shape)
-        below = np.concatenate(
-            [np.zeros((weights.shape[0], 1)), np.cumsum(weights, axis=1)], axis=1
-        )
-        for row, way, series in zip(out, move.end - move.begin, below, strict=True):
+        below = np.cumsum(np.insert(weights, 0, 0.0, axis=1), axis=1)
+        for row, way, series in zip(out, rise, below, strict=True):
             at = np.clip(way + self.edges, 0.0, self.edges[-1])
             row[:] = np.diff(PchipInterpolator(self.edges, series)(at))
         return out
-
-
-def _between(cdf: Array, sf: Array) -> Array:
-    """Weights between neighbouring places of each row, of sum 1."""
-    weights = np.where(cdf[:, :-1] < 0.5, np.diff(cdf), -np.diff(sf))
-    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
 def narrowest(law: Thresholds) -> float:
@@ -246,10 +193,11 @@ def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share:
     return np.array(edges) * (reach / edges[-1])
 
 
-def _faces_of(edges: Array) -> Faces:
-    """Cubics through the cells around each face, and lower polynomials at both ends."""
+def _at_faces(edges: Array) -> Array:
+    """Coefficients that give the density, and its slope, at the lower face f of each cell from the weights
+    of the cells f - 2 to f + 1, by cubics, at both ends by lower polynomials; shape (2, 4, cells)."""
     m = edges.size - 1
-    faces = Faces(np.zeros((m, 4)), np.zeros((m, 4)))
+    out = np.zeros((2, 4, m))
     for f in range(m):
         cells = np.arange(max(f - 2, 0), min(f + 2, m))
         scale = edges[cells[-1] + 1] - edges[cells[0]]
@@ -260,10 +208,8 @@ def _faces_of(edges: Array) -> Faces:
         weights = (right ** (powers + 1) - left ** (powers + 1)) / (powers + 1) * scale
         at = (edges[f] - origin) / scale
         rows = np.stack([at**powers, powers * at ** np.maximum(powers - 1, 0) / scale])
-        faces.value[f, cells - f + 2], faces.slope[f, cells - f + 2] = np.linalg.solve(
-            weights.T, rows.T
-        ).T
-    return faces
+        out[:, cells - f + 2, f] = np.linalg.solve(weights.T, rows.T).T
+    return out
 
 
 def _final_slope(final: Thresholds, width: float) -> CubicSpline:

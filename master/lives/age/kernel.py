@@ -63,39 +63,30 @@ def step(
     weights : array (strands, cells) at its beginning
     leaving, entering : arrays (2, strands, cells), at both stages: the flux out of a cell through its
         lower face, and that into the cell below, both per density at the face
-    breaking : array (2, strands, cells), or of no cells, rate at which contacts in a cell break
+    breaking : array (2, strands, cells), rate at which contacts in a cell break
     spread : array (2, strands), the diffusivity; the last four are multiplied by the step
-    value, slope : arrays (cells, 4), the density and its slope at the cells' lower faces from the
-        weights of four cells
+    value, slope : arrays (4, cells), the density and its slope at the lower face of each cell j from
+        the weights of the cells j - 2 to j + 1
     """
-    out = np.zeros(weights.shape)
-    m = weights.shape[1]
-    band, found = np.zeros((2 * m, 11)), np.zeros(2 * m)
-    for i in range(weights.shape[0]):
-        for row in range(2 * m):
-            found[row] = weights[i, row // 2]
-            for k in range(11):
-                band[row, k] = 0.0
-            band[row, 5] = 1.0
-        for stage in range(2):
-            first, last = RADAU[0, stage], RADAU[1, stage]
-            for j in range(m):
-                if breaking.shape[2] > 0:
-                    band[2 * j, 5 + stage] += first * breaking[stage, i, j]
-                    band[2 * j + 1, 4 + stage] += last * breaking[stage, i, j]
-                # the face below cell j: from the cells j - 2 to j + 1, out of j and into j - 1
-                for k in range(4):
-                    if 0 <= j - 2 + k < m:
-                        at = 5 + 2 * (k - 2) + stage
-                        diffused = spread[stage, i] * slope[j, k]
-                        gone = leaving[stage, i, j] * value[j, k] + diffused
-                        band[2 * j, at] += first * gone
-                        band[2 * j + 1, at - 1] += last * gone
+    strands, cells = weights.shape
+    out, found, band = np.empty(weights.shape), np.empty(2 * cells), np.empty((2 * cells, 11))
+    for i in range(strands):
+        # rows and columns: both stages of each cell in turn
+        band[:] = 0.0
+        for j in range(cells):
+            found[2 * j : 2 * j + 2] = weights[i, j]
+            for row in range(2):
+                band[2 * j + row, 5] += 1.0
+                for stage in range(2):
+                    part, shift = RADAU[row, stage], 5 + stage - row
+                    band[2 * j + row, shift] += part * breaking[stage, i, j]
+                    for k in range(4):
+                        at, diffused = shift + 2 * (k - 2), spread[stage, i] * slope[k, j]
+                        lost = leaving[stage, i, j] * value[k, j] + diffused
+                        band[2 * j + row, at] += part * lost
                         if j > 0:
-                            come = entering[stage, i, j] * value[j, k] + diffused
-                            band[2 * j - 2, at + 2] -= first * come
-                            band[2 * j - 1, at + 1] -= last * come
+                            come = entering[stage, i, j] * value[k, j] + diffused
+                            band[2 * j - 2 + row, at + 2] -= part * come
         solve_band(band, found)
-        for j in range(m):
-            out[i, j] = found[2 * j + 1]
+        out[i] = found[1::2]
     return out

@@ -22,10 +22,11 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
+from master.lives.averages import Pieces, integrals
 from master.renewal import rule
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
-from origins.thresholds.quadrature import gauss, panel_edges
+from origins.thresholds.quadrature import finite_density, panel_edges
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -53,10 +54,7 @@ class _FreeThresholds:
         self._least, self._held = least, float(fresh.sf(least))
         values, weights = fresh.atoms
         self._values, self._weights = values[values > least], weights[values > least]
-        edges = panel_edges(fresh)
-        if edges.size:
-            edges = np.append(edges[edges > least], max(least, float(edges[0])))
-        self._edges = np.unique(edges)
+        self._edges = np.unique(np.maximum(panel_edges(fresh), least))
 
     def below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
         """Share now below `level` of thresholds that were, `elapsed` ago, at the level of then, `rise` lower."""
@@ -71,37 +69,19 @@ class _FreeThresholds:
         z = (offset[:, None] - (self._values - self._mean) * decay[:, None]) / std[:, None]
         out = ndtr(z) @ self._weights
         if self._edges.size > 1:
-            kept = np.maximum(decay, 1e-150)  # of the initial distance from the mean
-            out = out + self._continuous(self._mean + offset / kept, std / kept)
+
+            def below(row: Rows, fresh: Array) -> Array:
+                z = (offset[row, None] - (fresh - self._mean) * decay[row, None]) / std[row, None]
+                return (ndtr(z) * finite_density(self._fresh, fresh))[None]
+
+            # from one to the next of these fresh thresholds, z changes by 1
+            steep = offset[:, None] + std[:, None] * np.arange(-9.0, 9.5)
+            steep = self._mean + steep / np.maximum(decay[:, None], 1e-150)
+            steep = np.clip(steep, self._edges[0], self._edges[-1])
+            fixed = np.tile(self._edges, (time.size, 1))
+            pieces = Pieces.between(np.sort(np.concatenate([fixed, steep], axis=1), axis=1))
+            out = out + integrals(below, pieces, time.size, 1e-8).value[0]
         return np.asarray(out / self._held)
-
-    def _continuous(self, centre: Array, width: Array) -> Array:
-        """The mean of the continuous part of the cdf over normal laws of these parameters."""
-        edges = self._edges
-        # in units of the width from `base`, so that differences stay exact however narrow it is
-        base = np.clip(centre, edges[0], edges[-1])
-        away = (centre - base) / width
-        fixed = (edges - base[:, None]) / width[:, None]
-        # panels one standard deviation wide: eight Gauss nodes on each integrate a normal density
-        spread = np.arange(-9.0, 9.5)
-        around = np.clip(away[:, None] + spread, fixed[:, :1], fixed[:, -1:])
-        ends = np.sort(np.concatenate([fixed, around], axis=1), axis=1)
-        seen = np.clip(ends, (away + spread[0])[:, None], (away + spread[-1])[:, None])
-        row, column = np.nonzero(seen[:, 1:] > seen[:, :-1])
-        z, weights = gauss(ends[row, column], ends[row, column + 1])
-        x = np.clip(base[row, None] + width[row, None] * z, edges[0], edges[-1])
-        weights = weights * np.exp(-0.5 * (z - away[row, None]) ** 2) / np.sqrt(2.0 * np.pi)
-        sums = (weights * self._smooth(x)).sum(axis=-1)
-        beyond = self._smooth(edges[-1:]) * ndtr(away - fixed[:, -1])
-        return np.asarray(beyond + np.bincount(row, weights=sums, minlength=centre.size))
-
-    def _smooth(self, x: Array) -> Array:
-        """Weight of the fresh law, without its exact values, between `least` and x >= least."""
-        below, first = self._fresh.cdf(x), self._fresh.cdf(self._least)
-        beneath = np.where(
-            below < 0.5, below - first, self._fresh.sf(self._least) - self._fresh.sf(x)
-        )
-        return np.asarray(beneath - (x[..., None] >= self._values) @ self._weights)
 
 
 class _Leg:
@@ -118,25 +98,22 @@ class _Leg:
         self.after: list[float] = []
 
     def value(self, s: Array) -> Array:
-        """2 s b at points of finished panels; each row lies on one panel."""
-        edges = np.array(self.edges)
-        panel = np.searchsorted(edges, s[:, :1], side="right") - 1
-        panel = panel.clip(0, len(self.series) - 1)[:, 0]
-        left, right = edges[panel, None], edges[panel + 1, None]
-        return rule.legendre_sum(
-            np.array(self.series)[panel], (2.0 * s - left - right) / (right - left)
-        )
+        """2 s b at points of finished panels, same shape."""
+        return self._on_panels(np.array(self.series).T, s)
 
     def survival(self, way: Array) -> Array:
         """E after ways since `begin`, up to the last panel's end."""
+        s = np.sqrt(np.clip(way, 0.0, self.edges[-1] ** 2))
+        share = legendre.legint(np.array(self.series).T, lbnd=1.0) * (-0.5 * np.diff(self.edges))
+        share[0] += self.after
+        return np.clip(self._on_panels(share, s), 0.0, 1.0)
+
+    def _on_panels(self, series: Array, s: Array) -> Array:
+        """Values at points s of Legendre series, of which each panel has a column."""
         edges = np.array(self.edges)
-        s = np.sqrt(np.clip(way, 0.0, edges[-1] ** 2))
-        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, len(self.series) - 1)
-        low, high = edges[panel], edges[panel + 1]
-        breaks = legendre.legint(np.array(self.series).T, lbnd=1.0) * (-0.5 * np.diff(edges))
-        z = (2.0 * s - low - high) / (high - low)
-        found = np.array(self.after)[panel] + legendre.legval(z, breaks[:, panel], tensor=False)
-        return np.clip(found, 0.0, 1.0)
+        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, edges.size - 2)
+        z = (2.0 * s - edges[panel] - edges[panel + 1]) / (edges[panel + 1] - edges[panel])
+        return np.asarray(legendre.legval(z, series[:, panel], tensor=False))
 
 
 class _Earlier(NamedTuple):
@@ -235,9 +212,7 @@ class Passage:
             leg.after.append(self._left)
             self.error += tail
             early = float(np.abs(series[-6:]).max()) * step * IN_NUMBER
-            width = step * (
-                2.0 if early < self._accuracy else 1.3 if tail < 0.1 * self._accuracy else 1.0
-            )
+            width = step * (2.0 if early < self._accuracy else 1.0)
             if len(leg.series) > 4000:  # a smooth law takes some 50
                 raise InputError(
                     "ageing: the first passage needs more than 4000 panels; use a smoother law of "

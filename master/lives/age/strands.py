@@ -15,12 +15,7 @@ from origins import Contacts
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.intp]
 
-# Ratio of the errors of the coarse and the fine resolution.
-RATIO = 8.0
-# Share that holds below which a strand is dropped.
-DEAD = 1e-15
 # Travel in one step at resolution 0, over the narrowest width of the laws.
 TRAVEL_STEP = 0.25
 # Share of fresh contacts that heat breaks in one step at most, at resolution 0.
@@ -49,25 +44,24 @@ class Mesh:
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
         assert contacts.ageing is not None
-        self.diffusion, self.resolution = contacts.ageing.rate, resolution
+        self._diffusion, self.resolution = contacts.ageing.rate, resolution
         self.cells = tuple(Cells(contacts, k, fastest) for k in (resolution - 1, resolution))
         self.width = self.cells[0].width
-        self.heat_rate = fresh_rate(contacts)
+        self.can_be_finer = resolution < 6 and self.cells[1].can_be_finer
 
-    def steps(self, speed: float, since: float, duration: float) -> Array:
+    def steps(self, speed: float, steady_for: float, duration: float) -> Array:
         """Ends of the coarse steps of a move, times from 0 to `duration`.
 
-        since : time at the beginning since the speed changed, or the birth
+        steady_for : time at the beginning since the speed changed, or the birth
         """
-        scale = 2.0 ** (self.resolution - 1)
-        longest = HEAT_STEP / self.heat_rate if self.heat_rate > 0.0 else np.inf
-        if speed != 0.0:
-            longest = min(longest, TRAVEL_STEP * self.width / abs(speed))
-        shortest = FIRST_STEP * self.width**2 / self.diffusion
-        times = [0.0]
+        rates = np.array(
+            [self.cells[0].heat_rate / HEAT_STEP, abs(speed) / self.width / TRAVEL_STEP]
+        )
+        slowest = 1.0 / max(rates.max(), 1e-300)
+        shortest, times = FIRST_STEP * self.width**2 / self._diffusion, [0.0]
         while times[-1] < duration:
-            step = min(AFTER_CHANGE * (since + times[-1]) + shortest, longest) / scale
-            times.append(times[-1] + step)
+            step = min(AFTER_CHANGE * (steady_for + times[-1]) + shortest, slowest)
+            times.append(times[-1] + step * 2.0 ** (1 - self.resolution))
             if len(times) > MOST_STEPS:
                 raise InputError(
                     f"ageing: a move of {duration:.3g} in time needs more than {MOST_STEPS} steps; "
@@ -107,65 +101,61 @@ class Strands:
     """
 
     def __init__(self, mesh: Mesh, stretch: Array, share: Array) -> None:
+        """Begin with one strand, of fresh thresholds."""
         self.mesh, self.share, self.stretch = mesh, share, stretch[None].copy()
-        self.since, self.speed, self.error = 0.0, np.nan, 0.0
+        self.steady_for, self.speed, self.error = 0.0, np.nan, 0.0
         # arrays (strands, parts, cells) for both resolutions
         self._weights = [cells.fresh(stretch)[None] for cells in mesh.cells]
-
-    def steps_of(self, speed: float, duration: float) -> Array:
-        """Ends, from 0, of the coarse steps that `advance` would take at this speed."""
-        since = self.since if speed == self.speed else 0.0
-        return self.mesh.steps(speed, since, duration)
 
     def advance(self, speed: float, duration: float) -> None:
         """All strands move on at the speed dX/dt for a time."""
         if not duration:
             return
-        steps = self.steps_of(speed, duration) / duration
         if speed != self.speed:
-            self.speed, self.since = speed, 0.0
+            self.speed, self.steady_for = speed, 0.0
+        steps = self.mesh.steps(speed, self.steady_for, duration)
         halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
-        for own, weights, ends in zip(self.mesh.cells, self._weights, (steps, halves), strict=True):
-            alive = weights.sum(axis=2) > DEAD
-            begin, time = self.stretch[alive], np.full(alive.sum(), duration)
-            weights[alive] = own.stepped(weights[alive], begin, speed * time, time, ends)
+        for cells, weights, times in zip(
+            self.mesh.cells, self._weights, (steps, halves), strict=True
+        ):
+            alive = weights.sum(axis=2) > 1e-15  # the size of rounding
+            moving, stretch = weights[alive], self.stretch[alive]
+            for before, after in pairwise(times.tolist()):
+                begin, end = stretch + speed * before, stretch + speed * after
+                moving = cells.stepped(moving, begin, end, after - before)
+            weights[alive] = moving
         self.stretch = self.stretch + speed * duration
-        self.since += duration
+        self.steady_for += duration
 
     def follow(self, speed: float, duration: float, spent: float = 0.0) -> Followed:
         """Advance, until less than the share `spent` holds; returns shares and forces on the way."""
-        times, told = self.steps_of(speed, duration), [self.left()]
+        steady_for = self.steady_for if speed == self.speed else 0.0
+        times, shares = self.mesh.steps(speed, steady_for, duration), [self.left()]
         for time in np.diff(times):
             self.advance(speed, float(time))
-            told.append(self.left())
-            if (told[-1][0] < spent).all():
+            shares.append(self.left())
+            if (shares[-1][0] < spent).all():
                 break
-        return Followed(times[: len(told)], np.array(told))
+        return Followed(times[: len(shares)], np.array(shares))
 
     def left(self) -> Array:
         """Share of each strand that holds, and its force per contact born, shape (2, strands)."""
         coarse, fine = (weights.sum(axis=2) for weights in self._weights)
-        missed = (fine - coarse) / (RATIO - 1.0)
+        missed = (fine - coarse) / 7.0  # the finer resolution has an eighth of the error
         self.error = max(self.error, float((np.abs(missed) @ self.share).max(initial=0.0)))
         holds = np.clip(fine + missed, 0.0, 1.0)
         return np.stack([holds @ self.share, (holds * self.stretch) @ self.share])
 
-    def take(self, which: Whole) -> Strands:
-        """Some of the strands, as a copy."""
-        out = copy(self)
-        out.stretch = self.stretch[which]
-        out._weights = [weights[which] for weights in self._weights]
-        return out
-
-    def join(self, *others: Strands) -> Strands:
-        """These strands, followed by others of the same births that move on together with them."""
-        out, parts = copy(self), (self, *others)
-        out.stretch = np.concatenate([part.stretch for part in parts])
-        weights = zip(*(part._weights for part in parts), strict=True)
-        out._weights = [np.concatenate(own) for own in weights]
-        out.error = max(part.error for part in parts)
-        alike = all(part.speed == out.speed for part in parts)
-        out.since = min(part.since for part in parts) if alike else 0.0
+    def aged(self, speed: float, ages: Array) -> Strands:
+        """Strands like this one, right after its birth, that have moved on at a speed for `ages` (n,)."""
+        out, age = copy(self), 0.0
+        out.stretch = np.empty((ages.size, *self.stretch.shape[1:]))
+        out._weights = [np.empty((ages.size, *part.shape[1:])) for part in self._weights]
+        for strand in np.argsort(ages):
+            self.advance(speed, ages[strand] - age)
+            age, out.stretch[strand] = ages[strand], self.stretch[0]
+            for kept, now in zip(out._weights, self._weights, strict=True):
+                kept[strand] = now[0]
         return out
 
 
@@ -193,14 +183,11 @@ class StrandSurvival:
 
     def __init__(self, strands: Strands, speed: float, longest: float) -> None:
         turn = -float(strands.stretch[0, 0]) / speed if speed > 0.0 else 0.0
-        marks = [0.0, turn, longest] if 0.0 < turn < longest else [0.0, longest]
-        self._begins: list[float] = []
-        self._splines: list[BSpline] = []
-        for begin, end in pairwise(marks):
-            strands.since = 0.0  # thresholds may have gathered right above |x|
+        self._tables: list[tuple[float, BSpline]] = []
+        for begin, end in pairwise(np.unique([0.0, np.clip(turn, 0.0, longest), longest]).tolist()):
+            strands.steady_for = 0.0  # thresholds may have gathered right above |x|
             found = strands.follow(speed, end - begin, SPENT)
-            self._begins.append(begin)
-            self._splines.append(found.over_root(found.left[:, 0, 0]))
+            self._tables.append((begin, found.over_root(found.left[:, 0, 0])))
             self.reach_lag, share = begin + float(found.times[-1]), float(found.left[-1, 0, 0])
             if share < SPENT:
                 break
@@ -209,17 +196,8 @@ class StrandSurvival:
     def survival(self, lag: Array) -> Array:
         """Share at times `lag` >= 0 since the birth, same shape."""
         out = np.zeros(lag.shape)
-        ends = [*self._begins[1:], self.reach_lag]
-        for begin, end, spline in zip(self._begins, ends, self._splines, strict=True):
-            here = (lag >= begin) & (lag <= end)
-            out[here] = np.clip(spline(np.sqrt(lag[here] - begin)), 0.0, 1.0)
+        for begin, spline in self._tables:
+            here = (lag >= begin) & (lag <= self.reach_lag)
+            root = np.sqrt(lag[here] - begin)
+            out[here] = np.clip(spline(np.minimum(root, spline.t[-1])), 0.0, 1.0)
         return out
-
-
-def fresh_rate(contacts: Contacts) -> float:
-    """Mean rate at which fresh relaxed contacts break by heat (per time); 0 without heat."""
-    if contacts.thermal is None:
-        return 0.0
-    rank = (np.arange(200) + 0.5) / 200.0
-    thresholds = np.asarray(contacts.thresholds.ppf(rank))
-    return float(contacts.thermal.plain_rate(np.zeros(1), thresholds).mean())

@@ -17,8 +17,7 @@ import numpy.typing as npt
 from scipy.special import exp1
 
 from master.lives.age.cells import narrowest
-from master.lives.heat.mean_rate import MeanRateLife
-from master.lives.heat.thermal import Replay
+from master.lives.heat import MeanRateLife, Replay
 from master.lives.life import TIE
 from master.motion.motion import Legs
 from origins import Contacts
@@ -71,16 +70,16 @@ class Memory:
     ----------
     scales : Scales
     error : float
-        Error of the survival that `left` returns, however fine cells and steps are.
+        Error of the survival that `share_and_force` returns, however fine cells and steps are.
     reach : float
         Stretch beyond which no contact holds (a length).
     width : int
-        Number of values kept for a strand, of which the first `own` are not A.
+        Length of a strand's record, of which the first `others` numbers are not A.
     starts : int
         Most nodes for a start with a width.
     """
 
-    error, own = 1e-15, 0
+    error, others = 1e-15, 0
 
     def __init__(self, contacts: Contacts, level: int) -> None:
         law = self._law = contacts.thresholds
@@ -98,23 +97,23 @@ class Memory:
 
     def _set_cells(self, edges: Array) -> None:
         self._edges, self._beyond = edges, self._law.sf(edges)
-        self.width = self.own + edges.size * self._hot
+        self.width = self.others + edges.size * self._hot
 
     def start(self, stretch: Array) -> Array:
-        """Values, shape (n, width), of contacts with stretches (n,) at t = 0."""
+        """Record, shape (n, width), of contacts with stretches (n,) at t = 0."""
         return np.zeros((stretch.size, self.width))
 
     def fresh(self, stretch: Array, speed: float) -> Array:
-        """Values of contacts that are born at stretches (n,) on a slider of this speed."""
+        """Record of contacts that are born at stretches (n,) on a slider of this speed."""
         return self.start(stretch)
 
-    def advance(self, kept: Array, leg: Leg) -> Array:
-        """Values after a move, shape (n, width)."""
+    def advance(self, record: Array, leg: Leg) -> Array:
+        """Record after a move, shape (n, width)."""
         if not leg.duration or not self._hot:
-            return kept
-        return np.asarray(kept + self._spent(leg, self._edges))
+            return record
+        return np.asarray(record + self._rate_integral(leg, self._edges))
 
-    def _spent(self, leg: Leg, thresholds: Array) -> Array:
+    def _rate_integral(self, leg: Leg, thresholds: Array) -> Array:
         """A of one leg at thresholds (k,) or (n, k)."""
         way, count = leg.end - leg.begin, leg.end.size
         speed, duration = float(way[0]) / leg.duration, np.full((count, 1), leg.duration)
@@ -123,16 +122,16 @@ class Memory:
         above = np.maximum(thresholds, leg.furthest[:, None])
         return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
+    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
         """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n).
 
-        Both are multiplied by the share that holds at birth. kept : values; stretch, furthest :
+        Both are multiplied by the share that holds at birth. stretch, furthest :
         stretch and largest |x|, shape (n,).
         """
         unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
         if not (self._hot or self._linked):
             return np.stack([unmet, stretch * unmet])
-        return self._summed(kept, stretch, furthest, unmet)
+        return self._summed(record, stretch, furthest, unmet)
 
     def _summed(self, spent: Array, stretch: Array, least: Array, unmet: Array) -> Array:
         """Share and force of contacts whose thresholds lie beyond the place `least` of the edges.
@@ -182,25 +181,25 @@ class MeanRateMemory(Memory):
         """See Memory."""
         return np.stack([np.zeros(stretch.size), np.abs(stretch)], axis=1)
 
-    def advance(self, kept: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: Leg) -> Array:
         """See Memory."""
-        first, last, born = np.abs(leg.begin), np.abs(leg.end), kept[:, 1]
-        across = (leg.begin < 0.0) != (leg.end < 0.0)
-        near = np.maximum(np.where(across, 0.0, first), born)
-        far = np.where(across | (last > first), np.maximum(last, born), near)
-        log_share = kept[:, 0] + np.minimum(self._log_survival(far) - self._log_survival(near), 0.0)
+        first, last, born = np.abs(leg.begin), np.abs(leg.end), record[:, 1]
+        # a way out through 0 begins at |x| at birth; on a way towards 0 nothing breaks
+        begin = np.where((leg.begin < 0.0) != (leg.end < 0.0), born, np.maximum(first, born))
+        survival = self._log_survival(np.maximum(last, begin)) - self._log_survival(begin)
+        log_share = record[:, 0] + np.minimum(survival, 0.0)
         if leg.duration:
             way = np.abs(leg.end - leg.begin)
-            mean = self._table.mean(leg.begin, leg.end)
-            moved = (way > 1e-3 * (first + last)) | across
+            moved = way > 1e-3 * (first + last)
             grown = np.abs(self._table.grown(leg.end) - self._table.grown(leg.begin))
+            mean = self._table.mean(leg.begin, leg.end)
             mean = np.where(moved, grown / np.where(moved, way, 1.0), mean)
             log_share = log_share - mean * leg.duration
         return np.stack([np.maximum(log_share, NONE_LEFT), born], axis=1)
 
-    def left(self, kept: Array, stretch: Array, furthest: Array) -> Array:
+    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        held = np.where(kept[:, 0] > NONE_LEFT, np.exp(kept[:, 0]), 0.0)
+        held = np.where(record[:, 0] > NONE_LEFT, np.exp(record[:, 0]), 0.0)
         return np.stack([held, stretch * held])
 
     def _log_survival(self, x: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Carried: all contacts of a slider on its way, trial steps, and the steps taken.
+"""Cohorts: all contacts of a slider on its way, trial steps, and the steps taken.
 
 With J(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
 born at s, number conservation says
@@ -23,29 +23,17 @@ import numpy.typing as npt
 from scipy.interpolate import KroghInterpolator
 
 from master.lives.averages import StretchRule, stretch_rule
+from master.renewal.births import reforming_law
 from master.soft.in_time.memory import Leg, Memory
+from master.soft.slips import StoppedError
 from origins import Contacts
-from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
 # Share of a strand that holds below which it is dropped.
 DEAD = 1e-19
-
-
-class TooLongError(Exception):
-    """The solution has reached its limit of work or time."""
-
-    def __init__(self, why: str = "no steps were found that follow the slider") -> None:
-        super().__init__(why)
-
-
-class Allowed(NamedTuple):
-    """Limits: of steps, of the work in all of them, and a reading of time.monotonic()."""
-
-    steps: float
-    work: float
-    until: float = np.inf
+# Most steps, and most operations in them, which take a minute or less.
+MOST_STEPS, MOST_WORK = 6e3, 1e9
 
 
 class Strands(NamedTuple):
@@ -54,22 +42,22 @@ class Strands(NamedTuple):
     stretch, furthest : x and the largest |x| so far (lengths)
     share : of all contacts, over the share that holds at birth
     births : J at birth, per contact; 0 for those that began
-    kept : their Memory's numbers
+    record : see Memory
     """
 
     stretch: Array
     furthest: Array
     share: Array
     births: Array
-    kept: Array
+    record: Array
 
     def and_born(self, memory: Memory, births: StretchRule, share: float, speed: float) -> Strands:
         """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|.
 
         The caller sets J at their birth.
         """
-        x, kept = births.stretch, memory.fresh(births.stretch, speed)
-        new = Strands(x, np.abs(x), share * births.weight, np.zeros(x.size), kept)
+        x, record = births.stretch, memory.fresh(births.stretch, speed)
+        new = Strands(x, np.abs(x), share * births.weight, np.zeros(x.size), record)
         return Strands(*(np.concatenate(both) for both in zip(self, new, strict=True)))
 
 
@@ -77,7 +65,7 @@ class Trial(NamedTuple):
     """A step that is not taken yet: its travel, its end in time, and the state it leads to.
 
     strands : all, with a new cohort that has no births yet
-    left : their share that holds and force, shape (2, n)
+    held_force : their share that holds, and its force, shape (2, n)
     force : F/(N_c <k>) (a length); holding : share of the contacts
     breaks, births : per contact since t = 0
     """
@@ -85,14 +73,14 @@ class Trial(NamedTuple):
     travel: float
     now: float
     strands: Strands
-    left: Array
+    held_force: Array
     force: float
     holding: float
     breaks: float
     births: float
 
 
-class Carried:
+class Cohorts:
     """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
     Attributes
@@ -109,14 +97,16 @@ class Carried:
         Bound on the force (a length) of contacts whose share that holds the steps do not resolve.
     """
 
-    def __init__(self, contacts: Contacts, memory: Memory, level: int, allowed: Allowed) -> None:
-        self.memory, self.delay, self._allowed = memory, contacts.waiting_time, allowed
+    def __init__(self, contacts: Contacts, memory: Memory, level: int, until: float) -> None:
+        """All contacts at the beginning; `until` is a reading of time.monotonic() to stop at."""
+        self.memory, self.delay, self._until = memory, contacts.waiting_time, until
+        self.level = level
         self.steps, self.work, self.unresolved = 0, 0.0, 0.0
         self.place, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
-        again: Start = SingleStart(0.0) if contacts.reforming is None else contacts.reforming.law
         start = stretch_rule(contacts.start, memory.reach, memory.starts)
         # births at many stretches have more nodes with each level
-        self._births = _over_held(memory, stretch_rule(again, memory.reach, 8 + 4 * level))
+        births = stretch_rule(reforming_law(contacts), memory.reach, 8 + 4 * level)
+        self._births = _over_held(memory, births)
         start = _over_held(memory, start)
         self._begin(start, memory.start(start.stretch))
 
@@ -124,11 +114,11 @@ class Carried:
         """Replace all contacts by those just formed again."""
         self._begin(self._births, self.memory.fresh(self._births.stretch, 0.0))
 
-    def _begin(self, start: StretchRule, kept: Array) -> None:
+    def _begin(self, start: StretchRule, record: Array) -> None:
         x = start.stretch
-        strands = Strands(x, np.abs(x), start.weight, np.zeros(x.size), kept)
-        left = self.memory.left(strands.kept, x, strands.furthest)
-        self.holding, self.force = (left @ strands.share).tolist()
+        strands = Strands(x, np.abs(x), start.weight, np.zeros(x.size), record)
+        held_force = self.memory.share_and_force(strands.record, x, strands.furthest)
+        self.holding, self.force = (held_force @ strands.share).tolist()
         self._started, self._last = x.size, (0.0, 0.0)
         self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
         # ends of steps, with breaks and births up to there
@@ -140,19 +130,19 @@ class Carried:
         """Breaks per contact since t = 0."""
         return self._breaks[-1]
 
-    def tried(self, travel: float, now: float, frozen: bool = False) -> Trial:
+    def trial(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """A trial step by `travel` until `now`; where `frozen`, without births."""
         duration, born, many = now - self.now, self._born, self._births.stretch.size
         stretch = self.strands.stretch + travel
         furthest = np.maximum(self.strands.furthest, np.abs(stretch))
         leg = Leg(self.strands.stretch, stretch, furthest, duration)
-        kept = self.memory.advance(self.strands.kept, leg)
-        strands = Strands(stretch, furthest, *self.strands[2:4], kept)
+        record = self.memory.advance(self.strands.record, leg)
+        strands = Strands(stretch, furthest, *self.strands[2:4], record)
         strands = strands.and_born(self.memory, self._births, 0.0, self._speed(travel, duration))
-        left = self.memory.left(strands.kept, strands.stretch, strands.furthest)
-        known, force = (left @ strands.share).tolist()
+        held_force = self.memory.share_and_force(strands.record, strands.stretch, strands.furthest)
+        known, force = (held_force @ strands.share).tolist()
         # those born in this step, per contact born
-        new = 0.5 * (left[:, -2 * many : -many] + left[:, -many:]) @ self._births.weight
+        new = 0.5 * (held_force[:, -2 * many : -many] + held_force[:, -many:]) @ self._births.weight
         last, pull = new.tolist()
         frozen |= bool(self.delay) and now == self.now
         slope, rest = (0.0, born) if frozen else self._births_at(now)
@@ -160,7 +150,7 @@ class Carried:
         breaks = (1.0 - known + last * born + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
         more = slope * breaks + rest - born
         force, held = force + pull * more, known + last * more
-        return Trial(travel, now, strands, left, force, held, breaks, born + more)
+        return Trial(travel, now, strands, held_force, force, held, breaks, born + more)
 
     def _births_at(self, now: float) -> tuple[float, float]:
         """Births up to a later moment, as a linear function of the breaks B up to then: (slope, rest)."""
@@ -193,14 +183,16 @@ class Carried:
 
     def take(self, trial: Trial) -> None:
         """Take the step."""
-        strands, left, many = trial.strands, trial.left, self._births.stretch.size
+        strands, held_force, many = trial.strands, trial.held_force, self._births.stretch.size
         self.steps += 1
         self.work += strands.share.size * (self.memory.width + 60)
-        if self.steps > self._allowed.steps or self.work > self._allowed.work:
+        # an error estimate needs three levels
+        share = 0.5 ** max(2 - self.level, 0)
+        if self.steps > MOST_STEPS * share or self.work > MOST_WORK * share**2:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
-            raise TooLongError(f"{done}, and more are not taken on")
-        if clock.monotonic() > self._allowed.until:
-            raise TooLongError("stopped by wall_time")
+            raise StoppedError(f"{done}, and more are not taken on")
+        if clock.monotonic() > self._until:
+            raise StoppedError("stopped by wall_time")
         self._last = trial.travel, trial.now - self.now
         self.place, self.now = self.place + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
@@ -210,13 +202,13 @@ class Carried:
         strands.births[-many:] = trial.births
         # a step is unresolved if the survival of its first births is less than half that of its
         # last: then it is unknown how many of the births in between hold
-        held, pull = left[:, self._started :]
+        held, pull = held_force[:, self._started :]
         born = np.diff(strands.births[self._started :: many])[:, None] * self._births.weight
         apart = np.where(held[:-many] < 0.5 * held[many:], 0.5, 0.0)
         apart *= np.abs(pull[many:] - pull[:-many])
         self.unresolved = max(self.unresolved, float(apart @ np.abs(born.ravel())))
         # drop cohorts of which none hold; births go on between the last one and the next
-        alive = left[0] > DEAD
+        alive = held_force[0] > DEAD
         alive[self._started :] = np.repeat(held.reshape(-1, many).max(axis=1) > DEAD, many)
         alive[-many:] = True
         self._started = int(np.count_nonzero(alive[: self._started]))
@@ -235,7 +227,7 @@ class Carried:
         self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
         new = Strands(*(part[at:] for part in self.strands))
         new.births[:] = self._born + weight  # a view
-        held, pull = self.memory.left(new.kept, new.stretch, new.furthest) @ new.share
+        held, pull = self.memory.share_and_force(new.record, new.stretch, new.furthest) @ new.share
         self.force += float(pull)
         self.holding += float(held)
         self._add(self.breaks, self._born + weight)
@@ -246,7 +238,7 @@ class Carried:
         self._bends.append(len(self._times) - 1)
         self._last = 0.0, 0.0
 
-    def mark_later(self, at: float, weight: float = 0.0) -> None:
+    def repeat_later(self, at: float, weight: float = 0.0) -> None:
         """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
         if self.delay:
             for k, share in ((1.0, weight), (2.0, 0.0)):
@@ -263,6 +255,6 @@ class Carried:
 def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:
     """The rule with weights divided by the share that holds at birth."""
     stretch = rule.stretch
-    whole = memory.left(memory.start(stretch), stretch, np.abs(stretch))[0]
+    whole = memory.share_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]
     share = np.divide(rule.weight, whole, out=np.zeros(whole.size), where=whole > 0.0)
     return StretchRule(stretch, share)

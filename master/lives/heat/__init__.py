@@ -1,1 +1,0 @@
-"""Contacts that also break below their thresholds, at a rate: (temper1) to (temper10)."""

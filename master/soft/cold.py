@@ -1,0 +1,160 @@
+"""A soft slider at T = 0 along the whole path of its drive, move after move and slip after slip."""
+
+from __future__ import annotations
+
+import time as clock
+
+import numpy as np
+import numpy.typing as npt
+
+from master.soft.curve import LoadCurve, SlipBegin
+from master.soft.moves import ColdContacts, Move, MoveWithoutBirths, Past
+from master.soft.slips import MOST_SLIPS, Followed, Slips, StoppedError
+from origins import Contacts
+from origins.drive import Drive
+
+Array = npt.NDArray[np.float64]
+
+
+class ColdSlider:
+    """A soft slider pulled by a drive along its path (paper, Eq. Q16x2).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Without laws that depend on time.
+    drive : Drive
+    tolerance : float
+        Of the force, in mean thresholds.
+    until : float
+        Reading of time.monotonic() at which to stop.
+    """
+
+    def __init__(self, contacts: Contacts, drive: Drive, tolerance: float, until: float) -> None:
+        """Balance the spring with the force of the start, at X = 0."""
+        self.rule, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
+        self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until)
+        self._start_force = cold.force_of(contacts.start)
+        self._force_after_reset = cold.force_of(cold.formed_again)
+        self.position = np.zeros(self.path.size)
+        self.force = np.full(self.path.size, self._start_force)
+        self.slips = list[Array]()
+        # bounds on the errors of the force and of K X_T at slips, and of X_T at slips (lengths)
+        self.error = self.drive_error = 0.0
+        # X at which the history `_past` begins, and the error of that X
+        self._base, self._base_error = 0.0, 0.0
+        self._past = Past(contacts.start)
+        # moves from contacts that have all just formed again, by direction
+        self._fresh: dict[int, Move] = {}
+
+    def follow(self) -> Followed:
+        """The results along the path, as far as work and time allow."""
+        balance, unit, short = self._start_force / self.spring, self.contacts.unit, ""
+        steps = np.diff(self.path, prepend=balance)
+        # a first point this near the balance, in mean thresholds, counts as the balance
+        steps[0] = 0.0 if abs(steps[0]) <= 1e-12 * unit else steps[0]
+        moving = np.flatnonzero(steps)
+        signs = np.sign(steps[moving])
+        turns = moving[1:][np.diff(signs) != 0.0]
+        # a hold belongs to the move before it, and one at the beginning to the first move
+        parts = np.split(np.arange(self.path.size), turns) if moving.size else []
+        self._solved = 0 if parts else self.path.size
+        try:
+            for points in parts:
+                sign = signs[np.searchsorted(moving, points[0])]
+                self._move(int(sign), points)
+        except StoppedError as why:
+            short = str(why)
+        return Followed(
+            balance=balance,
+            position=self.position[: self._solved],
+            force=self.force[: self._solved],
+            holding=np.ones(self._solved),
+            slips=Slips.of(self.slips, self.drive_error),
+            error=self.error / unit,
+            nodes=self.contacts.nodes,
+            short=short,
+        )
+
+    def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
+        """Follow the drive in one direction over points of its path, with all slips on the way."""
+        end, formed_again = direction * float(self.path[points[-1]]), self.contacts.formed_again
+        move = Move(self.contacts, direction, self._past)
+        if self._past.march is None and self._past.start.span == formed_again.span == (0.0, 0.0):
+            self._fresh[direction] = move
+        y = 0.0
+        while True:
+            begin = direction * (self._base + move.at(0.0))
+            target = self.spring * (end - begin)
+            slip = move.slip_begins(y, target)
+            loads = self.spring * (direction * self.path[points] - begin)
+            count = int(np.searchsorted(loads, slip.load))
+            self._answer(move, slip, points[:count], loads[:count], y)
+            points = points[count:]
+            if not np.isfinite(slip.load):
+                y = float(slip.curve.travel_at(np.array([target]), y, slip.curve.end)[0])
+                self._past = move.stopped(y, self._turn_error(slip.curve, y))
+                return
+            if self.rule == "instant":
+                curve, y = move.slip_ends(slip.travel, slip.load, slip)
+                self._note(move, slip, begin, begin + y, float(curve.force(np.array([y]))[0]))
+            else:
+                jump = self._reset if self.rule == "reset" else self._reform_after
+                move, y = jump(move, slip, begin), 0.0
+
+    def _answer(
+        self, move: Move, slip: SlipBegin, points: npt.NDArray[np.intp], loads: Array, low: float
+    ) -> None:
+        """Set X and F at points before the next slip, where the load has these values."""
+        if points.size:
+            y = slip.curve.travel_at(loads, low, min(slip.travel, slip.curve.end))
+            self.position[points] = self._base + move.at(y)
+            self.force[points] = move.direction * slip.curve.force(y)
+            self._solved = int(points[-1]) + 1
+            off = self.spring * slip.curve.misplaced(y, self._base_error)
+            self.error = max(self.error, float(off.max()))
+
+    def _turn_error(self, curve: LoadCurve, y: float) -> float:
+        """Error of the force after a turn, from that of its place, where F' jumps to 1."""
+        at = np.array([y])
+        bends = abs(1.0 + self.spring - float(curve.slope(at)[0]))
+        error = float(curve.error[curve.panel(at)[0]])
+        return error + bends * float(curve.misplaced(at, self._base_error)[0])
+
+    def _reset(self, move: Move, slip: SlipBegin, begin: float) -> Move:
+        """Slip: all contacts re-form, and the slider moves to where the spring balances them."""
+        sign, force = move.direction, move.direction * self._force_after_reset
+        after = begin + (slip.load - force) / self.spring
+        self._note(move, slip, begin, after, force)
+        self._base = sign * after
+        self._base_error += slip.error / self.spring
+        if sign not in self._fresh:
+            self._fresh[sign] = Move(self.contacts, sign, Past(self.contacts.formed_again))
+        return self._fresh[sign]
+
+    def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> Move:
+        """Slip in which broken contacts stay out until the slider stops."""
+        spring = self.spring
+        held = MoveWithoutBirths(
+            self.contacts, move.direction, move.stopped(slip.travel, slip.error)
+        )
+        curve, y = held.slip_ends(0.0, slip.load - spring * slip.travel, slip)
+        at = np.array([y])
+        self._note(move, slip, begin, begin + slip.travel + y, float(curve.force(at)[0]))
+        # share of contacts misjudged as out or as holding, by the error of where the slip begins
+        error = (1.0 + spring) * slip.misplaced * y / self.contacts.unit
+        self._base_error += float(curve.misplaced(at, 0.0, slip.error + error)[0])
+        # errors of the history do not affect contacts that broke
+        error = (error + float(curve.error[curve.panel(at)[0]])) * held.holding(y)
+        return Move(self.contacts, move.direction, held.formed_again(y, error))
+
+    def _note(self, move: Move, slip: SlipBegin, begin: float, after: float, force: float) -> None:
+        """Record a slip, of a move that begins at `begin`, with X and F after it along the motion."""
+        row = begin + slip.load / self.spring, begin + slip.travel, after, slip.force, force
+        self.slips.append(move.direction * np.array(row))
+        self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
+        self.error = max(self.error, self.spring * self.drive_error)
+        if len(self.slips) > MOST_SLIPS:
+            raise StoppedError("stopped as slips ask for too much work")
+        if clock.monotonic() > self.contacts.until:
+            raise StoppedError("stopped by wall_time")

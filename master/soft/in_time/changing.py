@@ -1,0 +1,145 @@
+"""Contacts whose thresholds change under a spring: those that age (closure "exact"), and growing grains.
+
+Of contacts that age every strand carries the density of its thresholds, on the cells of
+master.lives.age.cells.
+
+Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned
+together the share e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of
+their law at their stretch and age so far (master.lives.grains). With heat they also break earlier,
+see Memory: here the cells are those of the quantile.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
+
+from master.lives.age.cells import Cells
+from master.lives.grains import GrainLife
+from master.soft.in_time.memory import Leg, Memory, Scales
+from origins import Contacts
+
+Array = npt.NDArray[np.float64]
+
+# Longest age of grains, in pinning times: they hardly grow beyond.
+LONGEST = 1e7
+# Columns of a strand's numbers: largest hazard, hazard at birth, time since pinning, and from there A.
+LARGEST_HAZARD, BIRTH_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(4)
+# Range (in pinning times) and size of the logarithmic grid in the time since pinning, for thresholds.
+EARLIEST, LATEST, TIMES = 1e-5, 1e7, 400
+
+
+class AgeingMemory(Memory):
+    """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each level.
+
+    fastest : speed at which an edge of the density is resolved
+    """
+
+    error = 0.0
+
+    def __init__(self, contacts: Contacts, level: int, fastest: float) -> None:
+        ageing = contacts.ageing
+        assert ageing is not None
+        self._cells = cells = Cells(contacts, level, fastest)
+        self.width = cells.edges.size - 1
+        self.reach = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
+        self.starts = 24 + 8 * level
+        # first step of a hold: 1e-3 of the time in which thresholds spread by the narrowest width
+        shortest = 1e-3 * cells.width**2 / ageing.rate
+        # births change over a length of some 2 narrowest widths of both laws
+        self.scales = Scales(2.0 * cells.width, shortest, cells.heat_rate)
+
+    def start(self, stretch: Array) -> Array:
+        """See Memory."""
+        return self._cells.fresh(stretch)
+
+    def advance(self, record: Array, leg: Leg) -> Array:
+        """See Memory."""
+        # drop strands of which a smaller share holds
+        holds = record.sum(axis=1) > 1e-13
+        out = np.where(holds[:, None], record, 0.0)
+        if holds.any():
+            moves = leg.begin[holds], leg.end[holds], leg.duration
+            out[holds] = self._cells.stepped(record[holds], *moves)
+        return out
+
+    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
+        """See Memory."""
+        held = record.sum(axis=1)
+        return np.stack([held, stretch * held])
+
+
+class GrainMemory(Memory):
+    """Keeps the largest hazard, that at birth, the time since pinning, and with heat A."""
+
+    error, others = 1e-13, RATE_INTEGRAL
+
+    def __init__(self, contacts: Contacts, level: int) -> None:
+        """Choose the moments at which grains pin in the start, and how far births are apart."""
+        super().__init__(contacts, level)
+        grains = contacts.grains
+        assert grains is not None and grains.age is not None
+        self._grains, self._first = grains, grains.growth.first_pinning_time
+        life = GrainLife(contacts, LONGEST * self._first)
+        self._start_since, self.reach = life.start_since, life.birth_reach
+        self.starts = 24 + 8 * level
+        # births change over a length of some 2 narrowest widths of the laws of thresholds; the first
+        # step of a hold is 0.05 pinning times
+        length, time = 2.0 * min(self.scales.length, grains.quick_width), 0.05 * self._first
+        self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
+        # places of the edges are roots of hazards, as small thresholds are proportional to these;
+        # quantiles of 3e-14 end them
+        self._set_cells(np.linspace(0.0, 5.6, 48 * 2 ** (level // 2) + 1))
+        self._hazards = self._edges**2
+        self._beyond = np.exp(-self._hazards)
+        if contacts.thermal is not None:
+            # the rate by which fresh contacts break is that of contacts without thresholds
+            self.scales = self.scales._replace(rate=contacts.thermal.rates.scale, thin=False)
+            # thresholds of fresh contacts as functions of the logarithm of the time since pinning
+            times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
+            pinned = self._first * np.exp(times)[:, None]
+            limits = grains.threshold_at(self._hazards, grains.growth.excess_after(pinned))
+            self._fresh = make_interp_spline(times, limits, k=1)
+
+    def start(self, stretch: Array) -> Array:
+        """See Memory."""
+        record = np.zeros((stretch.size, self.width))
+        record[:, PINNED_FOR] = self._start_since
+        excess = self._grains.growth.excess_after(record[:, PINNED_FOR])
+        record[:, BIRTH_HAZARD] = self._grains.hazard_at(stretch, excess)
+        record[:, LARGEST_HAZARD] = record[:, BIRTH_HAZARD]
+        return record
+
+    def fresh(self, stretch: Array, speed: float) -> Array:
+        """See Memory; contacts that are stretched faster than their thresholds grow never hold."""
+        record = np.zeros((stretch.size, self.width))
+        record[:, LARGEST_HAZARD] = self._grains.lost_hazard(speed)
+        return record
+
+    def advance(self, record: Array, leg: Leg) -> Array:
+        """See Memory; the rate is that of thresholds in the middle of the move."""
+        out = record.copy()
+        out[:, PINNED_FOR] += leg.duration
+        excess = self._grains.growth.excess_after(out[:, PINNED_FOR])
+        out[:, LARGEST_HAZARD] = np.maximum(
+            out[:, LARGEST_HAZARD], self._grains.hazard_at(leg.end, excess)
+        )
+        if self._hot and leg.duration:
+            pinned_for = record[:, PINNED_FOR] + 0.5 * leg.duration
+            log_time, fresh = np.log(pinned_for / self._first), record[:, BIRTH_HAZARD] == 0.0
+            early, late = np.log(EARLIEST), np.log(LATEST)
+            limit = self._fresh(np.clip(log_time, early, late))
+            # right after pinning, thresholds are proportional to the time
+            limit *= np.exp(np.minimum(log_time - early, 0.0))[:, None]
+            own = record[~fresh, BIRTH_HAZARD, None] + self._hazards
+            excess = self._grains.growth.excess_after(pinned_for[~fresh, None])
+            limit[~fresh] = self._grains.threshold_at(own, excess)
+            moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
+            out[:, RATE_INTEGRAL:] += self._rate_integral(leg._replace(furthest=moved), limit)
+        return out
+
+    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
+        """See Memory."""
+        passed = np.maximum(record[:, LARGEST_HAZARD] - record[:, BIRTH_HAZARD], 0.0)
+        return self._summed(record[:, RATE_INTEGRAL:], stretch, np.sqrt(passed), np.exp(-passed))

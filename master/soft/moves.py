@@ -1,0 +1,250 @@
+"""Moves: contacts on a slider that moves in one direction, solved as far as is needed.
+
+At T = 0 nothing depends on time, so t of the march is the distance that the slider has travelled.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from master.lives.life import ColdLife
+from master.motion.motion import Motion
+from master.renewal import rule
+from master.renewal.births import MOST_WORK, Births, reforming_law
+from master.renewal.edges import SMOOTHER, Moment, edges
+from master.renewal.kernels import TARGETS, Run
+from master.renewal.march import March
+from master.soft.curve import LoadCurve, SlipBegin
+from master.soft.slips import StoppedError
+from origins import Contacts
+from origins.start import Start
+
+Array = npt.NDArray[np.float64]
+
+# First guess of a panel's width, in grains of the life; it gives 1e-10 for Gaussian thresholds.
+WIDE = 6.0
+# Shortest move, and narrowest panel, in grains of the life.
+STILL = 1e-12
+
+
+class ColdContacts:
+    """Contacts at T = 0 under a spring, with the tolerance and limits of their solution.
+
+    Attributes
+    ----------
+    life : ColdLife
+    formed_again : Start
+        Stretches at which broken contacts form again.
+    unit : float
+        Mean threshold (a length).
+    spring : float
+        K/(N_c <k>).
+    tolerance : float
+        Of the number of breaks on a panel.
+    until : float
+        Reading of time.monotonic() at which to stop.
+    nodes : int
+        Moments at which number conservation was solved.
+    """
+
+    def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
+        self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
+        self.formed_again = reforming_law(contacts)
+        # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred
+        # times that of its values: hence 1e-4 of the tolerance, which counts as 1e-6 mean thresholds
+        # at most; below 1e-13 panels would be halved for round-off alone
+        self.tolerance = max(1e-4 * min(tolerance, 1e-6) * self.unit / self.life.reach, 1e-13)
+        self.spring, self.until, self.nodes = spring, until, 0
+
+    def force_of(self, start: Start) -> float:
+        """F/(N_c <k>) of contacts with these stretches (a length)."""
+        still = np.zeros((1, 3))
+        history = Motion.along(np.array([0.0, self.unit])).history(still, still)
+        return float(self.life.left(start, history)[1, 0, 0])
+
+
+@dataclass(frozen=True)
+class Past:
+    """The history before a straight move of the slider.
+
+    Attributes
+    ----------
+    start : Start
+        Stretches at its beginning.
+    march : March or None
+        None before the first move.
+    cut, end : float
+        Distance travelled up to which the march holds, and at which the move begins: in between no
+        contact is born.
+    places : tuple of float
+        X where the slider began, stopped or turned, and where it is (lengths).
+    moments : tuple of Moment
+        Those at which breaks bend.
+    error : float
+        Error of the force due to errors of this history (a length).
+    """
+
+    start: Start
+    march: March | None = None
+    cut: float = 0.0
+    end: float = 0.0
+    places: tuple[float, ...] = (0.0,)
+    moments: tuple[Moment, ...] = ()
+    error: float = 0.0
+
+
+class Move:
+    """Contacts while the slider moves in one direction, +1 or -1, and broken contacts re-form."""
+
+    def __init__(self, contacts: ColdContacts, direction: int, past: Past) -> None:
+        self.contacts, self.direction, self.past = contacts, direction, past
+        # plan 2 mean thresholds ahead first: most sliders slip before
+        self._moments, self._ahead = past.moments, 2.0 * contacts.unit
+        self._march = self._plan(past.march, past.cut, past.end)
+        self._first, self._runs = len(self._march.begin), self._march.runs()
+
+    def at(self, y: Array | float) -> Any:
+        """X after the travel y, relative to where the history began (lengths)."""
+        return self.past.places[-1] + self.direction * y
+
+    def slip_begins(self, after: float, target: float) -> SlipBegin:
+        """The first slip after a travel, if it begins before the load reaches the target."""
+        travel = after
+        while True:
+            curve = self.reach(travel)
+            y = curve.slip_begins(after)
+            last = min(y, curve.end)
+            load = float(curve.force(np.array([last]))[0]) + curve.spring * last
+            if load >= target:
+                return SlipBegin(curve)
+            if np.isfinite(y):
+                return SlipBegin(curve, y, load)
+            travel = curve.end + self.contacts.life.grain
+
+    def slip_ends(self, after: float, load: float, begin: SlipBegin) -> tuple[LoadCurve, float]:
+        """The curve, and the travel where a slip ends that begins after a travel with this load."""
+        # the slope is surely negative ten errors of the place away; a slip is at least 1e-4 of the
+        # travel long
+        falling, travel = min(10.0 * begin.misplaced, 1e-4 * begin.curve.end), after
+        while True:
+            curve = self.reach(travel)
+            y = curve.slip_ends(after, load, falling)
+            if np.isfinite(y):
+                return curve, y
+            travel = curve.end + self.contacts.life.grain
+
+    def reach(self, y: float) -> LoadCurve:
+        """The load along the move, solved up to the travel y at least."""
+        while len(self._march.begin) == self._first or self._march.reached < self.past.end + y:
+            # following a lump over one run of panels costs as much as 15 pieces of integrals
+            self._march.births.work += 15 * len(self._march.lumps)
+            if self._march.births.work > MOST_WORK:
+                raise StoppedError("stopped as slips ask for too much work")
+            if clock.monotonic() > self.contacts.until:
+                raise StoppedError("stopped by wall_time")
+            before = len(self._march.begin)
+            if not self._advance():
+                self._ahead *= 2.0
+                reached = self._march.reached
+                self._march = self._plan(self._march, reached, reached)
+                self._runs = self._march.runs()
+            self.contacts.nodes += max(len(self._march.begin) - before, 0) * rule.DEGREE
+        return self._curve()
+
+    def _advance(self) -> bool:
+        """Solve some more panels; False at the end of the plan."""
+        return next(self._runs, self) is not self
+
+    def _curve(self) -> LoadCurve:
+        """The load along the move, as far as it is solved."""
+        past, march, reach = self.past, self._march, self.contacts.life.reach
+        lists = march.begin, march.width, march.force, march.wrong
+        begin, width, force, wrong = (np.array(values[self._first :]) for values in lists)
+        begin, rough = begin - past.end, wrong * reach
+        # a drop by more than this share of the contacts, well above rounding, makes a slip
+        drops = [one.time for one in march.lumps if one.time > past.end and one.weight > 1e-13]
+        # round-off of the force grows with the distance travelled
+        rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
+        error, drop = (
+            past.error + np.maximum.accumulate(rough) + rounding,
+            np.array(drops) - past.end,
+        )
+        load = self.direction * force
+        return LoadCurve(begin, width, load, rough, error, drop, self.contacts.spring)
+
+    def stopped(self, y: float, error: float) -> Past:
+        """The history after the travel y; `error` is that of the force due to it."""
+        y = max(y, STILL * self.contacts.life.grain)
+        end, places = self.past.end + y, (*self.past.places, self.at(y))
+        met = tuple(moment for moment in self._moments if moment.time < end)
+        return Past(self.past.start, self._march, end, end, places, (*met, Moment(end, SMOOTHER)), error)
+
+    def _plan(self, march: March | None, cut_at: float, since: float) -> March:
+        """The march that continues from `since`; from `cut_at` to there no contact is born."""
+        contacts, end, start = self.contacts, since - self.past.end + self._ahead, self.past.start
+        tolerance, grain, reach = contacts.tolerance, contacts.life.grain, contacts.life.reach
+        motion = Motion.along(np.array([*self.past.places, self.at(end)]))
+        births = Births(contacts.life, contacts.formed_again, motion, accuracy=0.1 * tolerance)
+        if march is None:
+            march = March(births, start, np.empty(0), tolerance, WIDE * grain, reach)
+        else:
+            march = march.cut(cut_at, births)
+            if cut_at < since:
+                march.hold(cut_at, since)
+        plan = edges(
+            motion,
+            contacts.life,
+            start,
+            contacts.formed_again,
+            0.0,
+            tolerance,
+            since,
+            self._moments,
+        )
+        if plan.too_many_jumps:
+            raise StoppedError(
+                "stopped as exact thresholds break together more often than can be followed"
+            )
+        self._moments, march.edges = tuple(plan.moments), plan.times
+        return march
+
+
+class MoveWithoutBirths(Move):
+    """Contacts during a slip in which broken contacts stay out until the slider stops."""
+
+    _width = np.inf  # the next panel is no wider
+
+    def _advance(self) -> bool:
+        """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
+        march, grain, tolerance = self._march, self.contacts.life.grain, self.contacts.tolerance
+        begin = max(march.reached, self.past.end)
+        later = march.edges[march.edges > begin + STILL * grain]
+        if not later.size:
+            return False
+        width = min(self._width, WIDE * grain, float(later[0]) - begin)
+        self._width *= 2.0
+        while True:
+            force = march.known(begin + width * TARGETS[None])[1, :, : rule.DEGREE + 1]
+            wrong = np.abs(force @ rule.TO_LEGENDRE[-2:].T).max(axis=1) / self.contacts.life.reach
+            if wrong[0] <= tolerance or width <= STILL * grain:
+                break
+            self._width = width = 0.5 * width
+        late = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
+        march.keep(begin, width, Run(np.zeros_like(force), force, wrong), 1, begin - late)
+        return True
+
+    def holding(self, y: float) -> float:
+        """Share of the contacts that hold after the travel y."""
+        at = np.full((1, TARGETS.size), self.past.end + y)
+        return float(self._march.known(at)[0, 0, 0])
+
+    def formed_again(self, y: float, error: float) -> Past:
+        """The history when the slip ends after the travel y, and broken contacts re-form."""
+        past = self.stopped(y, error)
+        met = (*self.past.moments, Moment(past.end, 1.0))
+        return replace(past, cut=self.past.end, moments=met)
