@@ -98,7 +98,8 @@ def test_exact_values_slip_where_they_break():
     assert held.before == pytest.approx([0.8, 1.2], abs=1e-12)
     assert held.after == pytest.approx([0.96, 1.44], abs=1e-12)
     assert held.drive == pytest.approx([1.2, 1.56], abs=1e-12)
-    gone = solved(origins.Contacts(TWO), [0.0, 2.5], 0.5, "reform-after").slips
+    # at a spring of 0.5 they would land at 1.2, where the others break: rounding would decide
+    gone = solved(origins.Contacts(TWO), [0.0, 2.9], 0.4, "reform-after").slips
     assert gone.after[0] == pytest.approx(gone.drive[0], abs=1e-12)
     assert gone.force_after[0] == pytest.approx(0.0, abs=1e-12)
 
