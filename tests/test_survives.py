@@ -148,6 +148,7 @@ def test_sighup_keeps_a_checkpoint(capsys: Any, monkeypatch: pytest.MonkeyPatch)
         if done < expected:
             signal.raise_signal(signal.SIGHUP)
 
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # tests that nohup started ignore it
     drive = {"to": 7.0, "points": 71, "spring": 0.7}
     for tables in (SMALL, scene(drive=drive, master=None, eq={"contacts": 400, "replicas": 6})):
         whole, file = toolkit.run(tables).eq, write(**tables)
