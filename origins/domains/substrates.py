@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
@@ -39,7 +38,7 @@ class Substrate:
 
     def energy(self, positions: npt.ArrayLike) -> Array:
         """V at positions of shape (..., 2), lengths; shape (...)."""
-        return self.constant + (self._waves(positions)).real.sum(-1)
+        return self.constant + self._waves(positions).real.sum(-1)
 
     def forces(self, positions: npt.ArrayLike) -> Array:
         """-grad V at positions of shape (..., 2); the same shape, energy per length."""
@@ -52,9 +51,8 @@ class Substrate:
     @cached_property
     def rank(self) -> int:
         """2 for a potential that varies in both directions, 1 where all wavevectors are parallel."""
-        longest = self.wavevectors[np.argmax((self.wavevectors**2).sum(-1))]
-        across = np.abs(self.wavevectors @ [-longest[1], longest[0]]).max()
-        return 2 if across > _AGREEMENT * (longest @ longest) else 1
+        largest = float(np.abs(self.wavevectors).max())
+        return int(np.linalg.matrix_rank(self.wavevectors, tol=_AGREEMENT * largest))
 
     @cached_property
     def cell(self) -> Array:
@@ -102,21 +100,18 @@ def fourier_substrate(
     if c.shape != G.shape[:1] or not np.isfinite(c).all():
         rule = f"must be {len(G)} finite numbers, one for each wavevector"
         refuse("coefficients", coefficients, rule)
-    unit = _AGREEMENT * np.abs(G).max() or 1.0
-    waves: dict[tuple[float, ...], Array] = {}
-    sums: dict[tuple[float, ...], complex] = defaultdict(complex)
-    for wave, share in zip(G, c.tolist(), strict=True):
-        place = tuple(np.rint(wave / unit).tolist())  # whole numbers, equal for equal wavevectors
-        sign = -1.0 if place < (0.0, 0.0) else 1.0
-        place = tuple(sign * each for each in place)
-        waves.setdefault(place, sign * wave)
-        sums[place] += share if sign > 0.0 else share.conjugate()
-    constant = finite("constant", constant) + sums.pop((0.0, 0.0), 0.0).real
+    unit = _AGREEMENT * np.abs(G).max()
+    equal, opposite = (np.abs(G[:, None] - way * G).max(-1) <= unit for way in (1.0, -1.0))
+    # all that belongs to one wave is added to the first of its wavevectors
+    first, sums = (equal | opposite).argmax(axis=1), np.zeros_like(c)
+    np.add.at(sums, first, np.where(equal[np.arange(len(G)), first], c, c.conj()))
+    level = np.abs(G).max(-1) <= unit
+    constant = finite("constant", constant) + float(c[level].real.sum())
     # where waves cancel only rounding remains
-    kept = [place for place, share in sums.items() if abs(share) > 1e-15 * np.abs(c).max()]
-    if not kept:
+    kept = ~level & (np.abs(sums) > 1e-15 * np.abs(c).max())
+    if not kept.any():
         refuse("wavevectors", G, "leave nothing but a constant; give a wave that is not zero")
-    made = np.array([waves[place] for place in kept]), np.array([sums[place] for place in kept])
+    made = G[kept], sums[kept]
     for array in made:
         array.setflags(write=False)
     return Substrate(*made, constant)
