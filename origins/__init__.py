@@ -9,7 +9,6 @@ from origins.domains.barriers import (
     triangular_structure_factors,
 )
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
-from origins.domains.drawing import DomainSamples
 from origins.domains.islands import (
     circular_island,
     hexagonal_island,
@@ -19,7 +18,7 @@ from origins.domains.islands import (
     triangular_island,
 )
 from origins.domains.relaxed_barrier import RelaxedBarrier, relaxed_barrier
-from origins.domains.rotated import domains
+from origins.domains.rotated import DomainSamples, domains
 from origins.domains.substrates import (
     Substrate,
     fourier_substrate,

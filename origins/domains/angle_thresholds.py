@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev, legendre
 
-from origins.domains.drawing import Island
+from origins.domains.barriers import Island
 from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
 
@@ -180,13 +180,8 @@ class AngleThresholds(Thresholds):
         return float((shares * (x - centre) ** n).sum())
 
 
-def angle_thresholds(island: Island, scale: float) -> Thresholds | None:
-    """The law of scale * b(angle) of one island on two waves; None where it is so large that its barrier has too many
-    peaks."""
-    # zeros of a wave may lie close together: 64 angles evaluated per radian of the outermost atoms' phase
-    count = 64.0 * np.pi * island.phase_slope
-    if count > 96_000:
-        return None
+def angle_thresholds(island: Island, scale: float) -> Thresholds:
+    """The law of scale * b(angle) of one rigid island on two waves, all angles equally likely."""
 
     def waves(angle: Array) -> Array:
         return scale * island.amplitudes(angle.ravel()).T.reshape(2, *angle.shape)
@@ -194,4 +189,5 @@ def angle_thresholds(island: Island, scale: float) -> Thresholds | None:
     lower = waves(np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])).min(0)
     if np.ptp(lower) <= 1e-6 * lower.max():  # one atom
         return identical(2.0 * float(lower[0]))
-    return AngleThresholds(waves, int(count) + 64)
+    # zeros of a wave may lie close together: 64 angles evaluated per radian of the outermost atoms' phase
+    return AngleThresholds(waves, int(64.0 * np.pi * island.phase_slope) + 64)

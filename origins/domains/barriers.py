@@ -9,8 +9,10 @@ On two waves, as in sin x + sin y, that is exactly 2 min(|c_1 S_1|, |c_2 S_2|).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from math import inf, pi, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -50,9 +52,8 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
     substrate of more than two waves that never repeats.
     """
     substrate, angle = checked_substrate(substrate), radians(angle)
-    return barriers_and_depths(substrate, structure_factors(atoms, angle, substrate.wavevectors))[
-        0
-    ][()]
+    factors = structure_factors(atoms, angle, substrate.wavevectors)
+    return barriers_and_depths(substrate, factors)[0][()]
 
 
 def triangular_barrier(
@@ -88,6 +89,56 @@ def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, 
     return both[0].reshape(sizes.shape[:-1]), both[1].reshape(sizes.shape[:-1])
 
 
+class Island(NamedTuple):
+    """One kind of island on a substrate: its number of atoms, the distance of the outermost from the centre (a
+    length), and its structure factors (m, n) at angles (m,) in radians; where its atoms relax, barrier and lowest
+    energy at each angle."""
+
+    substrate: Substrate
+    atoms: int
+    reach: float
+    factors: Callable[[Array], Complex]
+    relaxed: dict[float, tuple[float, float]] | None = None
+
+    @classmethod
+    def triangular(cls, substrate: Substrate, a: float, n_i: int, n_j: int) -> Island:
+        """triangular_island(a, n_i, n_j), without its atoms."""
+        reach, G = (
+            0.5 * a * float(np.hypot(n_i - 0.5, sqrt(0.75) * (n_j - 1.0))),
+            substrate.wavevectors,
+        )
+        factors = partial(triangular_structure_factors, a, n_i, n_j, wavevectors=G)
+        return cls(substrate, n_i * n_j, reach, factors)
+
+    @classmethod
+    def of_atoms(cls, substrate: Substrate, atoms: ase.Atoms) -> Island:
+        """The rigid island of these atoms."""
+        reach, G = float(np.hypot(*positions_of(atoms).T).max()), substrate.wavevectors
+        return cls(substrate, len(atoms), reach, partial(structure_factors, atoms, wavevectors=G))
+
+    @property
+    def largest_energy(self) -> float:
+        """Upper bound of its energy."""
+        return self.atoms * float(np.abs(self.substrate.coefficients).sum())
+
+    @property
+    def phase_slope(self) -> float:
+        """Largest derivative of the outermost atoms' phase with the angle."""
+        return self.reach * float(np.hypot(*self.substrate.wavevectors.T).max())
+
+    def amplitudes(self, angle: Array) -> Array:
+        """|c_n S(G_n)| at angles (m,), energies of shape (m, n)."""
+        return np.abs(self.substrate.coefficients * self.factors(angle))
+
+    def barriers_and_depths(self, angle: Array) -> tuple[Array, Array]:
+        """Barriers, 0 for those that are only rounding, and lowest energies at angles (m,)."""
+        if self.relaxed is None:
+            barriers, depths = barriers_and_depths(self.substrate, self.factors(angle))
+        else:
+            barriers, depths = np.array([self.relaxed[each] for each in angle.tolist()]).T
+        return np.where(barriers <= 1e-12 * self.largest_energy, 0.0, barriers), depths
+
+
 def radians(angle: npt.ArrayLike, name: str = "angle", most: float = 2.0 * pi) -> Array:
     """`angle` as a float array of its own shape; InputError beyond `most`, where it looks like degrees."""
     given = np.asarray(angle)
@@ -111,9 +162,8 @@ def structure_factors(
     points = positions_of(atoms)
     turned = _turned(radians(angle, most=inf), wavevectors)
     waves = turned.reshape(-1, 2)
-    few = max(
-        1, (1 << 17) // len(points)
-    )  # waves at once, so that the phases of all atoms stay in the cache
+    # waves at once, so that the phases of all atoms stay in the cache
+    few = max(1, (1 << 17) // len(points))
     parts = [waves[first : first + few] for first in range(0, len(waves), few)]
     sums = [np.exp(1j * (part @ points.T)).sum(-1) for part in parts]
     return np.concatenate(sums).reshape(turned.shape[:-1])
@@ -150,9 +200,7 @@ def triangular_structure_factors(
 def row_sum(n: npt.NDArray[np.int_], theta: Array) -> Array:
     """sin(n theta/2)/sin(theta/2): the sum of n waves with phases theta apart, symmetric about 0."""
     turns = np.rint(theta / (2.0 * pi))
-    half = 0.5 * (
-        theta - 2.0 * pi * turns
-    )  # scipy's diric loses its digits beside multiples of 2 pi
+    half = 0.5 * (theta - 2.0 * pi * turns)  # scipy's diric loses its digits near 2 pi
     sign = np.where((turns * (n - 1)) % 2.0 == 0.0, 1.0, -1.0)
     below = np.sin(half)
     with np.errstate(invalid="ignore"):

@@ -68,7 +68,7 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
         apart = points[second] - points[first]
         length = np.sqrt((apart * apart).sum(-1))
         stretch, forces = length - lengths, np.zeros_like(points)
-        # two atoms in one place: the force has no direction, so it is 0
+        # the force on two atoms in one place has no direction: it is 0
         pull = (stiffness * stretch / np.where(length > 0.0, length, 1.0))[:, None] * apart
         np.add.at(forces, first, pull)
         np.add.at(forces, second, -pull)

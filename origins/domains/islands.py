@@ -14,7 +14,8 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
-LATTICES = ("triangular", "square")
+# in lattice constants: the shift of odd rows, and the distance of rows
+LATTICES = {"triangular": (0.5, 0.5 * sqrt(3.0)), "square": (0.0, 1.0)}
 _MOST_ATOMS = 100_000_000
 
 
@@ -28,26 +29,21 @@ def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms
 
     lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
     """
-    return _rows(lattice_constant, n_i, n_j, triangular=True)
+    return _rows(lattice_constant, n_i, n_j, "triangular")
 
 
 def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
     """n_j rows of n_i atoms of a square lattice; parameters as triangular_island."""
-    return _rows(lattice_constant, n_i, n_j, triangular=False)
+    return _rows(lattice_constant, n_i, n_j, "square")
 
 
-def _rows(lattice_constant: float, n_i: int, n_j: int, triangular: bool) -> "ase.Atoms":
-    a, rows = positive("lattice_constant", lattice_constant), whole("n_j", n_j, 1)
-    if whole("n_i", n_i, 1) * rows > _MOST_ATOMS:
+def _rows(lattice_constant: float, n_i: int, n_j: int, lattice: str) -> "ase.Atoms":
+    a, (shift, row) = positive("lattice_constant", lattice_constant), LATTICES[lattice]
+    if whole("n_i", n_i, 1) * whole("n_j", n_j, 1) > _MOST_ATOMS:
         rule = f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms"
         refuse("n_i", n_i, rule)
-    j, i = np.indices((rows, n_i))
-    return _atoms((i + 0.5 * triangular * (j % 2)) * a, _height(a, triangular) * j)
-
-
-def _height(a: float, triangular: bool) -> float:
-    """Distance of close-packed rows."""
-    return a * (0.5 * sqrt(3.0) if triangular else 1.0)
+    j, i = np.indices((n_j, n_i))
+    return _atoms((i + shift * (j % 2)) * a, row * a * j)
 
 
 def rectangular_island(
@@ -70,7 +66,8 @@ def hexagonal_island(
     On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
     """
     flat = 0.5 * sqrt(3.0)
-    x, y = _lattice(lattice_constant, lattice, radius := non_negative("radius", radius))
+    radius = non_negative("radius", radius)
+    x, y = _lattice(lattice_constant, lattice, radius, radius)
     beyond = np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) - flat * radius
     return _cut(x, y, beyond, lattice_constant)
 
@@ -79,7 +76,8 @@ def circular_island(
     lattice_constant: float, radius: float, *, lattice: str = "triangular"
 ) -> "ase.Atoms":
     """The atoms at most `radius` (a length, at least zero) from one atom; otherwise as rectangular_island."""
-    x, y = _lattice(lattice_constant, lattice, non_negative("radius", radius))
+    radius = non_negative("radius", radius)
+    x, y = _lattice(lattice_constant, lattice, radius, radius)
     return _cut(x, y, np.hypot(x, y) - radius, lattice_constant)
 
 
@@ -105,7 +103,7 @@ def irregular_island(
     waves = generator.standard_normal((2, m.size)) / m / np.sqrt((1.0 / m**2).sum())
     offset = generator.random(2)
     reach = radius * float(np.exp(roughness * np.hypot(*waves).sum()))
-    x, y = _lattice(lattice_constant, lattice, reach, offset=offset)
+    x, y = _lattice(lattice_constant, lattice, reach, reach, offset)
     phase, distance = np.arctan2(y, x)[..., None] * m, np.hypot(x, y)
     swell = np.cos(phase) @ waves[0] + np.sin(phase) @ waves[1]
     beyond = distance - radius * np.exp(roughness * swell)
@@ -113,25 +111,23 @@ def irregular_island(
 
 
 def _lattice(
-    lattice_constant: float,
+    a: float,
     lattice: str,
     width: float,
-    height: float | None = None,
+    height: float,
     offset: Array | tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Array, Array]:
-    """x and y of a lattice's atoms within `width` and `height` of the middle and somewhat beyond.
+    """x and y of the atoms of a lattice of constant `a` within `width` and `height` of the middle and somewhat beyond.
 
     `offset` shifts the lattice by fractions of its two periods.
     """
-    a, height = positive("lattice_constant", lattice_constant), width if height is None else height
-    triangular = one_of("lattice", lattice, LATTICES) == "triangular"
-    row = _height(a, triangular)
-    if not 4.0 * (width / a + 2.0) * (height / row + 2.0) <= _MOST_ATOMS:
+    shift, row = LATTICES[one_of("lattice", lattice, tuple(LATTICES))]
+    columns, rows = width / positive("lattice_constant", a) + 2.0, height / (row * a) + 2.0
+    if not 4.0 * columns * rows <= _MOST_ATOMS:
         rule = f"gives more than {_MOST_ATOMS} atoms; take a smaller island"
-        refuse("lattice_constant", lattice_constant, rule)
-    rows, columns = ceil(height / row) + 1, ceil(width / a) + 2
-    j, i = np.mgrid[-rows : rows + 1, -columns:columns]
-    return (i + 0.5 * triangular * (j % 2) + offset[0]) * a, (j + offset[1]) * row
+        refuse("lattice_constant", a, rule)
+    j, i = np.mgrid[1 - ceil(rows) : ceil(rows), -ceil(columns) : ceil(columns)]
+    return (i + shift * (j % 2) + offset[0]) * a, (j + offset[1]) * row * a
 
 
 def _cut(x: Array, y: Array, beyond: Array, lattice_constant: float) -> "ase.Atoms":

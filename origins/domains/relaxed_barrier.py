@@ -93,9 +93,6 @@ def relaxed_barrier(
         rule = "must be an ASE calculator, such as origins.substrate_calculator(substrate)"
         refuse("calculator", type(calculator).__name__, rule)
     island = _MovingIsland(atoms, calculator, rigid, planar, _periods(atoms, calculator, periods))
-    if not rigid and len(island.moving) > 1500:
-        rule = "may hold at most 1500 atoms that move by themselves; take rigid=True"
-        refuse("atoms", atoms, rule)
     noise = _checked(island)
     shifts, missed = _minimum_and_saddle(island, noise)
     (minimum, force), (saddle, force_there) = map(island.finished, shifts)
@@ -119,29 +116,24 @@ class _MovingIsland:
     def __init__(
         self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
     ) -> None:
-        """Find the atoms that move, and the units; InputError for constraints other than FixAtoms, and where all atoms
-        are fixed."""
+        """Find the atoms that move, and the units; InputError where none, or too many, do."""
         from ase.constraints import FixAtoms
 
-        fixed = np.zeros(len(atoms), dtype=bool)
-        for constraint in atoms.constraints:
-            if not isinstance(constraint, FixAtoms):
-                rule = "must be FixAtoms, which tells the surroundings of the island"
-                refuse("atoms.constraints", constraint, rule)
-            fixed[constraint.index] = True
-        if fixed.all():
-            rule = "must hold atoms that FixAtoms does not fix: these are the island"
+        fixed = [each.index for each in atoms.constraints if isinstance(each, FixAtoms)]
+        self.moving = np.setdiff1d(np.arange(len(atoms)), np.concatenate([[], *fixed]))
+        if len(fixed) < len(atoms.constraints) or not self.moving.size:
+            rule = "must hold atoms that FixAtoms does not fix, the island, and no other constraint"
             refuse("atoms", atoms, rule)
-        self.moving, self.given, self.periods = np.flatnonzero(~fixed), atoms, periods
-        self.rigid, self.planar, self.evaluations = rigid, planar, 0
-        self.rest = atoms.get_positions()[self.moving]
-        turn = self.rest.mean(axis=0) - self.rest
-        turn = np.column_stack([turn[:, 1], -turn[:, 0], np.zeros(len(turn))])
+        if not rigid and self.moving.size > 1500:
+            rule = "may hold at most 1500 atoms that move by themselves; take rigid=True"
+            refuse("atoms", atoms, rule)
+        self.rigid, self.planar, self.periods, self.evaluations = rigid, planar, periods, 0
+        self.rest = atoms.positions[self.moving]
+        turn = np.cross([0.0, 0.0, 1.0], self.rest - self.rest.mean(axis=0))
         # atoms on one vertical line have no rotation, except by rounding
         size = max(float(np.linalg.norm(turn)), 1e-12 * float(np.abs(self.rest).max()), 1e-300)
-        self._turn, self._here = turn / size, atoms.copy()
-        self._here.set_constraint()
-        self._here.calc = self.calculator = calculator
+        self._turn, self.atoms = turn / size, atoms.copy()
+        self.atoms.calc = calculator
         self.radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
         places = (np.indices((3, 3)).reshape(2, 9).T + np.array([0.37, 0.21])) / 3.0
         forces = [self.energy_and_forces(self.shifted(share))[1] for share in places]
@@ -153,65 +145,65 @@ class _MovingIsland:
 
     def permitted(self, shifts: Array) -> Array:
         """The part of shifts, or forces, (N_a, 3) that the island's motion permits."""
-        out = shifts * [1.0, 1.0, 0.0] if self.planar else shifts
+        out = shifts.reshape(self.rest.shape) * [1.0, 1.0, 0.0 if self.planar else 1.0]
         if self.rigid:
             return np.broadcast_to(out.mean(axis=0), out.shape)
         return out - (out * self._turn).sum() * self._turn
 
     def energy_and_forces(self, shifts: Array) -> tuple[float, Array]:
         """The energy, and the forces on each atom (N_a, 3); InputError where they are not finite."""
-        self._here.positions[self.moving] = self.rest + shifts
-        energy = float(self._here.get_potential_energy())
-        forces = self._here.get_forces()[self.moving]
+        self.atoms.positions[self.moving] = self.rest + shifts
+        energy = float(self.atoms.get_potential_energy())
+        forces = self.atoms.get_forces(apply_constraint=False)[self.moving]
         self.evaluations += 1
         if not (np.isfinite(energy) and np.isfinite(forces).all()):
             rule = "must give finite energies and forces wherever the island goes"
             refuse("calculator", energy, rule)
         return energy, forces
 
-    def relaxed(self, shifts: Array) -> tuple[float, Array]:
-        """Energy and shifts of the minimum that L-BFGS finds from `shifts`, the centre kept along x and y."""
+    def relaxed(self, share: npt.ArrayLike, change: Array) -> tuple[float, Array]:
+        """Energy, and what is added to the shifts by `share` of the periods, at the minimum that L-BFGS finds from a
+        `change` of them, the centre kept along x and y."""
         from scipy.optimize import minimize
 
+        place = self.shifted(share)
+        if self.rigid and self.planar:
+            return self.energy_and_forces(place)[0], change
+
         def inner(part: Array) -> Array:
-            part = self.permitted(part.reshape(shifts.shape))
+            part = self.permitted(part)
             return part - part.mean(axis=0) * [1.0, 1.0, 0.0]
 
         def energy_and_slope(q: Array) -> tuple[float, Array]:
-            energy, forces = self.energy_and_forces(shifts + self.radian * inner(q))
+            energy, forces = self.energy_and_forces(place + change + self.radian * inner(q))
             return energy / (self.radian * self.force), -inner(forces).ravel() / self.force
 
-        if self.rigid and self.planar:
-            return self.energy_and_forces(shifts)[0], shifts
-        options, start = {"gtol": _RELAXED, "ftol": 0.0, "maxiter": 2000}, np.zeros(shifts.size)
+        options, start = {"gtol": _RELAXED, "ftol": 0.0, "maxiter": 2000}, np.zeros(place.size)
         found = minimize(energy_and_slope, start, jac=True, method="L-BFGS-B", options=options)
-        return float(found.fun) * self.radian * self.force, shifts + self.radian * inner(found.x)
+        return float(found.fun) * self.radian * self.force, change + self.radian * inner(found.x)
 
     def without_force(self, shifts: Array) -> Array:
         """The nearby shifts at which the forces vanish; `shifts` themselves where none is found."""
         from scipy.optimize import root
 
-        def moved(q: Array) -> Array:
-            return shifts + self.radian * self.permitted(q.reshape(shifts.shape))
-
         def forces(q: Array) -> Array:
-            return (self.permitted(self.energy_and_forces(moved(q))[1]) / self.force).ravel()
+            moved = shifts + self.radian * self.permitted(q)
+            return (self.permitted(self.energy_and_forces(moved)[1]) / self.force).ravel()
 
         start, options = np.zeros(shifts.size), {"fatol": 1e-10, "maxiter": 200}
         if np.abs(forces(start)).max() <= 1e-10:
             return shifts
         q = root(forces, start, method="krylov", options=options).x
         settled = np.abs(forces(q)).max() <= 1e-8 and np.abs(q).max() <= 0.5
-        return moved(q) if settled else shifts
+        return shifts + self.radian * self.permitted(q) if settled else shifts
 
     def finished(self, shifts: Array) -> tuple[ase.Atoms, float]:
         """A copy of the atoms as given, the island shifted, with energy and forces; the force that remains."""
         from ase.calculators.singlepoint import SinglePointCalculator
 
         energy, forces = self.energy_and_forces(shifts)
-        atoms = self.given.copy()
-        atoms.positions[self.moving] = self._here.positions[self.moving]
-        atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=self._here.get_forces())
+        atoms, of_all = self.atoms.copy(), self.atoms.get_forces(apply_constraint=False)
+        atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=of_all)
         remaining = self.permitted(forces) * (len(forces) if self.rigid else 1)
         return atoms, float(np.abs(remaining).max())
 
@@ -220,13 +212,13 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
     """The periods as given, or those of the calculator or of the atoms."""
     if given is None:
         parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
-        known = (getattr(part, "periods", None) for part in parts)
-        cell = np.asarray(atoms.cell)[np.asarray(atoms.pbc)]
+        known = [each for part in parts if (each := getattr(part, "periods", None)) is not None]
+        cell = np.asarray(atoms.cell)[atoms.pbc]
         flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
-        given = next((each for each in known if each is not None), flat if len(flat) == 2 else None)
-    if given is None:
-        rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
-        refuse("periods", None, rule)
+        given = known[0] if known else flat
+        if not known and len(flat) != 2:
+            rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
+            refuse("periods", None, rule)
     periods = vectors(given, "periods")
     if len(periods) != 2 or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
         rule = "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]"
@@ -236,23 +228,26 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
 
 def _checked(island: _MovingIsland) -> float:
     """Rounding of energies; InputError where forces are not those of the energy, or periods change the energy."""
-    force, radian, place = island.force, island.radian, island.shifted([0.123, 0.456])
-    if force == 0.0:
+
+    def energy_at(share: Array) -> float:
+        return island.energy_and_forces(island.shifted(share))[0]
+
+    unit, share = island.force * island.radian, np.array([0.123, 0.456])
+    if unit == 0.0:
         refuse("calculator", "no force anywhere", "must give forces that change with the place")
-    energy, forces = island.energy_and_forces(place)
-    most = abs(energy) + len(forces) * force * (radian + float(np.abs(island.rest).max()))
+    energy, forces = island.energy_and_forces(island.shifted(share))
+    most = abs(energy) + len(forces) * (unit + island.force * float(np.abs(island.rest).max()))
     noise = 8.0 * float(np.finfo(float).eps) * most
-    for period, direction in zip(island.periods, np.eye(3), strict=False):
-        change = abs(island.energy_and_forces(place + np.append(period, 0.0))[0] - energy)
-        if change > 1e-9 * force * radian + 4.0 * noise:
+    for way, period in zip(np.eye(2), island.periods, strict=True):
+        change = abs(energy_at(share + way) - energy)
+        if change > 1e-9 * unit + 4.0 * noise:
             shown = f"({period[0]:.6g}, {period[1]:.6g})"
             rule = f"must leave energies as they are; moved by {shown} they change by {change:.2g}"
             refuse("periods", island.periods, rule)
-        step = 1e-4 * radian * direction
-        ahead, behind = (island.energy_and_forces(place + way)[0] for way in (step, -step))
-        wrong = abs(behind - ahead - 2.0 * forces.sum(axis=0) @ step)
-        if wrong > 2.0 * _RELAXED * force * step.max() + 2.0 * noise:
-            name = type(island.calculator).__name__
+        fall = energy_at(share - 1e-5 * way) - energy_at(share + 1e-5 * way)
+        work = 2e-5 * forces.sum(axis=0)[:2] @ period
+        if abs(fall - work) > 2e-5 * _RELAXED * island.force * np.hypot(*period) + 2.0 * noise:
+            name = type(island.atoms.calc).__name__
             refuse("calculator", name, "forces must be those of its energy")
     return noise
 
@@ -262,15 +257,11 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     exact = island.rigid and island.planar
     for count in (16, 32, 64) if exact else (16,):
         places = np.indices((count, count)).reshape(2, -1).T
-        there_and_back = np.where(places[:, 0] % 2 == 0, places[:, 1], count - 1 - places[:, 1])
-        energies, change = np.empty((count, count)), np.zeros_like(island.rest)
-        changes: dict[tuple[int, int], Array] = {}
-        for i, j in zip(places[:, 0], there_and_back, strict=True):
-            place = island.shifted([i / count, j / count])
-            energies[i, j], shifts = island.relaxed(place + change)
-            if not exact:  # the change of a neighbour is a good first guess
-                change = changes[i, j] = shifts - place
-        waves = np.fft.fft2(energies).ravel() / count**2
+        energies, changes = np.empty(len(places)), [np.zeros(island.rest.shape)]
+        for k, place in enumerate(places):  # the change at the last place is a good first guess
+            energies[k], change = island.relaxed(place / count, changes[-1])
+            changes.append(change)
+        waves = np.fft.fft2(energies.reshape(count, count)).ravel() / count**2
         K = (places + count // 2) % count - count // 2
         sizes, highest = np.abs(waves), np.abs(K).max(-1)
         shortest, largest = sizes[highest > count // 3].max(), sizes[1:].max()
@@ -280,12 +271,12 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     half = (K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))
     kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
     if not kept.any():
-        return [np.zeros_like(island.rest)] * 2, noise
+        return [np.zeros(island.rest.shape)] * 2, noise
     (lowest,) = lowest_saddles(K[kept], 2.0 * waves[None, kept])
-    shares = [t / (2.0 * np.pi) for t in (lowest.minimum, lowest.saddle)]
-    nearest = [tuple(np.rint(share * count).astype(int) % count) for share in shares]
-    pairs = zip(shares, nearest, strict=True)
-    starts = [island.shifted(share) + changes.get(at, 0.0) for share, at in pairs]
+    found = []
+    for share in (lowest.minimum / (2.0 * np.pi), lowest.saddle / (2.0 * np.pi)):
+        nearest = np.rint(share * count).astype(int) % count @ [count, 1]
+        _, change = island.relaxed(share, changes[nearest + 1])
+        found.append(island.without_force(island.shifted(share) + change))
     # where short waves are larger than a hundredth of the largest one the relaxed energy jumps
-    missed = 0.0 if shortest <= 1e-2 * largest else float(np.ptp(energies))
-    return [island.without_force(island.relaxed(each)[1]) for each in starts], missed
+    return found, 0.0 if shortest <= 1e-2 * largest else float(np.ptp(energies))

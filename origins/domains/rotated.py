@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
-from origins.domains.barriers import radians
-from origins.domains.drawing import DomainSamples, Island, draw, of_atoms, triangular
+from origins.domains.barriers import Island, radians
+from origins.domains.calculators import harmonic_bonds, substrate_calculator
+from origins.domains.relaxed_barrier import relaxed_barrier
 from origins.domains.substrates import Substrate, checked_substrate
 from origins.errors import InputError, between, finite_array, one_of, positive, refuse, whole
 from origins.samples.from_samples import from_samples
@@ -22,6 +23,8 @@ from origins.thresholds.powered import Powered, PowerLaw
 
 if TYPE_CHECKING:
     import ase
+
+Whole = npt.NDArray[np.intp]
 
 LAWS = ("area", "equal", "paper")
 _MOST_ATOMS = 1e12
@@ -124,55 +127,44 @@ def domains(
             refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
         if hasattr(islands, "get_positions") or len(islands) == 0:
             refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
-        firm = None if bonds is None else positive("bonds", bonds)
-        given = [of_atoms(substrate, atoms, firm, listed) for atoms in islands]
-        family = _listed(given, weights, quantiles)
-    elif lattice_constant is None:
-        rule = "triangular islands need it; give a length, such as lattice_constant = 2.5"
-        refuse("lattice_constant", None, rule)
+        made = [Island.of_atoms(substrate, atoms) for atoms in islands]
+        if bonds is not None and listed is not None:
+            made = [_flexible(*both, bonds, listed) for both in zip(made, islands, strict=True)]
     else:
-        make = partial(triangular, substrate, positive("lattice_constant", lattice_constant))
-        if sizes is not None:
-            family = _listed([make(*pair) for pair in _pairs(sizes)], weights, quantiles)
-        elif weights is None:
-            family = _decaying(mean_atoms, make, quantiles)
+        a = positive("lattice_constant", lattice_constant, "such as 2.5, for triangular islands")
+        if mean_atoms is None:
+            pairs = _pairs(sizes)
         else:
-            refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
-    barriers, turned = draw(family.islands, family.kinds, listed, heat, generator, comm)
+            pairs, kinds = _decaying(mean_atoms, weights, quantiles)
+        made = [Island.triangular(substrate, a, *pair) for pair in pairs]
+    n_atoms = np.array([island.atoms for island in made])
+    if mean_atoms is None:
+        shares = _shares(weights, len(made))
+        kinds, mean = np.searchsorted(np.cumsum(shares)[:-1], quantiles, "right"), shares @ n_atoms
+    else:
+        mean = -1.0 / np.expm1(-1.0 / mean_atoms)
+    barriers, turned = _drawn(made, kinds, listed, heat, generator, comm)
     resisting = barriers > 0.0
     if not resisting.any():
         rule = "no contact resists; change the angles, the sizes or the lattice constant"
         raise InputError(f"domains: none of {samples} islands has a barrier: {rule}")
     period = float(np.hypot(*substrate.cell[0]))
-    atoms = np.array([island.atoms for island in family.islands])
-    relative = np.sqrt(atoms / family.mean_atoms) if law == "area" else np.ones(atoms.size)
+    relative = np.sqrt(n_atoms / mean) if law == "area" else np.ones(n_atoms.size)
     gains, exponent = 1.0 / (period * strength * relative), 0.5 if law == "paper" else 1.0
-    lengths = (barriers * gains[family.kinds])[resisting] ** exponent
-    laws: list[Thresholds] = []
+    lengths = (barriers * gains[kinds])[resisting] ** exponent
     two_waves = len(substrate.coefficients) == 2 and listed is None and heat is None
-    # of three islands solvers would take half a minute for the peaks
-    if two_waves and resisting.all() and mean_atoms is None and atoms.size <= 2:
-        pairs = zip(family.islands, gains.tolist(), strict=True)
-        laws = [known for pair in pairs if (known := angle_thresholds(*pair)) is not None]
-    if len(laws) == atoms.size:
-        thresholds = laws[0] if len(laws) == 1 else mixture(laws, family.shares)
+    # of three islands, or where the barrier has more peaks, solvers would take half a minute and more
+    few_peaks = len(made) <= 2 and max(island.phase_slope for island in made) < 477.0
+    if two_waves and few_peaks and mean_atoms is None and resisting.all():
+        laws = [angle_thresholds(*each) for each in zip(made, gains.tolist(), strict=True)]
+        thresholds = laws[0] if len(laws) == 1 else mixture(laws, shares)
         if exponent != 1.0:
             thresholds = Powered(thresholds, PowerLaw(1.0, exponent))
     else:
         thresholds = from_samples(lengths)
     mean_stiffness = float((barriers[resisting] / period / lengths).mean())
-    n_atoms = atoms[family.kinds]
-    thresholds.domains = DomainSamples(barriers, turned, n_atoms, period, mean_stiffness)
+    thresholds.domains = DomainSamples(barriers, turned, n_atoms[kinds], period, mean_stiffness)
     return thresholds
-
-
-class _Family(NamedTuple):
-    """Islands and their shares, the number of the one that each sample is, and their mean number of atoms."""
-
-    islands: list[Island]
-    shares: Array
-    kinds: npt.NDArray[np.intp]
-    mean_atoms: float
 
 
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
@@ -188,15 +180,12 @@ def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     return positive(needed, given[needed])
 
 
-def _listed(islands: list[Island], weights: npt.ArrayLike | None, quantiles: Array) -> _Family:
-    """Islands drawn with weights, equal when left out; InputError for other weights."""
-    shares = np.full(len(islands), 1.0) if weights is None else finite_array("weights", weights)
-    if shares.shape != (len(islands),) or not (shares > 0.0).all():
-        rule = f"must be {len(islands)} numbers above zero, one for each island"
-        refuse("weights", weights, rule)
-    shares = shares / shares.sum()
-    kinds = np.searchsorted(np.cumsum(shares)[:-1], quantiles, "right")
-    return _Family(islands, shares, kinds, float(shares @ [island.atoms for island in islands]))
+def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
+    """Shares of islands, together 1, from their weights, equal when left out; InputError for other weights."""
+    shares = np.full(count, 1.0) if weights is None else finite_array("weights", weights)
+    if shares.shape != (count,) or not (shares > 0.0).all():
+        refuse("weights", weights, f"must be {count} numbers above zero, one for each island")
+    return shares / shares.sum()
 
 
 def _pairs(sizes: npt.ArrayLike) -> list[list[int]]:
@@ -212,15 +201,133 @@ def _pairs(sizes: npt.ArrayLike) -> list[list[int]]:
     return pairs.tolist()
 
 
-def _decaying(mean_atoms: object, make: Callable[..., Island], quantiles: Array) -> _Family:
-    """Islands of N atoms, P(N) ~ exp(-N/mean_atoms), N = 1, 2, ..., about as high as wide: n_j is (2N/sqrt(3))^(1/2)
-    and n_i is N/n_j, both rounded to whole numbers of at least 1."""
+def _decaying(
+    mean_atoms: object, weights: object, quantiles: Array
+) -> tuple[list[list[int]], Whole]:
+    """All sizes (n_i, n_j) of islands of N atoms, P(N) ~ exp(-N/mean_atoms), N = 1, 2, ..., and the number of the one
+    that each sample is. They are about as high as wide: n_j is (2N/sqrt(3))^(1/2) and n_i is N/n_j, both rounded to
+    whole numbers of at least 1."""
+    if weights is not None:
+        refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
     decay = between("mean_atoms", mean_atoms, 0.0, _MOST_ATOMS, "take fewer atoms")
     count = 1.0 + np.floor(-decay * np.log1p(-quantiles))
     rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
     columns = np.maximum(np.rint(count / rows), 1.0)
     pairs = np.column_stack([columns, rows]).astype(int)
-    different, kinds, times = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
-    islands = [make(*pair) for pair in different.tolist()]
-    mean = float(-1.0 / np.expm1(-1.0 / decay))
-    return _Family(islands, times / times.sum(), kinds.ravel(), mean)
+    different, kinds = np.unique(pairs, axis=0, return_inverse=True)
+    return different.tolist(), kinds.ravel()
+
+
+def _flexible(rigid: Island, atoms: ase.Atoms, bonds: object, angles: Array) -> Island:
+    """The island with harmonic bonds of this stiffness, relaxed at each of the angles, which takes seconds for each."""
+    from ase.calculators.mixing import SumCalculator
+
+    stiffness, relaxed = positive("bonds", bonds), {}
+    for angle in np.unique(angles).tolist():
+        turned = atoms.copy()
+        turned.rotate(np.degrees(angle), "z", center="COM")
+        parts = [substrate_calculator(rigid.substrate), harmonic_bonds(turned, stiffness)]
+        found = relaxed_barrier(turned, SumCalculator(parts), rigid=False)
+        lowest = float(found.minimum.get_potential_energy())
+        if found.barrier_error > 1e-3 * max(found.barrier, -1e-6 * lowest):
+            rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
+            refuse("bonds", bonds, rule)
+        relaxed[angle] = found.barrier, lowest
+    return rigid._replace(relaxed=relaxed)
+
+
+def _drawn(
+    islands: list[Island],
+    kinds: Whole,
+    listed: Array | None,
+    temperature: float | None,
+    generator: np.random.Generator,
+    comm: Any,
+) -> Array:
+    """Barrier (0 where there is none) and angle of each sample, shape (2, samples), the same bits on every rank.
+
+    Sample i is the island kinds[i]. Angles are taken from the list in turn, or from the full circle; with a
+    temperature they are weighted by exp(-U_min/k_BT). The ranks of the communicator `comm` share the work.
+    """
+    uniform, counts = generator.random((2, kinds.size)), [0] * len(islands)
+    if temperature is not None and listed is None:
+        counts = [_angles_needed(island, temperature) for island in islands]
+
+    def of_block(block: Whole) -> Array:
+        """Barriers and angles (2, m) of samples of one kind."""
+        kind, (at, within) = kinds[block[0]], uniform[:, block]
+        island, count = islands[kind], counts[kind]
+        if temperature is None:
+            turned = 2.0 * np.pi * at if listed is None else listed[block % listed.size]
+        else:
+            choice = 2.0 * np.pi * np.arange(count) / count if listed is None else listed
+            _, depths = island.barriers_and_depths(choice)
+            bounds = np.cumsum(np.exp((depths.min() - depths) / temperature))
+            turned = choice[np.searchsorted(bounds[:-1], at * bounds[-1], side="right")]
+            if listed is None:
+                turned = turned + 2.0 * np.pi / count * (within - 0.5)
+        # many samples may be the same island at the same angle
+        different, back = np.unique(turned, return_inverse=True)
+        return np.stack([island.barriers_and_depths(different)[0][back], turned])
+
+    # blocks of samples of one kind, each always computed by one rank, so that each number has the same bits
+    order = np.argsort(kinds, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(kinds[order])) + 1)
+    blocks = [group[k : k + 4096] for group in groups for k in range(0, group.size, 4096)]
+    rank, size = (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
+    out = np.zeros((2, kinds.size))
+    for block in blocks[rank::size]:
+        out[:, block] = of_block(block)
+    return out if comm is None else comm.allreduce(out)
+
+
+def _angles_needed(island: Island, temperature: float) -> int:
+    """How many equidistant angles resolve exp(-U_min/k_BT) of the island: near its minimum U_min/k_BT, and everywhere
+    the outermost atoms' phase, changes by at most about a quarter between them."""
+    per_radian = max(4.0, 2.0 * np.sqrt(island.largest_energy / temperature))
+    count, most = 2.0 * np.pi * island.phase_slope * per_radian, 4_000_000
+    if not count <= most:
+        rule = f"{count:.2g} angles would resolve exp(-U_min/k_BT) of the largest island, more than {most}; "
+        rule += "list the angles to choose from, such as angles = [0.0, 0.1], or take a higher one"
+        raise InputError(f"temperature: {rule}")
+    return max(64, round(count))
+
+
+@dataclass(frozen=True, eq=False)
+class DomainSamples:
+    """The islands from which thresholds of rotated domains were computed.
+
+    Attributes
+    ----------
+    barriers : array of shape (samples,)
+        epsilon_a, energies; 0 for islands that slide freely.
+    angles : array of shape (samples,)
+        Radians.
+    n_atoms : array of shape (samples,)
+        N_a.
+    period : float
+        a_s, the shortest period of the substrate, a length.
+    mean_stiffness : float
+        <k> over the islands that resist, force per length.
+    """
+
+    barriers: Array
+    angles: Array
+    n_atoms: npt.NDArray[np.int64]
+    period: float
+    mean_stiffness: float
+
+    @property
+    def forces(self) -> Array:
+        """f_s = epsilon_a/a_s of the islands that resist, sorted."""
+        return np.sort(self.barriers[self.barriers > 0.0]) / self.period
+
+    @property
+    def superlubric_weight(self) -> float:
+        """Share of islands without a barrier, which are left out of P_c, of N_c and of the properties below."""
+        return float((self.barriers == 0.0).mean())
+
+    @property
+    def mean_force(self) -> float:
+        """f of the fit exp(-f_s/f) of maximum likelihood: the mean of f_s."""
+        return float(self.forces.mean())

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from origins.domains.drawing import DomainSamples
+from origins.domains.rotated import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Thresholds
 from toolkit.results.records import Result, ThresholdCurve

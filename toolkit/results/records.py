@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.brief import brief
-from origins.domains.drawing import DomainSamples
+from origins.domains.rotated import DomainSamples
 from origins.thresholds.law import Thresholds
 from origins.thresholds.quadrature import panel_edges
 from toolkit.scene.drive import make_drive
