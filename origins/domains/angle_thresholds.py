@@ -23,8 +23,6 @@ Function = Callable[[Array], Array]
 _SAME = 1e-10  # of the greatest barrier: values closer than this count as equal
 _WEIGHT = 1e-3  # least share of thresholds beside a peak or jump that is declared
 _NODES = 24  # Chebyshev nodes of a series, including both ends
-_u = 0.5 - 0.5 * np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))  # on (0, 1)
-_FIT = np.linalg.inv(chebyshev.chebvander(2.0 * _u - 1.0, _NODES - 1)).T
 
 
 def _cuts(waves: Function, count: int) -> Array:
@@ -33,7 +31,7 @@ def _cuts(waves: Function, count: int) -> Array:
     from scipy.optimize.elementwise import find_minimum, find_root
 
     def wave(angle: Array, which: Array, sign: Array) -> Array:
-        return sign * np.take_along_axis(waves(angle), which.astype(int)[None], 0)[0]
+        return sign * np.choose(which.astype(int), waves(angle))
 
     def difference(angle: Array) -> Array:
         return -np.diff(waves(angle), axis=0)[0]
@@ -56,9 +54,8 @@ def _cuts(waves: Function, count: int) -> Array:
     # the two waves of square islands on squares are equal at all angles
     second_larger = (difference(tested) < 0.0) & bool(np.abs(np.subtract(*values)).max() > near)
     k = np.flatnonzero(second_larger[1:] != second_larger[:-1])
-    crossings = (
-        find_root(difference, (tested[k], tested[k + 1]), tolerances=tight).x if k.size else k
-    )
+    between = tested[k], tested[k + 1]
+    crossings = find_root(difference, between, tolerances=tight).x if k.size else np.empty(0)
     there = waves(extrema)
     extrema = extrema[there[which, np.arange(which.size)] <= there.min(0) + near]
     # where the two waves are equal b has a kink, not a zero derivative
@@ -66,27 +63,9 @@ def _cuts(waves: Function, count: int) -> Array:
     return np.sort(np.append(crossings, extrema))
 
 
-def _series(edges: Array, below: Function) -> Array:
-    """Chebyshev series in s of below(x) between edges; panels that a series does not resolve are halved.
-
-    Result, shape (3 + 24, panels), sorted: lower and upper end, the value at the lower end, and the coefficients of
-    what is above it.
-    """
-    lower, upper, done = edges[:-1], edges[1:], []
-    for split in range(25):
-        x = lower[:, None] + (upper - lower)[:, None] * np.sin(0.5 * np.pi * _u) ** 2
-        x[:, -1] = upper
-        share = below(x.ravel()).reshape(x.shape)
-        fits = (share - share[:, :1]) @ _FIT
-        rise = np.maximum(share[:, -1] - share[:, 0], _WEIGHT)
-        good = (np.abs(fits[:, -3:]).max(-1) < 1e-9 * rise) | (split == 24)
-        done.append(np.vstack([lower, upper, share[:, 0], fits.T])[:, good])
-        middle = 0.5 * (lower + upper)[~good]
-        lower, upper = np.append(lower[~good], middle), np.append(middle, upper[~good])
-        if not lower.size:
-            break
-    table = np.concatenate(done, axis=1)
-    return table[:, np.argsort(table[0])]
+def _along(t: Array) -> Array:
+    """Share of a panel's width at t = 2s - 1, from -1 to 1."""
+    return np.sin(0.25 * np.pi * (1.0 + t)) ** 2
 
 
 class AngleThresholds(Thresholds):
@@ -110,74 +89,89 @@ class AngleThresholds(Thresholds):
         edges = known[order][apart]
         edges[0] *= edges[0] >= least
         known[order] = edges[np.cumsum(apart) - 1]
-        pieces = np.array([cuts, np.append(cuts[1:], cuts[0] + np.pi), known, np.roll(known, -1)])
-        falls = pieces[2] > pieces[3]
-        pieces[:, falls] = pieces[[1, 0, 3, 2]][:, falls]
-        bottom, top, low, high = pieces[:, pieces[2] < pieces[3]]
+        ends = np.array([cuts, np.append(cuts[1:], cuts[0] + np.pi)])
+        sides = np.array([known, np.roll(known, -1)])
+        (bottom, top), (low, high) = (
+            np.where(sides[0] < sides[1], ends, ends[::-1]),
+            np.sort(sides, axis=0),
+        )
 
         def below(x: Array) -> Array:
             """Share of angles with a barrier of at most x."""
             k, i = np.nonzero((low[:, None] < x) & (x < high[:, None]))
-            ends = bottom[k], top[k]
-            angle = find_root(lambda angle, x: barrier(angle) - x, ends, args=(x[i],)).x
+            between = bottom[k], top[k]
+            angle = find_root(lambda angle, x: barrier(angle) - x, between, args=(x[i],)).x
             # beside an end that rounding hides
-            nearer = np.where(x[i] - low[k] < high[k] - x[i], *ends)
+            nearer = np.where(x[i] - low[k] < high[k] - x[i], *between)
             angle = np.where(np.isfinite(angle), angle, nearer)
-            total = np.bincount(i, np.abs(angle - ends[0]), x.size)
+            total = np.bincount(i, np.abs(angle - bottom[k]), x.size)
             return (total + np.abs(top - bottom) @ (high[:, None] <= x)) / np.pi
 
-        table = _series(edges, below)
-        self._edges, self._widths = np.append(table[0], edges[-1]), table[1] - table[0]
-        self._before, self._fits = table[2], table[3:]
-        # a peak is where dC/ds is not 0 at the end of a panel, as x - low ~ s²
-        slopes = np.abs(chebyshev.chebval([-1.0, 1.0], chebyshev.chebder(self._fits)))
-        slopes, at = np.pad(slopes, ((1, 1), (0, 0))), np.searchsorted(self._edges, edges)
+        self._fit(edges, below)
+        # a peak is where dC/dt is not 0 at the end of a panel, as x - lower ~ (1 + t)²
+        steep = np.pad(np.abs(chebyshev.chebval([-1.0, 1.0], self._slopes)), ((1, 1), (0, 0)))
+        at = np.searchsorted(self._lower, edges)
         around = 0.01 * self._moment(1.0) * np.array([[-1.0], [0.0], [1.0]])
-        beside = self._cdf(edges + around)
-        declared = np.abs(np.diff(beside, 2, axis=0)[0]) > _WEIGHT
-        self._peaks = edges[declared & (slopes[at + 1, 0] + slopes[at, 1] > _WEIGHT)]
+        declared = np.abs(np.diff(self._cdf(edges + around), 2, axis=0)[0]) > _WEIGHT
+        self._peaks = edges[declared & (steep[at + 1, 0] + steep[at, 1] > _WEIGHT)]
         declared[[0, -1]] = True
-        self._declared = edges[declared]
-        self.onset_power = -0.5 if self._declared[0] in self._peaks else 0.0
+        self.breakpoints = edges[declared]
+        self.onset_power = -0.5 if edges[0] in self._peaks else 0.0
+
+    def _fit(self, edges: Array, below: Function) -> None:
+        """Keep panels between edges: both ends, the law C at the lower one, and the Chebyshev series in t of what is
+        above it, shape (24, panels), with its derivative. Panels that a series does not resolve are halved."""
+        lower, upper, done, nodes = edges[:-1], edges[1:], [], chebyshev.chebpts2(_NODES)
+        for split in range(25):
+            x = lower[:, None] + (upper - lower)[:, None] * _along(nodes)
+            x[:, -1] = upper
+            law = below(x.ravel()).reshape(x.shape).T
+            rises = chebyshev.chebfit(nodes, law - law[0], _NODES - 1)
+            least = 1e-9 * np.maximum(law[-1] - law[0], _WEIGHT)
+            good = (np.abs(rises[-3:]).max(0) < least) | (split == 24)
+            done.append(np.vstack([lower, upper, law[0], rises])[:, good])
+            middle = 0.5 * (lower + upper)[~good]
+            lower, upper = np.append(lower[~good], middle), np.append(middle, upper[~good])
+            if not lower.size:
+                break
+        table = np.concatenate(done, axis=1)
+        table = table[:, np.argsort(table[0])]
+        self._lower, self._upper, self._before = table[:3]
+        self._rises, self._slopes = table[3:], chebyshev.chebder(table[3:])
 
     def support(self) -> tuple[float, float]:
-        return float(self._declared[0]), float(self._declared[-1])
+        return float(self.breakpoints[0]), float(self.breakpoints[-1])
 
-    @property
-    def breakpoints(self) -> Array:
-        return self._declared
-
-    def _panel(self, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
-        """Panel and place s of each x, to the last bit at both ends."""
-        panel = np.clip(np.searchsorted(self._edges, x, side="right") - 1, 0, self._widths.size - 1)
-        from_lower = np.maximum(x - self._edges[panel], 0.0)
-        to_upper = np.maximum(self._edges[panel + 1] - x, 0.0)
-        return panel, 2.0 / np.pi * np.arctan2(np.sqrt(from_lower), np.sqrt(to_upper))
+    def _place(self, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
+        """Panel and place t of each x, to the last bit at both ends."""
+        panel = np.clip(np.searchsorted(self._lower, x, side="right") - 1, 0, self._lower.size - 1)
+        from_lower = np.sqrt(np.maximum(x - self._lower[panel], 0.0))
+        to_upper = np.sqrt(np.maximum(self._upper[panel] - x, 0.0))
+        return panel, 4.0 / np.pi * np.arctan2(from_lower, to_upper) - 1.0
 
     def _cdf(self, x: Array) -> Array:
-        panel, s = self._panel(x)
-        rise = chebyshev.chebval(2.0 * s - 1.0, self._fits[:, panel], tensor=False)
+        panel, t = self._place(x)
+        rise = chebyshev.chebval(t, self._rises[:, panel], tensor=False)
         return np.clip(self._before[panel] + rise, 0.0, 1.0)
 
     def _sf(self, x: Array) -> Array:
         return 1.0 - self._cdf(x)
 
     def _pdf(self, x: Array) -> Array:
-        panel, s = self._panel(x)
-        # at an edge without a peak both dC/ds and dx/ds vanish: evaluate beside the edge
-        s = np.clip(s, 1e-6, 1.0 - 1e-6)
-        slopes = chebyshev.chebder(self._fits)[:, panel]
-        slope = 2.0 * chebyshev.chebval(2.0 * s - 1.0, slopes, tensor=False)
-        per_length = self._widths[panel] * 0.5 * np.pi * np.sin(np.pi * s)
+        panel, t = self._place(x)
+        # at an edge without a peak both dC/dt and dx/dt vanish: evaluate beside the edge
+        t = np.clip(t, 2e-6 - 1.0, 1.0 - 2e-6)
+        slope = chebyshev.chebval(t, self._slopes[:, panel], tensor=False)
+        widths = (self._upper - self._lower)[panel]
+        per_length = widths * 0.25 * np.pi * np.cos(0.5 * np.pi * t)
         on_peak = np.isin(np.asarray(x), self._peaks)
         return np.where(on_peak, np.inf, np.maximum(slope / per_length, 0.0))
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
-        """By Gauss's sums over s on each panel."""
+        """By Gauss's sums over t on each panel."""
         t, weights = legendre.leggauss(_NODES)
-        x = self._edges[:-1, None] + self._widths[:, None] * np.sin(0.25 * np.pi * (1.0 + t)) ** 2
-        shares = weights * chebyshev.chebval(t, chebyshev.chebder(self._fits))
-        return float((shares * (x - centre) ** n).sum())
+        x = self._lower[:, None] + (self._upper - self._lower)[:, None] * _along(t)
+        return float((weights * chebyshev.chebval(t, self._slopes) * (x - centre) ** n).sum())
 
 
 def angle_thresholds(island: Island, scale: float) -> Thresholds:

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from origins.domains.islands import positions_of
 from origins.domains.lowest_saddle import Complex, lowest_saddles
 from origins.domains.substrates import Substrate, checked_substrate, vectors
-from origins.errors import finite_array, positive, refuse, whole
+from origins.errors import InputError, finite_array, positive, refuse, whole
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
@@ -90,41 +90,33 @@ def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, 
 
 
 class Island(NamedTuple):
-    """One kind of island on a substrate: its number of atoms, the distance of the outermost from the centre (a
-    length), and its structure factors (m, n) at angles (m,) in radians; where its atoms relax, barrier and lowest
-    energy at each angle."""
+    """One kind of island on a substrate: its number of atoms, the largest derivative of their phases with the angle,
+    and its structure factors (m, n) at angles (m,); where its atoms relax, barrier and lowest energy at each angle."""
 
     substrate: Substrate
     atoms: int
-    reach: float
+    phase_slope: float
     factors: Callable[[Array], Complex]
     relaxed: dict[float, tuple[float, float]] | None = None
 
     @classmethod
     def triangular(cls, substrate: Substrate, a: float, n_i: int, n_j: int) -> Island:
         """triangular_island(a, n_i, n_j), without its atoms."""
-        reach, G = (
-            0.5 * a * float(np.hypot(n_i - 0.5, sqrt(0.75) * (n_j - 1.0))),
-            substrate.wavevectors,
-        )
+        G, reach = substrate.wavevectors, 0.5 * a * np.hypot(n_i - 0.5, sqrt(0.75) * (n_j - 1.0))
         factors = partial(triangular_structure_factors, a, n_i, n_j, wavevectors=G)
-        return cls(substrate, n_i * n_j, reach, factors)
+        return cls(substrate, n_i * n_j, float(reach * np.hypot(*G.T).max()), factors)
 
     @classmethod
     def of_atoms(cls, substrate: Substrate, atoms: ase.Atoms) -> Island:
         """The rigid island of these atoms."""
-        reach, G = float(np.hypot(*positions_of(atoms).T).max()), substrate.wavevectors
-        return cls(substrate, len(atoms), reach, partial(structure_factors, atoms, wavevectors=G))
+        G, reach = substrate.wavevectors, np.hypot(*positions_of(atoms).T).max()
+        factors = partial(structure_factors, atoms, wavevectors=G)
+        return cls(substrate, len(atoms), float(reach * np.hypot(*G.T).max()), factors)
 
     @property
     def largest_energy(self) -> float:
         """Upper bound of its energy."""
         return self.atoms * float(np.abs(self.substrate.coefficients).sum())
-
-    @property
-    def phase_slope(self) -> float:
-        """Largest derivative of the outermost atoms' phase with the angle."""
-        return self.reach * float(np.hypot(*self.substrate.wavevectors.T).max())
 
     def amplitudes(self, angle: Array) -> Array:
         """|c_n S(G_n)| at angles (m,), energies of shape (m, n)."""
@@ -137,6 +129,19 @@ class Island(NamedTuple):
         else:
             barriers, depths = np.array([self.relaxed[each] for each in angle.tolist()]).T
         return np.where(barriers <= 1e-12 * self.largest_energy, 0.0, barriers), depths
+
+    def angles_needed(self, temperature: float) -> int:
+        """How many equidistant angles resolve exp(-U_min/k_BT): near its minimum U_min/k_BT, and everywhere the
+        outermost atoms' phase, changes by at most about a quarter between them. InputError for too many."""
+        per_radian = max(4.0, 2.0 * np.sqrt(self.largest_energy / temperature))
+        count, most = 2.0 * np.pi * self.phase_slope * per_radian, 4_000_000
+        if not count <= most:
+            rule = f"{count:.2g} angles would resolve exp(-U_min/k_BT) of the largest island, more than {most}; "
+            rule += (
+                "list the angles to choose from, such as angles = [0.0, 0.1], or take a higher one"
+            )
+            raise InputError(f"temperature: {rule}")
+        return max(64, round(count))
 
 
 def radians(angle: npt.ArrayLike, name: str = "angle", most: float = 2.0 * pi) -> Array:

@@ -188,7 +188,7 @@ def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
     return shares / shares.sum()
 
 
-def _pairs(sizes: npt.ArrayLike) -> list[list[int]]:
+def _pairs(sizes: Any) -> list[list[int]]:
     """(n_i, n_j) of each size; InputError for other values."""
     try:
         pairs = np.asarray(sizes)
@@ -251,7 +251,7 @@ def _drawn(
     """
     uniform, counts = generator.random((2, kinds.size)), [0] * len(islands)
     if temperature is not None and listed is None:
-        counts = [_angles_needed(island, temperature) for island in islands]
+        counts = [island.angles_needed(temperature) for island in islands]
 
     def of_block(block: Whole) -> Array:
         """Barriers and angles (2, m) of samples of one kind."""
@@ -279,18 +279,6 @@ def _drawn(
     for block in blocks[rank::size]:
         out[:, block] = of_block(block)
     return out if comm is None else comm.allreduce(out)
-
-
-def _angles_needed(island: Island, temperature: float) -> int:
-    """How many equidistant angles resolve exp(-U_min/k_BT) of the island: near its minimum U_min/k_BT, and everywhere
-    the outermost atoms' phase, changes by at most about a quarter between them."""
-    per_radian = max(4.0, 2.0 * np.sqrt(island.largest_energy / temperature))
-    count, most = 2.0 * np.pi * island.phase_slope * per_radian, 4_000_000
-    if not count <= most:
-        rule = f"{count:.2g} angles would resolve exp(-U_min/k_BT) of the largest island, more than {most}; "
-        rule += "list the angles to choose from, such as angles = [0.0, 0.1], or take a higher one"
-        raise InputError(f"temperature: {rule}")
-    return max(64, round(count))
 
 
 @dataclass(frozen=True, eq=False)
