@@ -22,9 +22,7 @@ def inversion_symmetric(a: np.ndarray) -> float:
     others there are two more, of energy -(a_1 a_2/a_3 + a_2 a_3/a_1 + a_3 a_1/a_2)/2. With a product above zero these
     are minima, joined by three saddles; a path round the torus needs two.
     """
-    fixed = np.sort(
-        [a[0] + a[1] + a[2], a[0] - a[1] - a[2], -a[0] + a[1] - a[2], -a[0] - a[1] + a[2]]
-    )
+    fixed = np.sort([a.sum(), a[0] - a[1] - a[2], a[1] - a[2] - a[0], a[2] - a[0] - a[1]])
     inverse = 1.0 / np.abs(a)
     if a.prod() > 0.0 and 2.0 * inverse.max() < inverse.sum():
         return fixed[1] + 0.5 * (a[0] * a[1] / a[2] + a[1] * a[2] / a[0] + a[2] * a[0] / a[1])
@@ -76,9 +74,8 @@ def flooded(substrate: origins.Substrate, factors: np.ndarray, n: int) -> float:
     """The barrier by raising the water on a grid of n x n points a cell, until the lowest pool reaches a copy of
     itself: a way round the torus that is simple reaches one within two cells by two."""
     share = np.stack(np.meshgrid(*[np.arange(2 * n) / n] * 2, indexing="ij"), axis=-1)
-    heights = (
-        np.exp(2j * np.pi * share @ substrate.indices.T) @ (substrate.coefficients * factors)
-    ).real
+    waves = np.exp(2j * np.pi * share @ substrate.indices.T)
+    heights = (waves @ (substrate.coefficients * factors)).real
     i, j = np.unravel_index(heights[:n, :n].argmin(), (n, n))
     level = np.full(heights.shape, np.inf)
     level[i, j] = heights[i, j]
@@ -147,10 +144,8 @@ def test_other_substrates_climb_what_the_exact_search_says(seed: int) -> None:
         (origins.irregular_island(2.6, 6.0), 1.0),
     ):
         found = relaxed_barrier(turned(island, angle), substrate_calculator(substrate))
-        assert (
-            abs(found.barrier - origins.barrier(island, angle, substrate))
-            <= found.barrier_error + 1e-10
-        )
+        exact = origins.barrier(island, angle, substrate)
+        assert abs(found.barrier - exact) <= found.barrier_error + 1e-10
 
 
 @pytest.mark.slow
@@ -192,11 +187,8 @@ def test_two_atoms_on_a_spring() -> None:
             waves = abs(np.cos(half * np.cos(angle))), abs(np.cos(half * np.sin(angle)))
             return 2.0 * (x * waves[0] + y * waves[1]) + 0.5 * stiffness * stretch**2
 
-        return float(
-            minimize_scalar(
-                energy, bounds=(-0.9, 0.9), method="bounded", options={"xatol": 1e-12}
-            ).fun
-        )
+        within = {"bounds": (-0.9, 0.9), "method": "bounded", "options": {"xatol": 1e-12}}
+        return float(minimize_scalar(energy, **within).fun)
 
     exact = min(level(1.0, -1.0), level(-1.0, 1.0)) - level(-1.0, -1.0)
     assert abs(found.barrier - exact) <= found.barrier_error + 4e-15 and found.barrier_error < 1e-12

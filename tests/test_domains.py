@@ -133,6 +133,14 @@ def test_peaks_stand_where_the_barrier_stands_still(island_law: origins.Threshol
         assert ratio == pytest.approx(0.1, rel=0.05)
 
 
+def test_equal_barriers_at_both_ends_of_a_piece_count() -> None:
+    """On a circle of a square lattice extrema lie so close that their barriers differ by rounding alone."""
+    island = origins.circular_island(A, 9.0, lattice="square")
+    found = origins.domains(islands=[island], stiffness=1.0, samples=100)
+    exact = origins.barrier(island, 0.5 * np.pi * np.linspace(0.0, 1.0, 100_001)) / (2.0 * np.pi)
+    assert found.mean() == pytest.approx(float(np.trapezoid(exact, dx=1e-5)), rel=2e-9)
+
+
 def test_what_it_means_for_sliding(island_law: origins.Thresholds) -> None:
     steady = master.steady_state(origins.Contacts(island_law), velocity=1.0)
     exact = counted(5, 4)

@@ -91,10 +91,8 @@ class AngleThresholds(Thresholds):
         known[order] = edges[np.cumsum(apart) - 1]
         ends = np.array([cuts, np.append(cuts[1:], cuts[0] + np.pi)])
         sides = np.array([known, np.roll(known, -1)])
-        (bottom, top), (low, high) = (
-            np.where(sides[0] < sides[1], ends, ends[::-1]),
-            np.sort(sides, axis=0),
-        )
+        bottom, top = np.where(sides[0] < sides[1], ends, ends[::-1])
+        low, high = np.sort(sides, axis=0)
 
         def below(x: Array) -> Array:
             """Share of angles with a barrier of at most x."""
@@ -107,7 +105,7 @@ class AngleThresholds(Thresholds):
             total = np.bincount(i, np.abs(angle - bottom[k]), x.size)
             return (total + np.abs(top - bottom) @ (high[:, None] <= x)) / np.pi
 
-        self._fit(edges, below)
+        self._fit_panels(edges, below)
         # a peak is where dC/dt is not 0 at the end of a panel, as x - lower ~ (1 + t)²
         steep = np.pad(np.abs(chebyshev.chebval([-1.0, 1.0], self._slopes)), ((1, 1), (0, 0)))
         at = np.searchsorted(self._lower, edges)
@@ -118,7 +116,7 @@ class AngleThresholds(Thresholds):
         self.breakpoints = edges[declared]
         self.onset_power = -0.5 if edges[0] in self._peaks else 0.0
 
-    def _fit(self, edges: Array, below: Function) -> None:
+    def _fit_panels(self, edges: Array, below: Function) -> None:
         """Keep panels between edges: both ends, the law C at the lower one, and the Chebyshev series in t of what is
         above it, shape (24, panels), with its derivative. Panels that a series does not resolve are halved."""
         lower, upper, done, nodes = edges[:-1], edges[1:], [], chebyshev.chebpts2(_NODES)

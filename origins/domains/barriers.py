@@ -17,8 +17,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from origins.domains.calculators import harmonic_bonds, substrate_calculator
 from origins.domains.islands import positions_of
 from origins.domains.lowest_saddle import Complex, lowest_saddles
+from origins.domains.relaxed_barrier import relaxed_barrier
 from origins.domains.substrates import Substrate, checked_substrate, vectors
 from origins.errors import InputError, finite_array, positive, refuse, whole
 from origins.thresholds.law import Array
@@ -30,23 +32,12 @@ SQUARE = np.eye(2)  # wavevectors of sin x + sin y
 
 
 def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:
-    """Barrier of any rigid island turned by `angle` about its centre of mass, an energy.
+    """Barrier of a rigid island turned by `angle` (radians, any shape) about its centre of mass, energies.
 
-    Parameters
-    ----------
-    atoms : ase.Atoms
-        The island; only x and y of its atoms matter, and the substrate acts on all atoms equally.
-    angle : float or array
-        Radians.
-    substrate : Substrate
-        sin x + sin y when left out.
-
-    Returns
-    -------
-    array of the shape of angle
-        Zero where the island slides freely: on a substrate that varies in one direction only, and where
-        its structure factors vanish. For two waves it is exact; for more it is known to about 1e-11 of the
-        largest |c_n S(G_n)|. The time is proportional to atoms times angles times waves.
+    Only x and y of `atoms` matter, and the substrate, sin x + sin y when left out, acts on all of them equally. The
+    barrier is zero where the island slides freely: on a substrate that varies in one direction only, and where its
+    structure factors vanish. For two waves it is exact; for more it is known to about 1e-11 of the largest
+    |c_n S(G_n)|. The time is proportional to atoms times angles times waves.
 
     Raises InputError for other input, for angles beyond a full circle, which look like degrees, and for a
     substrate of more than two waves that never repeats.
@@ -107,11 +98,18 @@ class Island(NamedTuple):
         return cls(substrate, n_i * n_j, float(reach * np.hypot(*G.T).max()), factors)
 
     @classmethod
-    def of_atoms(cls, substrate: Substrate, atoms: ase.Atoms) -> Island:
-        """The rigid island of these atoms."""
+    def of_atoms(
+        cls, substrate: Substrate, atoms: ase.Atoms, bonds: float | None, angles: Array | None
+    ) -> Island:
+        """An island of these atoms, rigid or with harmonic bonds; these take seconds for each of the listed angles."""
         G, reach = substrate.wavevectors, np.hypot(*positions_of(atoms).T).max()
         factors = partial(structure_factors, atoms, wavevectors=G)
-        return cls(substrate, len(atoms), float(reach * np.hypot(*G.T).max()), factors)
+        relaxed = None
+        if bonds is not None and angles is not None:
+            relaxed = {
+                at: relaxed_at(at, substrate, atoms, bonds) for at in np.unique(angles).tolist()
+            }
+        return cls(substrate, len(atoms), float(reach * np.hypot(*G.T).max()), factors, relaxed)
 
     @property
     def largest_energy(self) -> float:
@@ -142,6 +140,26 @@ class Island(NamedTuple):
             )
             raise InputError(f"temperature: {rule}")
         return max(64, round(count))
+
+
+def relaxed_at(
+    angle: float, substrate: Substrate, atoms: ase.Atoms, bonds: float
+) -> tuple[float, float]:
+    """Barrier and lowest energy of an island with harmonic bonds of this stiffness, turned by an angle."""
+    from ase.calculators.mixing import SumCalculator
+
+    turned = atoms.copy()
+    turned.rotate(np.degrees(angle), "z", center="COM")
+    calculators = [
+        substrate_calculator(substrate),
+        harmonic_bonds(turned, positive("bonds", bonds)),
+    ]
+    found = relaxed_barrier(turned, SumCalculator(calculators), rigid=False)
+    lowest = float(found.minimum.get_potential_energy())
+    if found.barrier_error > 1e-3 * max(found.barrier, -1e-6 * lowest):
+        rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
+        refuse("bonds", bonds, rule)
+    return found.barrier, lowest
 
 
 def radians(angle: npt.ArrayLike, name: str = "angle", most: float = 2.0 * pi) -> Array:

@@ -36,15 +36,9 @@ def substrate_calculator(substrate: Substrate) -> Any:
 def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None) -> Any:
     """A Calculator of sum over bonds (stiffness/2)(length - length in `atoms`)², free of strain in `atoms` as given.
 
-    Parameters
-    ----------
-    atoms : ase.Atoms
-        The unstrained island; boundary conditions are ignored.
-    stiffness : float
-        Energy per length squared, above zero.
-    reach : float
-        Atoms at most this far apart are bonded; when left out, 1.2 times the shortest distance: nearest
-        neighbours. A square lattice needs a reach beyond its diagonal to withstand shear.
+    stiffness is an energy per length squared, above zero. Atoms at most `reach` (a length) apart are bonded; when left
+    out, 1.2 times the shortest distance: nearest neighbours. A square lattice needs a reach beyond its diagonal to
+    withstand shear. Boundary conditions of the atoms are ignored.
 
     Raises InputError for other values, for atoms in one place and where no two atoms are bonded.
     """

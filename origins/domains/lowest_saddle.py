@@ -25,14 +25,12 @@ _SAME = 1e-4  # radians: critical points of one kind closer than this are one
 
 
 class LowestBarrier(NamedTuple):
-    """Barrier and energy of the lowest minimum, the places (2,) of minimum and saddle in radians, and whether all
-    critical points were found."""
+    """Barrier and energy of the lowest minimum, and the places (2,) of minimum and saddle in radians."""
 
     barrier: float
     depth: float
     minimum: Array
     saddle: Array
-    complete: bool
 
 
 def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> list[LowestBarrier]:
@@ -44,23 +42,20 @@ def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> list[LowestBa
     """
     waves, sizes = np.asarray(indices, dtype=float), np.abs(amplitudes)
     scale = np.maximum(sizes.max(-1), 1e-300)
-    sizes = sizes / scale[:, None]
-    sizes[sizes <= _NOTHING] = 0.0
+    sizes = np.where(sizes > _NOTHING * scale[:, None], sizes / scale[:, None], 0.0)
     curvature = sizes @ (waves**2).sum(-1) / np.maximum(sizes.sum(-1), 1e-300)
     # 16 nodes per oscillation find each critical point from several nodes
     nodes = int(np.clip(np.ceil(16.0 * np.sqrt(curvature.max())), 16, 160))
-    landscapes = _Landscapes(waves, sizes, np.angle(amplitudes))
+    landscapes = _Landscapes(waves, sizes, np.angle(amplitudes), scale)
     lowest: dict[int, LowestBarrier] = {}
+    complete = np.zeros(len(sizes), dtype=bool)
     for n in (nodes, 2 * nodes, 4 * nodes):
         few = max(1, (1 << 20) // (n * n * len(waves)))  # landscapes at once, to limit memory
-        rest = [k for k in range(len(sizes)) if k not in lowest or not lowest[k].complete]
-        for batch in (rest[first : first + few] for first in range(0, len(rest), few)):
-            lowest |= zip(batch, _on_grid(landscapes.of(batch), n), strict=True)
-    ordered = ((lowest[k], unit) for k, unit in enumerate(scale.tolist()))
-    return [
-        each._replace(barrier=each.barrier * unit, depth=each.depth * unit)
-        for each, unit in ordered
-    ]
+        rest = np.flatnonzero(~complete)
+        for batch in (rest[first : first + few] for first in range(0, rest.size, few)):
+            each, complete[batch] = _on_grid(landscapes.of(batch), n)
+            lowest |= zip(batch.tolist(), each, strict=True)
+    return [lowest[k] for k in range(len(sizes))]
 
 
 class _Local(NamedTuple):
@@ -72,16 +67,17 @@ class _Local(NamedTuple):
 
 
 class _Landscapes(NamedTuple):
-    """U(t) = sum_n sizes_n cos(K_n·t + phases_n): K of shape (n, 2), the others (m, n); each is asked at one place t of
-    its own, shape (m, 2)."""
+    """U(t) = sum_n sizes_n cos(K_n·t + phases_n) in units of `scale`: K of shape (n, 2), sizes and phases (m, n), scale
+    (m,); each is asked at one place t of its own, shape (m, 2)."""
 
     waves: Array
     sizes: Array
     phases: Array
+    scale: Array
 
-    def of(self, which: Whole | list[int]) -> _Landscapes:
+    def of(self, which: Whole) -> _Landscapes:
         """The landscapes of these numbers, in this order."""
-        return _Landscapes(self.waves, self.sizes[which], self.phases[which])
+        return _Landscapes(self.waves, *(each[which] for each in self[1:]))
 
     def energy(self, t: Array) -> Array:
         """U, shape (m,)."""
@@ -126,8 +122,9 @@ class _Landscapes(NamedTuple):
         return t
 
 
-def _on_grid(landscapes: _Landscapes, n: int) -> list[LowestBarrier]:
-    """The lowest barrier of each landscape, from critical points near the nodes of a grid of n x n."""
+def _on_grid(landscapes: _Landscapes, n: int) -> tuple[list[LowestBarrier], npt.NDArray[np.bool_]]:
+    """The lowest barrier of each landscape, from critical points near the nodes of a grid of n x n, and whether all of
+    these were found."""
     owner, points = _critical_points(landscapes, n)
     local = landscapes.of(owner).local(points)
     saddle = (local.curvatures > 0.0).sum(-1) == 1
@@ -135,26 +132,23 @@ def _on_grid(landscapes: _Landscapes, n: int) -> list[LowestBarrier]:
     under = landscapes.of(above)
     feet = np.stack([under.descended(tops + downhill), under.descended(tops - downhill)])
     levels, energies = under.energy(tops), np.stack([under.energy(foot) for foot in feet])
-    out = []
-    for number, sizes in enumerate(landscapes.sizes):
+    found = []
+    for number, (sizes, scale) in enumerate(zip(landscapes.sizes, landscapes.scale, strict=True)):
         here = above == number
         # without the waves that are smaller than the largest one there is no barrier
-        lowest = LowestBarrier(0.0, -sizes.sum(), np.zeros(2), np.zeros(2), True)
-        if here.any():
-            ways = tops[here], levels[here], feet[:, here], energies[:, here]
-            lowest = _over_saddles(*ways) or lowest
-        complete = 2 * np.count_nonzero(here) == np.count_nonzero(owner == number)
-        out.append(lowest._replace(complete=complete))
-    return out
+        level = LowestBarrier(0.0, -sizes.sum() * scale, np.zeros(2), np.zeros(2))
+        ways = tops[here], levels[here], feet[:, here], energies[:, here]
+        found.append(_over_saddles(scale, *ways) or level)
+    saddles, all_ = (np.bincount(each, minlength=len(found)) for each in (above, owner))
+    return found, 2 * saddles == all_
 
 
 def _critical_points(landscapes: _Landscapes, n: int) -> tuple[Whole, Array]:
     """Landscape and place of the critical points that Newton's method finds near nodes, each once."""
-    spacing = _TURN / n
+    spacing, count = _TURN / n, len(landscapes.scale)
     # no node falls on a line of symmetry
-    places = spacing * np.stack(np.divmod(np.arange(n * n), n), axis=-1) + (0.012345, 0.00789)
-    which = np.repeat(np.arange(len(landscapes.sizes)), n * n)
-    start = np.tile(places, (len(landscapes.sizes), 1))
+    places = spacing * np.indices((n, n)).reshape(2, -1).T + (0.012345, 0.00789)
+    which, start = np.repeat(np.arange(count), n * n), np.tile(places, (count, 1))
     close = np.hypot(*landscapes.of(which).newton_step(start).T) < spacing
     which, start = which[close], start[close]
     t, each = start, landscapes.of(which)
@@ -177,9 +171,13 @@ def _same(points: Array) -> Whole:
     return np.asarray(near.all(-1).argmax(1))
 
 
-def _over_saddles(tops: Array, levels: Array, feet: Array, energies: Array) -> LowestBarrier | None:
-    """The lowest barrier of one landscape with saddles (m, 2) of energies (m,) that fall to minima (2, m, 2) of
-    energies (2, m) on their two sides; None where they lead to no copy of the lowest."""
+def _over_saddles(
+    scale: float, tops: Array, levels: Array, feet: Array, energies: Array
+) -> LowestBarrier | None:
+    """The lowest barrier of one landscape with saddles (m, 2) of energies (m,), in units of `scale`, that fall to
+    minima (2, m, 2) of energies (2, m) on their two sides; None where they lead to no copy of the lowest."""
+    if not len(tops):
+        return None
     minima, energies = feet.reshape(-1, 2), energies.ravel()
     first = _same(minima)
     copy = np.rint((minima - minima[first]) / _TURN).astype(int) % 2 @ [1, 2]
@@ -198,5 +196,5 @@ def _over_saddles(tops: Array, levels: Array, feet: Array, energies: Array) -> L
     level = joined[lowest[:, None], lowest[:, None] + count * np.array([1, 2, 3])].min()
     if level == np.inf:
         return None
-    top = tops[np.flatnonzero(levels == level)[0]]
-    return LowestBarrier(max(level - depth, 0.0), depth, minima[energies.argmin()], top, True)
+    barrier, top = max(level - depth, 0.0) * scale, tops[np.flatnonzero(levels == level)[0]]
+    return LowestBarrier(barrier, depth * scale, minima[energies.argmin()], top)

@@ -215,14 +215,13 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
         known = [each for part in parts if (each := getattr(part, "periods", None)) is not None]
         cell = np.asarray(atoms.cell)[atoms.pbc]
         flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
-        given = known[0] if known else flat
-        if not known and len(flat) != 2:
-            rule = "must be given, such as [[2.5, 0.0], [0.0, 2.5]]: no atoms or calculator tell"
-            refuse("periods", None, rule)
+        given = known[0] if known else flat if len(flat) == 2 else None
+    such = "such as [[2.5, 0.0], [0.0, 2.5]]"
+    if given is None:
+        refuse("periods", None, f"must be given, {such}: no atoms or calculator tell")
     periods = vectors(given, "periods")
     if len(periods) != 2 or not abs(np.linalg.det(periods)) > 1e-6 * (periods**2).sum():
-        rule = "must be two vectors that are not parallel, such as [[2.5, 0.0], [0.0, 2.5]]"
-        refuse("periods", given, rule)
+        refuse("periods", given, f"must be two vectors that are not parallel, {such}")
     return periods
 
 
@@ -274,7 +273,7 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
         return [np.zeros(island.rest.shape)] * 2, noise
     (lowest,) = lowest_saddles(K[kept], 2.0 * waves[None, kept])
     found = []
-    for share in (lowest.minimum / (2.0 * np.pi), lowest.saddle / (2.0 * np.pi)):
+    for share in np.array([lowest.minimum, lowest.saddle]) / (2.0 * np.pi):
         nearest = np.rint(share * count).astype(int) % count @ [count, 1]
         _, change = island.relaxed(share, changes[nearest + 1])
         found.append(island.without_force(island.shifted(share) + change))

@@ -11,8 +11,6 @@ import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import Island, radians
-from origins.domains.calculators import harmonic_bonds, substrate_calculator
-from origins.domains.relaxed_barrier import relaxed_barrier
 from origins.domains.substrates import Substrate, checked_substrate
 from origins.errors import InputError, between, finite_array, one_of, positive, refuse, whole
 from origins.samples.from_samples import from_samples
@@ -127,9 +125,7 @@ def domains(
             refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
         if hasattr(islands, "get_positions") or len(islands) == 0:
             refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
-        made = [Island.of_atoms(substrate, atoms) for atoms in islands]
-        if bonds is not None and listed is not None:
-            made = [_flexible(*both, bonds, listed) for both in zip(made, islands, strict=True)]
+        made = [Island.of_atoms(substrate, atoms, bonds, listed) for atoms in islands]
     else:
         a = positive("lattice_constant", lattice_constant, "such as 2.5, for triangular islands")
         if mean_atoms is None:
@@ -216,24 +212,6 @@ def _decaying(
     pairs = np.column_stack([columns, rows]).astype(int)
     different, kinds = np.unique(pairs, axis=0, return_inverse=True)
     return different.tolist(), kinds.ravel()
-
-
-def _flexible(rigid: Island, atoms: ase.Atoms, bonds: object, angles: Array) -> Island:
-    """The island with harmonic bonds of this stiffness, relaxed at each of the angles, which takes seconds for each."""
-    from ase.calculators.mixing import SumCalculator
-
-    stiffness, relaxed = positive("bonds", bonds), {}
-    for angle in np.unique(angles).tolist():
-        turned = atoms.copy()
-        turned.rotate(np.degrees(angle), "z", center="COM")
-        parts = [substrate_calculator(rigid.substrate), harmonic_bonds(turned, stiffness)]
-        found = relaxed_barrier(turned, SumCalculator(parts), rigid=False)
-        lowest = float(found.minimum.get_potential_energy())
-        if found.barrier_error > 1e-3 * max(found.barrier, -1e-6 * lowest):
-            rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
-            refuse("bonds", bonds, rule)
-        relaxed[angle] = found.barrier, lowest
-    return rigid._replace(relaxed=relaxed)
 
 
 def _drawn(

@@ -81,14 +81,9 @@ def fourier_substrate(
 ) -> Substrate:
     """V(r) = constant + Re sum_n c_n exp(i G_n·r).
 
-    Parameters
-    ----------
-    wavevectors : array of shape (n, 2)
-        G_n, per length. Equal and opposite ones are combined, G = 0 is added to the constant.
-    coefficients : real or complex array of shape (n,)
-        c_n, energies; c_n = A gives A cos(G_n·r), c_n = -1j*A gives A sin(G_n·r).
-    constant : float
-        Energy.
+    wavevectors are the G_n, shape (n, 2), per length: equal and opposite ones are combined, G = 0 is added to the
+    constant. coefficients are the c_n, real or complex, shape (n,), energies: c_n = A gives A cos(G_n·r), c_n = -1j*A
+    gives A sin(G_n·r). constant is an energy.
 
     Raises InputError for other shapes, values that are not finite, and where V is constant.
     """
@@ -177,9 +172,8 @@ def _shortest_basis(vectors: Array) -> Array:
         rest = pool - np.rint(pool @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
         rest = rest[np.hypot(*rest.T) > nothing]
         basis = np.array([first, rest[np.argmin(np.hypot(*rest.T))]])
-        if np.hypot(*basis[1]) >= np.hypot(*first) * (1.0 - 1e-12):
-            rest = rest - np.rint(rest @ np.linalg.inv(basis)) @ basis
-            rest = rest[np.hypot(*rest.T) > nothing]
-            if not len(rest):
-                return basis
+        rest = rest - np.rint(rest @ np.linalg.inv(basis)) @ basis
+        rest = rest[np.hypot(*rest.T) > nothing]
+        if not len(rest) and np.hypot(*basis[1]) >= np.hypot(*first) * (1.0 - 1e-12):
+            return basis
         pool = np.vstack([basis, rest])
