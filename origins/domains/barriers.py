@@ -98,18 +98,28 @@ class Island(NamedTuple):
         return cls(substrate, n_i * n_j, float(reach * np.hypot(*G.T).max()), factors)
 
     @classmethod
-    def of_atoms(
-        cls, substrate: Substrate, atoms: ase.Atoms, bonds: float | None, angles: Array | None
-    ) -> Island:
-        """An island of these atoms, rigid or with harmonic bonds; these take seconds for each of the listed angles."""
+    def of_atoms(cls, substrate: Substrate, atoms: ase.Atoms) -> Island:
+        """The rigid island of these atoms."""
         G, reach = substrate.wavevectors, np.hypot(*positions_of(atoms).T).max()
         factors = partial(structure_factors, atoms, wavevectors=G)
-        relaxed = None
-        if bonds is not None and angles is not None:
-            relaxed = {
-                at: relaxed_at(at, substrate, atoms, bonds) for at in np.unique(angles).tolist()
-            }
-        return cls(substrate, len(atoms), float(reach * np.hypot(*G.T).max()), factors, relaxed)
+        return cls(substrate, len(atoms), float(reach * np.hypot(*G.T).max()), factors)
+
+    def relaxing(self, atoms: ase.Atoms, bonds: float, angles: Array) -> Island:
+        """This island of `atoms` with harmonic bonds of a stiffness; it takes seconds for each of the angles."""
+        from ase.calculators.mixing import SumCalculator
+
+        relaxed = {}
+        for angle in np.unique(angles).tolist():
+            turned = atoms.copy()
+            turned.rotate(np.degrees(angle), "z", center="COM")
+            parts = [substrate_calculator(self.substrate), harmonic_bonds(turned, bonds)]
+            found = relaxed_barrier(turned, SumCalculator(parts), rigid=False)
+            lowest = float(found.minimum.get_potential_energy())
+            if found.barrier_error > 1e-3 * max(found.barrier, -1e-6 * lowest):
+                rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
+                refuse("bonds", bonds, rule)
+            relaxed[angle] = found.barrier, lowest
+        return self._replace(relaxed=relaxed)
 
     @property
     def largest_energy(self) -> float:
@@ -134,32 +144,12 @@ class Island(NamedTuple):
         per_radian = max(4.0, 2.0 * np.sqrt(self.largest_energy / temperature))
         count, most = 2.0 * np.pi * self.phase_slope * per_radian, 4_000_000
         if not count <= most:
-            rule = f"{count:.2g} angles would resolve exp(-U_min/k_BT) of the largest island, more than {most}; "
-            rule += (
+            fault = f"{count:.2g} angles would resolve exp(-U_min/k_BT) of the largest island"
+            rule = (
                 "list the angles to choose from, such as angles = [0.0, 0.1], or take a higher one"
             )
-            raise InputError(f"temperature: {rule}")
+            raise InputError(f"temperature: {fault}, more than {most}; {rule}")
         return max(64, round(count))
-
-
-def relaxed_at(
-    angle: float, substrate: Substrate, atoms: ase.Atoms, bonds: float
-) -> tuple[float, float]:
-    """Barrier and lowest energy of an island with harmonic bonds of this stiffness, turned by an angle."""
-    from ase.calculators.mixing import SumCalculator
-
-    turned = atoms.copy()
-    turned.rotate(np.degrees(angle), "z", center="COM")
-    calculators = [
-        substrate_calculator(substrate),
-        harmonic_bonds(turned, positive("bonds", bonds)),
-    ]
-    found = relaxed_barrier(turned, SumCalculator(calculators), rigid=False)
-    lowest = float(found.minimum.get_potential_energy())
-    if found.barrier_error > 1e-3 * max(found.barrier, -1e-6 * lowest):
-        rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
-        refuse("bonds", bonds, rule)
-    return found.barrier, lowest
 
 
 def radians(angle: npt.ArrayLike, name: str = "angle", most: float = 2.0 * pi) -> Array:

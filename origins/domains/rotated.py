@@ -125,20 +125,25 @@ def domains(
             refuse("lattice_constant", lattice_constant, "islands have their own; leave it out")
         if hasattr(islands, "get_positions") or len(islands) == 0:
             refuse("islands", islands, "must be a list of at least one ase.Atoms, such as [atoms]")
-        made = [Island.of_atoms(substrate, atoms, bonds, listed) for atoms in islands]
+        made = [Island.of_atoms(substrate, atoms) for atoms in islands]
+        if bonds is not None and listed is not None:
+            each, firm = zip(made, islands, strict=True), positive("bonds", bonds)
+            made = [island.relaxing(atoms, firm, listed) for island, atoms in each]
     else:
         a = positive("lattice_constant", lattice_constant, "such as 2.5, for triangular islands")
         if mean_atoms is None:
             pairs = _pairs(sizes)
         else:
-            pairs, kinds = _decaying(mean_atoms, weights, quantiles)
+            pairs, kinds = _decaying(mean_atoms, quantiles)
         made = [Island.triangular(substrate, a, *pair) for pair in pairs]
     n_atoms = np.array([island.atoms for island in made])
     if mean_atoms is None:
         shares = _shares(weights, len(made))
         kinds, mean = np.searchsorted(np.cumsum(shares)[:-1], quantiles, "right"), shares @ n_atoms
-    else:
+    elif weights is None:
         mean = -1.0 / np.expm1(-1.0 / mean_atoms)
+    else:
+        refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
     barriers, turned = _drawn(made, kinds, listed, heat, generator, comm)
     resisting = barriers > 0.0
     if not resisting.any():
@@ -197,14 +202,10 @@ def _pairs(sizes: Any) -> list[list[int]]:
     return pairs.tolist()
 
 
-def _decaying(
-    mean_atoms: object, weights: object, quantiles: Array
-) -> tuple[list[list[int]], Whole]:
+def _decaying(mean_atoms: object, quantiles: Array) -> tuple[list[list[int]], Whole]:
     """All sizes (n_i, n_j) of islands of N atoms, P(N) ~ exp(-N/mean_atoms), N = 1, 2, ..., and the number of the one
     that each sample is. They are about as high as wide: n_j is (2N/sqrt(3))^(1/2) and n_i is N/n_j, both rounded to
     whole numbers of at least 1."""
-    if weights is not None:
-        refuse("weights", weights, "exp(-N_a/mean_atoms) are the weights; leave it out")
     decay = between("mean_atoms", mean_atoms, 0.0, _MOST_ATOMS, "take fewer atoms")
     count = 1.0 + np.floor(-decay * np.log1p(-quantiles))
     rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
