@@ -176,7 +176,8 @@ def angle_thresholds(island: Island, scale: float) -> Thresholds:
     """The law of scale * b(angle) of one rigid island on two waves, all angles equally likely."""
 
     def waves(angle: Array) -> Array:
-        return scale * island.amplitudes(angle.ravel()).T.reshape(2, *angle.shape)
+        amplitudes = island.substrate.coefficients * island.factors(angle)
+        return scale * np.moveaxis(np.abs(amplitudes), -1, 0)
 
     lower = waves(np.array([0.3, 0.77, 1.31, 1.9, 2.4, 2.95, 3.6])).min(0)
     if np.ptp(lower) <= 1e-6 * lower.max():  # one atom

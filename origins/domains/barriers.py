@@ -82,7 +82,8 @@ def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, 
 
 class Island(NamedTuple):
     """One kind of island on a substrate: its number of atoms, the largest derivative of their phases with the angle,
-    and its structure factors (m, n) at angles (m,); where its atoms relax, barrier and lowest energy at each angle."""
+    and its structure factors at angles, of their shape + (n,); where its atoms relax, barrier and lowest energy at
+    each angle."""
 
     substrate: Substrate
     atoms: int
@@ -125,10 +126,6 @@ class Island(NamedTuple):
     def largest_energy(self) -> float:
         """Upper bound of its energy."""
         return self.atoms * float(np.abs(self.substrate.coefficients).sum())
-
-    def amplitudes(self, angle: Array) -> Array:
-        """|c_n S(G_n)| at angles (m,), energies of shape (m, n)."""
-        return np.abs(self.substrate.coefficients * self.factors(angle))
 
     def barriers_and_depths(self, angle: Array) -> tuple[Array, Array]:
         """Barriers, 0 for those that are only rounding, and lowest energies at angles (m,)."""

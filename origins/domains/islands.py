@@ -65,8 +65,7 @@ def hexagonal_island(
 
     On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
     """
-    flat = 0.5 * sqrt(3.0)
-    radius = non_negative("radius", radius)
+    flat, radius = 0.5 * sqrt(3.0), non_negative("radius", radius)
     x, y = _lattice(lattice_constant, lattice, radius, radius)
     beyond = np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) - flat * radius
     return _cut(x, y, beyond, lattice_constant)

@@ -227,10 +227,6 @@ def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> 
 
 def _checked(island: _MovingIsland) -> float:
     """Rounding of energies; InputError where forces are not those of the energy, or periods change the energy."""
-
-    def energy_at(share: Array) -> float:
-        return island.energy_and_forces(island.shifted(share))[0]
-
     unit, share = island.force * island.radian, np.array([0.123, 0.456])
     if unit == 0.0:
         refuse("calculator", "no force anywhere", "must give forces that change with the place")
@@ -238,14 +234,15 @@ def _checked(island: _MovingIsland) -> float:
     most = abs(energy) + len(forces) * (unit + island.force * float(np.abs(island.rest).max()))
     noise = 8.0 * float(np.finfo(float).eps) * most
     for way, period in zip(np.eye(2), island.periods, strict=True):
-        change = abs(energy_at(share + way) - energy)
+        places = (island.shifted(share + step * way) for step in (1.0, -1e-5, 1e-5))
+        there, behind, ahead = (island.energy_and_forces(place)[0] for place in places)
+        change, work = abs(there - energy), 2e-5 * forces.sum(axis=0)[:2] @ period
         if change > 1e-9 * unit + 4.0 * noise:
             shown = f"({period[0]:.6g}, {period[1]:.6g})"
             rule = f"must leave energies as they are; moved by {shown} they change by {change:.2g}"
             refuse("periods", island.periods, rule)
-        fall = energy_at(share - 1e-5 * way) - energy_at(share + 1e-5 * way)
-        work = 2e-5 * forces.sum(axis=0)[:2] @ period
-        if abs(fall - work) > 2e-5 * _RELAXED * island.force * np.hypot(*period) + 2.0 * noise:
+        allowed = 2e-5 * _RELAXED * island.force * np.hypot(*period) + 2.0 * noise
+        if abs(behind - ahead - work) > allowed:
             name = type(island.atoms.calc).__name__
             refuse("calculator", name, "forces must be those of its energy")
     return noise

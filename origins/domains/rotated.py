@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import Island, radians
-from origins.domains.substrates import Substrate, checked_substrate
+from origins.domains.substrates import Substrate, checked_substrate, vectors
 from origins.errors import InputError, between, finite_array, one_of, positive, refuse, whole
 from origins.samples.from_samples import from_samples
 from origins.streams import key_of
@@ -191,15 +191,11 @@ def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
 
 def _pairs(sizes: Any) -> list[list[int]]:
     """(n_i, n_j) of each size; InputError for other values."""
-    try:
-        pairs = np.asarray(sizes)
-    except ValueError:  # rows of different lengths
-        pairs = np.empty(0)
-    right = pairs.ndim == 2 and pairs.shape[1] == 2 and pairs.size and pairs.dtype.kind in "iu"
-    if not right or pairs.min() < 1 or pairs.prod(-1, dtype=float).max() > _MOST_ATOMS:
+    pairs = vectors(sizes, "sizes")
+    if (pairs % 1.0).any() or pairs.min() < 1.0 or pairs.prod(axis=1).max() > _MOST_ATOMS:
         rule = f"must be pairs of whole numbers of at least 1, such as [[10, 9]], {_MOST_ATOMS:g} atoms at most"
         refuse("sizes", sizes, rule)
-    return pairs.tolist()
+    return pairs.astype(int).tolist()
 
 
 def _decaying(mean_atoms: object, quantiles: Array) -> tuple[list[list[int]], Whole]:
