@@ -172,9 +172,8 @@ def structure_factors(
     points = positions_of(atoms)
     turned = _turned(radians(angle, most=inf), wavevectors)
     waves = turned.reshape(-1, 2)
-    # waves at once, so that the phases of all atoms stay in the cache
-    few = max(1, (1 << 17) // len(points))
-    parts = [waves[first : first + few] for first in range(0, len(waves), few)]
+    # few waves at once, so that the phases of all atoms stay in the cache
+    parts = np.array_split(waves, 1 + len(waves) * len(points) // (1 << 17))
     sums = [np.exp(1j * (part @ points.T)).sum(-1) for part in parts]
     return np.concatenate(sums).reshape(turned.shape[:-1])
 
