@@ -75,7 +75,7 @@ class _Landscapes(NamedTuple):
     phases: Array
     scale: Array
 
-    def of(self, which: Whole) -> _Landscapes:
+    def of(self, which: Whole | list[int]) -> _Landscapes:
         """The landscapes of these numbers, in this order."""
         return _Landscapes(self.waves, *(each[which] for each in self[1:]))
 
@@ -131,14 +131,10 @@ def _on_grid(landscapes: _Landscapes, n: int) -> tuple[list[LowestBarrier], npt.
     above, tops, downhill = owner[saddle], points[saddle], 1e-3 * local.directions[saddle, 1]
     under = landscapes.of(above)
     feet = np.stack([under.descended(tops + downhill), under.descended(tops - downhill)])
-    levels, energies = under.energy(tops), np.stack([under.energy(foot) for foot in feet])
     found = []
-    for number, (sizes, scale) in enumerate(zip(landscapes.sizes, landscapes.scale, strict=True)):
+    for number in range(len(landscapes.scale)):
         here = above == number
-        # without the waves that are smaller than the largest one there is no barrier
-        level = LowestBarrier(0.0, -sizes.sum() * scale, np.zeros(2), np.zeros(2))
-        ways = tops[here], levels[here], feet[:, here], energies[:, here]
-        found.append(_over_saddles(scale, *ways) or level)
+        found.append(_over_saddles(landscapes.of([number]), tops[here], feet[:, here]))
     saddles, all_ = (np.bincount(each, minlength=len(found)) for each in (above, owner))
     return found, 2 * saddles == all_
 
@@ -171,14 +167,15 @@ def _same(points: Array) -> Whole:
     return np.asarray(near.all(-1).argmax(1))
 
 
-def _over_saddles(
-    scale: float, tops: Array, levels: Array, feet: Array, energies: Array
-) -> LowestBarrier | None:
-    """The lowest barrier of one landscape with saddles (m, 2) of energies (m,), in units of `scale`, that fall to
-    minima (2, m, 2) of energies (2, m) on their two sides; None where they lead to no copy of the lowest."""
+def _over_saddles(landscape: _Landscapes, tops: Array, feet: Array) -> LowestBarrier:
+    """The lowest barrier of one landscape with saddles (m, 2) that fall to minima (2, m, 2) on their two sides."""
+    (sizes,), (scale,) = landscape.sizes, landscape.scale
+    # without the waves that are smaller than the largest one there is no barrier
+    flat = LowestBarrier(0.0, -sizes.sum() * scale, np.zeros(2), np.zeros(2))
     if not len(tops):
-        return None
-    minima, energies = feet.reshape(-1, 2), energies.ravel()
+        return flat
+    minima = feet.reshape(-1, 2)
+    levels, energies = landscape.energy(tops), landscape.energy(minima)
     first = _same(minima)
     copy = np.rint((minima - minima[first]) / _TURN).astype(int) % 2 @ [1, 2]
     distinct, kind = np.unique(first, return_inverse=True)
@@ -193,8 +190,8 @@ def _over_saddles(
         joined = np.minimum(joined, np.maximum(joined[:, [through]], joined[through]))
     depth = energies.min()
     lowest = np.flatnonzero(energies[distinct] <= depth + _NOTHING)
-    level = joined[lowest[:, None], lowest[:, None] + count * np.array([1, 2, 3])].min()
-    if level == np.inf:
-        return None
-    barrier, top = max(level - depth, 0.0) * scale, tops[np.flatnonzero(levels == level)[0]]
-    return LowestBarrier(barrier, depth * scale, minima[energies.argmin()], top)
+    climb = joined[lowest[:, None], lowest[:, None] + count * np.array([1, 2, 3])].min()
+    if climb == np.inf:
+        return flat
+    top, minimum = tops[np.flatnonzero(levels == climb)[0]], minima[energies.argmin()]
+    return LowestBarrier(max(climb - depth, 0.0) * scale, depth * scale, minimum, top)
