@@ -67,7 +67,7 @@ def test_irregular_islands_come_from_their_seed() -> None:
         origins.square_substrate(2.0, 3.0),
         origins.hexagonal_substrate(-0.5, 2.5),
         origins.fourier_substrate(
-            np.array([[2, 0], [3, 1], [1, 5], [7, -11]]) @ [[0.9, 0.2], [-0.1, 1.1]],
+            np.array([[2, 0], [5, 0], [1, 5], [7, -11]]) @ [[0.9, 0.2], [-0.1, 1.1]],
             [1, 2, 3j, 1 + 1j],
             constant=7.0,
         ),

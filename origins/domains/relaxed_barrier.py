@@ -120,7 +120,7 @@ class _MovingIsland:
         from ase.constraints import FixAtoms
 
         fixed = [each.index for each in atoms.constraints if isinstance(each, FixAtoms)]
-        self.moving = np.setdiff1d(np.arange(len(atoms)), np.concatenate([[], *fixed]))
+        self.moving = np.delete(np.arange(len(atoms)), np.concatenate([[], *fixed]).astype(int))
         if len(fixed) < len(atoms.constraints) or not self.moving.size:
             rule = "must hold atoms that FixAtoms does not fix, the island, and no other constraint"
             refuse("atoms", atoms, rule)

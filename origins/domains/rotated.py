@@ -191,7 +191,7 @@ def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
 
 def _pairs(sizes: Any) -> list[list[int]]:
     """(n_i, n_j) of each size; InputError for other values."""
-    pairs = vectors(sizes, "sizes")
+    pairs = vectors(sizes, "sizes", "[[10, 9]]")
     if (pairs % 1.0).any() or pairs.min() < 1.0 or pairs.prod(axis=1).max() > _MOST_ATOMS:
         rule = f"must be pairs of whole numbers of at least 1, such as [[10, 9]], {_MOST_ATOMS:g} atoms at most"
         refuse("sizes", sizes, rule)

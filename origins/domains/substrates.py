@@ -112,14 +112,16 @@ def fourier_substrate(
     return Substrate(*made, constant)
 
 
-def vectors(value: npt.ArrayLike, name: str = "wavevectors") -> Array:
-    """`value` as an array of shape (n, 2), n >= 1; InputError unless they are finite."""
+def vectors(
+    value: npt.ArrayLike, name: str = "wavevectors", such: str = "[[1.0, 0.0], [0.0, 1.0]]"
+) -> Array:
+    """`value` as an array of shape (n, 2), n >= 1; unless they are finite, InputError says what to write, `such`."""
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.ndim != 2 or array.shape[1] != 2 or not array.size or not np.isfinite(array).all():
-        refuse(name, value, "must be finite and of shape (n, 2), such as [[1.0, 0.0], [0.0, 1.0]]")
+        refuse(name, value, f"must be finite and of shape (n, 2), such as {such}")
     return array
 
 
@@ -172,8 +174,10 @@ def _shortest_basis(vectors: Array) -> Array:
         rest = pool - np.rint(pool @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
         rest = rest[np.hypot(*rest.T) > nothing]
         basis = np.array([first, rest[np.argmin(np.hypot(*rest.T))]])
-        rest = rest - np.rint(rest @ np.linalg.inv(basis)) @ basis
-        rest = rest[np.hypot(*rest.T) > nothing]
-        if not len(rest) and np.hypot(*basis[1]) >= np.hypot(*first) * (1.0 - 1e-12):
-            return basis
+        # a shorter second vector may be parallel to the first
+        if np.hypot(*basis[1]) >= np.hypot(*first) * (1.0 - 1e-12):
+            rest = rest - np.rint(rest @ np.linalg.inv(basis)) @ basis
+            rest = rest[np.hypot(*rest.T) > nothing]
+            if not len(rest):
+                return basis
         pool = np.vstack([basis, rest])
