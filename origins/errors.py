@@ -111,6 +111,14 @@ def finite_array(name: str, value: object) -> np.ndarray:
     return array
 
 
+def positive_array(name: str, value: object) -> np.ndarray:
+    """`value` as such an array of numbers above zero."""
+    array = finite_array(name, value)
+    for bad in np.flatnonzero(array <= 0.0):
+        refuse(f"{name}[{bad}]", array[bad], "must be above zero")
+    return array
+
+
 def one_of(name: str, value: object, names: tuple[str, ...]) -> str:
     """`value` as one of these names."""
     if not isinstance(value, str) or value not in names:

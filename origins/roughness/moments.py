@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import exprel
 
-from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
+from origins.errors import InputError, one_of, positive, positive_array, refuse, whole
 from origins.roughness.surface import as_topography, detrended
 
 _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
@@ -175,13 +175,10 @@ def moments_of_spectrum(
 
     Raises InputError for arrays that are not these.
     """
-    q, c = finite_array("wavevectors", wavevectors), finite_array("power", power)
+    q, c = positive_array("wavevectors", wavevectors), positive_array("power", power)
     if q.size < 2 or c.size != q.size:
         rule = f"must hold one value for each of the {q.size} wavevectors, of which two are needed"
         refuse("power", c, rule)
-    for name, values in (("wavevectors", q), ("power", c)):
-        for bad in np.flatnonzero(values <= 0.0):
-            refuse(f"{name}[{bad}]", values[bad], "must be above zero; leave empty bins out")
     if not (np.diff(q) > 0.0).all():
         refuse("wavevectors", q, "must rise from point to point")
     # integrals of q^order C(q), C a power law between neighbours

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite_array, positive, refuse, whole
+from origins.errors import InputError, positive, positive_array, refuse, whole
 from origins.samples.log_polynomial import smooth
 from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
@@ -51,19 +51,17 @@ def from_samples(
     if (x_s is None) == (f_s is None):
         rule = "give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
         raise InputError(f"from_samples: {rule}")
-    if x_s is None:
-        name, given = "f_s", _above_zero("f_s", f_s)
+    name, values = ("x_s", x_s) if f_s is None else ("f_s", f_s)
+    lengths = given = positive_array(name, values)
+    if f_s is not None:
         lengths = _lengths(given, coefficient, stiffness)
-    else:
-        for name, value in (("coefficient", coefficient), ("stiffness", stiffness)):
-            if value is not None:
-                refuse(name, value, "turns forces f_s into lengths; leave it out with x_s")
-        name, lengths = "x_s", _above_zero("x_s", x_s)
-        given = lengths
+    elif coefficient is not None or stiffness is not None:
+        rule = "coefficient and stiffness turn forces f_s into lengths; leave them out with x_s"
+        raise InputError(f"from_samples: {rule}")
     for bad in np.flatnonzero((lengths < 1e-100) | (lengths > 1e100)):
         rule = "must lie between 1e-100 and 1e+100, as a length; choose another unit"
         refuse(f"{name}[{bad}]", given[bad], rule)
-    counts = _above_zero("weights", np.ones(lengths.size) if weights is None else weights)
+    counts = np.ones(lengths.size) if weights is None else positive_array("weights", weights)
     if counts.size != lengths.size:
         refuse("weights", counts, f"must hold one value for each of the {lengths.size} samples")
     order = np.argsort(lengths, kind="stable")
@@ -84,18 +82,10 @@ def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None
         raise InputError(f"from_samples: with f_s give either {rule}, and not both")
     if stiffness is None:
         return np.sqrt(forces / positive("coefficient", coefficient))
-    each = _above_zero("stiffness", stiffness)
+    each = positive_array("stiffness", stiffness)
     if np.ndim(stiffness) and each.size != forces.size:
         refuse("stiffness", each, f"must hold one value for each of the {forces.size} samples")
     return forces / each
-
-
-def _above_zero(name: str, value: object) -> Array:
-    """`value` as an array above zero."""
-    array = finite_array(name, value)
-    for bad in np.flatnonzero(array <= 0.0):
-        refuse(f"{name}[{bad}]", array[bad], "must be above zero")
-    return array
 
 
 def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
@@ -264,25 +254,10 @@ def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
     if not isinstance(law, Sampled):
         return law
     size = max(round(law.effective_samples), 2)
-    positions, weights = law.atoms
-    hits = generator.multinomial(size, np.append(weights, max(1.0 - weights.sum(), 0.0)))
-    x, counts = positions[hits[:-1] > 0], hits[:-1][hits[:-1] > 0].astype(float)
-    if law.smooth_part is not None:
-        drawn, each = _drawn(law.smooth_part, int(hits[-1]), generator)
-        x, counts = np.append(x, drawn), np.append(counts, each)
-    order = np.argsort(x, kind="stable")
-    return Sampled(x[order], counts[order] / size, size, float(size), known=positions)
-
-
-def _drawn(law: Thresholds, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
-    """`size` samples of a law, some merged: values, and the number of samples that each represents."""
-    cells = 1 << 12  # of equal weight
-    if size <= cells:
-        return law.rvs(size, generator), np.ones(size)
-    # samples are replaced by the medians of their cells, but for those in the two outermost cells
-    counts = generator.multinomial(size, np.full(cells, 1.0 / cells))
-    inner = np.flatnonzero(counts[1:-1]) + 1
-    low = law.ppf(generator.random(counts[0]) / cells)
-    high = law.isf(generator.random(counts[-1]) / cells)
-    x = np.concatenate([low, law.ppf((inner + 0.5) / cells), high])
-    return x, np.concatenate([np.ones(low.size), counts[inner], np.ones(high.size)])
+    q, cells = generator.random(size), 1 << 12  # of equal weight
+    if size > cells:
+        # in all but the two outermost cells the median replaces the samples: fewer quantiles to find
+        medians = (np.floor(q * cells) + 0.5) / cells
+        q = np.where(np.abs(q - 0.5) < 0.5 - 1.0 / cells, medians, q)
+    q, counts = np.unique(q, return_counts=True)
+    return Sampled(law.ppf(q), counts / size, size, float(size), known=law.atoms[0])
