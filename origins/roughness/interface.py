@@ -73,10 +73,8 @@ class Material:
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:
-        """k in N/m as a power of the contact's area in m² under a threshold law.
-
-        InputError where the material lacks a constant that the law needs. Not for the paper's law, whose k is c x_s.
-        """
+        """k in N/m as a power of the contact's area in m²; InputError where the material lacks it. Not for the paper's law,
+        whose k is c x_s."""
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         if self.density is not None and self.sound_velocity is not None:

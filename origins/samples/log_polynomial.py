@@ -20,13 +20,14 @@ _NODES, _WEIGHTS = legendre.leggauss(8)
 
 
 class _State(NamedTuple):
-    """Coefficients, the penalised log-likelihood per sample there (-inf or NaN: they give no density), and mean and
-    covariance of the columns under the density."""
+    """Coefficients, the penalised log-likelihood per sample there, and the weights of the nodes under the density.
+
+    The likelihood is -inf or NaN where the coefficients give no density.
+    """
 
     coefficients: Array
     value: float
-    expected: Array
-    covariance: Array
+    shares: Array
 
 
 class LogPolynomial(Thresholds):
@@ -143,8 +144,10 @@ class LogPolynomial(Thresholds):
         for smooth in [straight + bends, *weaker][: 1 if few else None]:
             penalty = smooth + ridge
             state = self._highest(start, penalty)
-            start, spread = state.coefficients, _inverse(state.covariance + penalty)
-            count = float(np.trace(spread @ state.covariance))
+            start = state.coefficients
+            covariance = self._covariance(state.shares)
+            spread = _inverse(covariance + penalty)
+            count = float(np.trace(spread @ covariance))
             likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
             score = likelihood - cost * count * size / max(size - count - 1.0, 1.0)
             score -= _EDGE * (self.power and start[-1] < 0.0)
@@ -174,21 +177,24 @@ class LogPolynomial(Thresholds):
         top = float(log.max())
         shares = np.exp(log - top)
         whole = float(shares.sum())
-        expected = shares @ self._nodes / whole
-        away = self._nodes - expected
         value = float(self._mean @ coefficients) - top - float(np.log(whole))
         value -= 0.5 * float(coefficients @ penalty @ coefficients)
         # closer to 1/x nearly all weight would be at x that underflow
         if self.power and coefficients[-1] <= -0.95:
             value = -np.inf
-        return _State(coefficients, value, expected, (away * shares[:, None] / whole).T @ away)
+        return _State(coefficients, value, shares / whole)
+
+    def _covariance(self, shares: Array) -> Array:
+        """That of the columns under the density: minus the curvature of the log-likelihood."""
+        away = self._nodes - shares @ self._nodes
+        return (away * shares[:, None]).T @ away
 
     def _highest(self, start: Array, penalty: Array) -> _State:
         """The maximum, by Newton's method; the only one, as the penalised log-likelihood is concave."""
         now = self._state(start, penalty)
         for _ in range(100):
-            gradient = self._mean - now.expected - penalty @ now.coefficients
-            step = _inverse(now.covariance + penalty) @ gradient
+            gradient = self._mean - now.shares @ self._nodes - penalty @ now.coefficients
+            step = _inverse(self._covariance(now.shares) + penalty) @ gradient
             gain, length = float(gradient @ step), 1.0
             trial = self._state(now.coefficients + step, penalty)
             if not gain * self._size > 1e-13:

@@ -5,7 +5,6 @@ from scipy.special import erf, exprel, gammaln, poch, xlogy
 
 from origins.errors import finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.quadrature import gauss
 
 _STEEPEST, _SLOWEST = 100.0, 0.1  # limits of powers and decays, for quantiles in floats
 
@@ -47,10 +46,6 @@ class Rectangular(Thresholds):
     def _quantiles(self, below: Array, above: Array) -> Array:
         from_lower = self._lower + self._width * below
         return np.where(below < above, from_lower, self._upper - self._width * above)
-
-    def _moment(self, n: float, centre: float = 0.0) -> float:
-        x, weights = gauss(np.array(self._lower), np.array(self._upper))  # exact up to n = 15
-        return float(weights @ (x - centre) ** n / self._width)
 
 
 class Identical(Thresholds):

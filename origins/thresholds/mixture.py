@@ -143,10 +143,10 @@ class Mixture(Thresholds):
         return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))
 
     def _log_sum(self, values: list[Array]) -> Array:
-        highest = np.maximum.reduce(values)
-        level = np.where(np.isfinite(highest), highest, 0.0)
         with np.errstate(divide="ignore"):
-            return level + np.log(self._sum([np.exp(value - level) for value in values]))
+            return np.logaddexp.reduce(
+                [np.log(w) + v for w, v in zip(self.weights, values, strict=True)]
+            )
 
     def _pdf(self, x: Array) -> Array:
         return self._sum([c.pdf(x) for c in self.components])
