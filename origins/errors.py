@@ -119,6 +119,14 @@ def positive_array(name: str, value: object) -> np.ndarray:
     return array
 
 
+def pair(name: str, value: object) -> tuple[object, object]:
+    """`value`, one number or a pair of them, as a pair."""
+    given = value if isinstance(value, tuple | list | np.ndarray) else (value, value)
+    if len(given) != 2:
+        refuse(name, value, "must be one number or a pair")
+    return given[0], given[1]
+
+
 def one_of(name: str, value: object, names: tuple[str, ...]) -> str:
     """`value` as one of these names."""
     if not isinstance(value, str) or value not in names:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, between, finite, non_negative, positive, refuse
+from origins.errors import InputError, between, finite, non_negative, pair, positive, refuse
 from origins.roughness.moments import SpectralMoments
 from origins.thresholds.powered import Array, Bend, PowerLaw
 
@@ -73,8 +73,8 @@ class Material:
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:
-        """k in N/m as a power of the contact's area in m²; InputError where the material lacks it. Not for the paper's law,
-        whose k is c x_s."""
+        """k in N/m as a power of the contact's area in m²; InputError where it is not given. Not for the paper's law, whose
+        k is c x_s."""
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         if self.density is not None and self.sound_velocity is not None:
@@ -116,14 +116,10 @@ def mindlin_stiffness(
     poisson_ratio : nu, above -1 and at most 1/2, one number or a pair.
     The law takes m² and gives N/m. Raises InputError otherwise.
     """
-    pairs = []
-    for name, value in (("shear_modulus", shear_modulus), ("poisson_ratio", poisson_ratio)):
-        pairs.append(value if isinstance(value, tuple | list) else (value, value))
-        if len(pairs[-1]) != 2:
-            refuse(name, value, "must be one number for equal bodies, or a pair")
+    moduli, ratios = pair("shear_modulus", shear_modulus), pair("poisson_ratio", poisson_ratio)
     compliance = 0.0
-    for modulus, ratio in zip(*pairs, strict=True):
-        if not -1.0 < finite("poisson_ratio", ratio) <= 0.5:
+    for modulus, given in zip(moduli, ratios, strict=True):
+        if not -1.0 < (ratio := finite("poisson_ratio", given)) <= 0.5:
             refuse("poisson_ratio", ratio, "must be above -1 and at most 1/2, such as 0.3")
         compliance += (2.0 - ratio) / positive("shear_modulus", modulus)
     return PowerLaw(8.0 / compliance / float(np.sqrt(np.pi)), 0.5)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import between, one_of, positive, refuse, whole
+from origins.errors import between, one_of, pair, positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
 
@@ -48,16 +48,13 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
     if pixel_size is None:
         rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres, or open the scan with its "
         refuse("pixel_size", pixel_size, rule + "physical_sizes given")
-    dx, dy = pixel_sizes(pixel_size)
+    dx, dy = _pixel_sizes(pixel_size)
     return Topography(_height_array(values) * scale, (dx * scale, dy * scale))
 
 
-def pixel_sizes(pixel_size: object) -> tuple[float, float]:
-    """`pixel_size`, one number or a pair, as (dx, dy), both above zero."""
-    given = pixel_size if isinstance(pixel_size, tuple | list | np.ndarray) else (pixel_size,) * 2
-    if len(given) != 2:
-        refuse("pixel_size", pixel_size, "must be one number or a pair (dx, dy)")
-    return positive("pixel_size[0]", given[0]), positive("pixel_size[1]", given[1])
+def _pixel_sizes(pixel_size: object) -> tuple[float, float]:
+    dx, dy = pair("pixel_size", pixel_size)
+    return positive("pixel_size[0]", dx), positive("pixel_size[1]", dy)
 
 
 def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
@@ -73,14 +70,10 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
     count = {"centre": 1, "tilt": 3, "curvature": 6}[detrend]
     terms = np.stack([np.ones_like(x), x, y, x * x, y * y, x * y][:count], axis=-1)
     measured = np.isfinite(heights)
-    # fitted about their mean, in units of their range, for heights in any unit and far from zero
-    values = heights[measured]
-    middle, span = float(values.mean()), float(np.ptp(values))
-    coefficients = np.linalg.lstsq(terms[measured], (values - middle) / (span or 1.0), rcond=None)[
-        0
-    ]
-    rest = heights - middle - span * (terms @ coefficients)
-    if not float(np.nanstd(rest)) > 1e-12 * float(np.abs(values).max()):  # else it is round-off
+    from_mean = heights - np.nanmean(heights)  # for heights far from zero
+    coefficients = np.linalg.lstsq(terms[measured], from_mean[measured], rcond=None)[0]
+    rest = from_mean - terms @ coefficients
+    if not np.nanstd(rest) > 1e-12 * np.nanmax(np.abs(heights)):  # else it is round-off
         rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
         refuse("heights", heights, rule)
     return Topography(rest, surface.pixel_size)
@@ -145,7 +138,7 @@ def self_affine_surface(
     if needed > total:
         rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {total / 1e9:.3g} GB"
         refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
-    dx, dy = pixel_sizes(pixel_size)
+    dx, dy = _pixel_sizes(pixel_size)
     hurst = between("hurst", hurst, 0.0, 1.0, "it is the Hurst exponent")
     rms_slope = between("rms_slope", rms_slope, 1e-20, 1e20, "it is metres per metre")
     least, box = 2.0 * max(dx, dy), max(n_x * dx, n_y * dy)

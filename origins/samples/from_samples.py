@@ -242,15 +242,14 @@ def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
     """The laws from samples that `thresholds` is, or is a mixture of."""
     if isinstance(thresholds, Sampled):
         return [thresholds]
-    given = thresholds.given if isinstance(thresholds, Mixture) else ()
-    return [part for _, law in given for part in sampled_parts(law)]
+    components = thresholds.components if isinstance(thresholds, Mixture) else ()
+    return [part for law in components for part in sampled_parts(law)]
 
 
 def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
     """The law that other samples would have given, in a mixture of each part."""
     if isinstance(law, Mixture) and not isinstance(law, Sampled):
-        weights = np.array([weight for weight, _ in law.given])
-        return Mixture([_anew(part, generator) for _, part in law.given], weights)
+        return Mixture([_anew(part, generator) for part in law.components], law.weights)
     if not isinstance(law, Sampled):
         return law
     size = max(round(law.effective_samples), 2)

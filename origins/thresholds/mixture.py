@@ -87,7 +87,8 @@ def continuous_mixture(
         weights = weights * [non_negative("density", density_of(phi)) for phi in phis]
         if not weights.sum() > 0.0:
             refuse("density", density, "is zero at all phi asked")
-        laws = [as_thresholds(law(phi)) for phi in phis]
+        there = [phi for phi, weight in zip(phis, weights, strict=True) if weight > 0.0]
+        laws, weights = [as_thresholds(law(phi)) for phi in there], weights[weights > 0.0]
         if not x.size:
             x = np.unique([x for part in laws for x in (*part.ppf(_TAILS), *part.isf(_TAILS))])
         average = ContinuousMixture(laws, weights / weights.sum())
@@ -104,37 +105,20 @@ def continuous_mixture(
 
 
 class Mixture(Thresholds):
-    """Sums of the components' functions, all positive, so that no accuracy is lost.
-
-    given : pairs of weight and law, as they were given.
-    components, weights : the same with mixtures among them taken apart, so that none lies within another.
-    """
-
-    components: tuple[Thresholds, ...]
-    weights: Array
+    """Sums of the components' functions, all positive, so that no accuracy is lost."""
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
-        """Join the components; those of a mixture within become its own."""
-        self.given = tuple(zip(weights.tolist(), components, strict=True))
-        parts: list[tuple[float, Thresholds]] = []
-        for share, law in (pair for pair in self.given if pair[0] > 0.0):
-            if isinstance(law, Mixture):
-                parts += zip((share * law.weights).tolist(), law.components, strict=True)
-            else:
-                parts.append((share, law))
-        self.weights = np.array([weight for weight, _ in parts])
-        self.components = tuple(part for _, part in parts)
+        self.components, self.weights = tuple(components), weights
         lower, upper = zip(*(part.support() for part in self.components), strict=True)
         self._support = min(lower), max(upper)
         first = (part for part in self.components if part.support()[0] == min(lower))
         self.onset_power = min(part.onset_power for part in first)
         self.breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
         self.cut_weight = float(self.weights @ [part.cut_weight for part in self.components])
-        positions, place = np.unique(
-            np.concatenate([part.atoms[0] for part in self.components]), return_inverse=True
-        )
-        shares = np.concatenate([weight * part.atoms[1] for weight, part in parts])
-        self.atoms = positions, np.bincount(place, shares, positions.size).astype(float)
+        atoms = zip(self.components, weights.tolist(), strict=True)
+        x, shares = np.hstack([(c.atoms[0], weight * c.atoms[1]) for c, weight in atoms])
+        places, index = np.unique(x, return_inverse=True)
+        self.atoms = places, np.bincount(index, shares, places.size).astype(float)
 
     def support(self) -> tuple[float, float]:
         return self._support
@@ -143,10 +127,10 @@ class Mixture(Thresholds):
         return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))
 
     def _log_sum(self, values: list[Array]) -> Array:
+        highest = np.maximum.reduce(values)
+        level = np.where(np.isfinite(highest), highest, 0.0)
         with np.errstate(divide="ignore"):
-            return np.logaddexp.reduce(
-                [np.log(w) + v for w, v in zip(self.weights, values, strict=True)]
-            )
+            return level + np.log(self._sum([np.exp(value - level) for value in values]))
 
     def _pdf(self, x: Array) -> Array:
         return self._sum([c.pdf(x) for c in self.components])
