@@ -148,8 +148,8 @@ def gw_gaussian(
     A contact compressed by delta breaks at x_s = scale (delta/sigma_h)^b, where b of elastic contacts is 3/4 under the
     law "paper", 1 under "amontons" and 1/2 under "strength", and b of plastic ones 1/2.
 
-    Light load, h0 >> sigma_h, is the exponential case, S(x) = exp[-(h0/sigma_h)(x/scale)^(1/b)] up to
-    (sigma_h/h0)²: the paper's law gives (GW3) and (GW4), gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).
+    Light load, h0 >> sigma_h, is the exponential case up to (sigma_h/h0)²: the paper's law gives (GW3) and (GW4),
+    gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).
 
     separation : h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Below 0 the load is heavy; below about -3
         every summit touches, and the model hardly applies. separation_of_pressure finds it from a load.

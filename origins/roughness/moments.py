@@ -112,8 +112,7 @@ def spectral_moments(
 
     heights, pixel_size : as in as_topography, metres, or a topography object with its own unit.
     detrend : least-squares trend removed first, "curvature", "tilt" or "centre".
-    step : neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine, but uses all points.
-        m0 does not depend on it.
+    step : neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine. m0 is the same.
     periodic : whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
 
     Raises InputError for a flat surface, for one too small for the step, where missing points leave less than

@@ -111,9 +111,7 @@ def self_affine_surface(
     the seed: the rms slope, from the sum over modes of |a_q|² q², is `rms_slope` exactly. The power spectrum is
     ~ q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
 
-    Nearest-neighbour differences replace q_x by 2 sin(q_x dx/2)/dx: the mean square slope by periodic differences
-    (spectral_moments with periodic=True) is exactly the sum over modes of
-    |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²].
+    Periodic differences (spectral_moments with periodic=True) see q_x as 2 sin(q_x dx/2)/dx, and q_y likewise.
 
     shape : numbers of points along both axes, at least 4.
     pixel_size : distance between points, one number or (dx, dy).

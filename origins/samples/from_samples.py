@@ -110,8 +110,7 @@ class Sampled(Mixture):
     polynomial's variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is
     that of the samples. Time grows as n log n with the number of samples, memory is a few copies of them.
 
-    n_samples : int
-    effective_samples : (sum of the weights)^2 / sum of their squares, used in the errors; n_samples without weights.
+    n_samples, effective_samples : their number, and (sum of the weights)^2 / sum of their squares, used in the errors.
     cdf_error : the cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once,
         with 95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
     cdf_misfit : largest distance of this smooth cdf from the empirical one.
@@ -119,8 +118,7 @@ class Sampled(Mixture):
     samples, shares : arrays of shape (n,), the different values, sorted, and their weights, of sum 1.
     smooth_part : the law without its atoms, or None.
     onset_power, onset_power_error : m and its error. Where P_c begins at a finite value, m = 0, and the error is the
-        size of a fitted power plus its own error; inf where the samples are too far from 0, or begin too sharply, to
-        determine m.
+        size of a fitted power plus its own error; inf where the samples do not determine m.
     """
 
     def __init__(
@@ -135,7 +133,7 @@ class Sampled(Mixture):
         self.cdf_error = float(np.sqrt(np.log(2.0 / 0.05) / (2.0 * size)))
         first = np.append(0, np.flatnonzero(np.diff(x) > 1e-12 * x[1:]) + 1)
         values, shares = x[first], np.add.reduceat(shares, first)
-        counts = np.diff(np.append(first, x.size)).astype(float)
+        counts = np.diff(first, append=x.size)
         atom = _exact(values, counts) if known is None else np.isin(values, known)
         if (~atom).sum() == 1:  # its width cannot be estimated
             atom[:] = True
@@ -148,8 +146,6 @@ class Sampled(Mixture):
             laws, weights, self.smooth_part = [*laws, part], np.append(weights, weight), part
         super().__init__(laws, weights / weights.sum())
         self.samples, self.shares = values, shares
-        if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:
-            self.onset_power_error = self.smooth_part.onset_power_error
         up_to, steps = self.cdf(values), np.cumsum(shares)
         below = up_to.copy()
         below[atom] -= self.atoms[1]

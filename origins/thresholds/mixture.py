@@ -111,8 +111,9 @@ class Mixture(Thresholds):
         self.components, self.weights = tuple(components), weights
         lower, upper = zip(*(part.support() for part in self.components), strict=True)
         self._support = min(lower), max(upper)
-        first = (part for part in self.components if part.support()[0] == min(lower))
-        self.onset_power = min(part.onset_power for part in first)
+        starting = (part for part in self.components if part.support()[0] == min(lower))
+        first = min(starting, key=lambda part: part.onset_power)
+        self.onset_power, self.onset_power_error = first.onset_power, first.onset_power_error
         self.breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
         self.cut_weight = float(self.weights @ [part.cut_weight for part in self.components])
         atoms = zip(self.components, weights.tolist(), strict=True)
