@@ -172,15 +172,11 @@ def gw_gaussian(
     exponents = {"paper": 0.75, "amontons": 1.0, "strength": 0.5}
     exponent, at = exponents[one_of("law", law, (*exponents,))], np.inf
     if one_of("regime", regime, REGIMES) == "mixed":
-        if plasticity_index is None:
-            rule = 'regime = "mixed" needs it, such as plasticity_index = 5.0'
-            refuse("plasticity_index", plasticity_index, rule)
         psi = between("plasticity_index", plasticity_index, 1e-100, 1e100, "it is a pure number")
         at = (2.25 * np.pi / psi) ** 2
     elif plasticity_index is not None:
-        refuse(
-            "plasticity_index", plasticity_index, 'belongs to regime = "mixed" alone; leave it out'
-        )
+        rule = 'belongs to regime = "mixed" alone; leave it out'
+        refuse("plasticity_index", plasticity_index, rule)
     if regime == "plastic":
         exponent = 0.5
     # `scale` belongs to the part that includes delta = sigma_h

@@ -88,10 +88,8 @@ def _height_array(heights: object) -> Array:
         refuse("heights", heights, f"must be a two-dimensional array in metres, or {such}")
     if values.ndim != 2 or min(values.shape) < 3:
         refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
-    if np.isinf(values).any():
-        refuse("heights", values, "must be finite, or NaN where none is known")
-    if not np.isfinite(values).any():
-        refuse("heights", values, "every point is missing; a surface needs heights")
+    if np.isinf(values).any() or np.isnan(values).all():
+        refuse("heights", values, "must be finite, or NaN at some points, where none is known")
     return values
 
 

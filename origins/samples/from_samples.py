@@ -25,14 +25,9 @@ def from_samples(
 ) -> Thresholds:
     """A smooth P_c through threshold values of your own; one value, or all equal to within 1e-9, gives identical().
 
-    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one occurs at least 10
-    times more often than 5 times the second largest count among the two values on either side of it; and where there
-    are at most 8 values in all, each 10 times or more, that are not equally spaced, or at most 3. Equal means to within
-    1e-12. Samples rounded to a grid, whose neighbours repeat equally often, stay smooth.
-
-    Few samples far from all others keep their effect on the mean, though not always their place. Where a law misplaces
-    a tenth of the samples more than sampling explains, they are refused: give each narrow peak or group separately, in
-    a mixture.
+    Values that repeat, to within 1e-12, are exact, atoms of the law, where rounding to a grid does not explain it:
+    where one occurs at least 10 times more often than 5 times the second largest count among the two values on either
+    side of it; and where there are at most 8 values, each 10 times or more, that are not equally spaced, or at most 3.
 
     x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
@@ -46,7 +41,7 @@ def from_samples(
     Sampled), and `origins.bootstrap` gives that of any number derived from it.
     Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths,
     unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given, and for samples
-    that no smooth density follows.
+    a tenth of which a smooth law misplaces, beyond what sampling explains: give each peak or group apart, in a mixture.
     """
     if (x_s is None) == (f_s is None):
         rule = "give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
@@ -104,11 +99,10 @@ def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
 class Sampled(Mixture):
     """A smooth law through samples, with their exact values as atoms.
 
-    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/log_polynomial.py). The
-    likelihood also determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest
-    sample, and whether it ends as an exponential or with an edge at the largest; for thresholds over decades the
-    polynomial's variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is
-    that of the samples. Time grows as n log n with the number of samples, memory is a few copies of them.
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/log_polynomial.py), which also
+    determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest sample, and
+    whether it ends as an exponential or with an edge at the largest. Beyond the extreme samples there is about one
+    sample's weight. <x_s> is that of the samples.
 
     n_samples, effective_samples : their number, and (sum of the weights)^2 / sum of their squares, used in the errors.
     cdf_error : the cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once,
@@ -217,18 +211,14 @@ def bootstrap_laws(
     """Laws that other samples would have given: as many as the effective ones, drawn from the smooth law `thresholds`
     itself and smoothed in the same way (smoothed bootstrap, Silverman and Young, Biometrika 74, 469, 1987).
 
-    Drawing from the law, not from the samples, gives no ties except its exact values, which keep their places and vary
-    in weight, and shows the effect of smoothing on a statistic. It cannot show structure that the law itself has
-    missed. In a mixture each part from samples is drawn again; its weight and all other parts stay.
+    Exact values keep their places and vary in weight. Structure that the law itself has missed cannot show. In a
+    mixture each part from samples is drawn again; its weight and all other parts stay.
 
     Raises InputError for thresholds without samples of at least two values, and for a continuous_mixture, whose laws
     may all come from the same samples.
     """
-    if not sampled_parts(thresholds):
-        rule = "must come from from_samples, or be a mixture with such a law, with at least two different values"
-        refuse("thresholds", thresholds, rule)
-    if isinstance(thresholds, ContinuousMixture):
-        rule = "must not be a continuous mixture: its laws may all be of the same samples"
+    if not sampled_parts(thresholds) or isinstance(thresholds, ContinuousMixture):
+        rule = "must come from at least two different values in from_samples, or be a finite mixture with such a law"
         refuse("thresholds", thresholds, rule)
     count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
     return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))

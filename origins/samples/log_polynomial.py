@@ -58,7 +58,9 @@ class LogPolynomial(Thresholds):
         """Prepare the columns and their sums over samples and over panels, and fit the coefficients."""
         self.power, self.decades = power, decades
         self.from_zero, self.open_above = from_zero, open_above
-        self._size, self._extremes = size, (float(x[0]), float(x[-1]))
+        self._size, first, last = size, float(x[0]), float(x[-1])
+        self._support = 0.0 if from_zero else first, np.inf if open_above else last
+        self.breakpoints = np.unique([self._support[0], first, last])
         self._unit = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
         x = x / self._unit
         first, last = self._first, self._last = float(x[0]), float(x[-1])
@@ -89,14 +91,6 @@ class LogPolynomial(Thresholds):
         self._nodes, self._log_weights = self.columns(nodes), np.log((half * _WEIGHTS).ravel())
         self._fit(few=x.size < 3)
         del self._nodes, self._log_weights  # a megabyte, which ranks would send one another
-
-    def support(self) -> tuple[float, float]:
-        first, last = self._extremes
-        return 0.0 if self.from_zero else first, np.inf if self.open_above else last
-
-    @property
-    def breakpoints(self) -> Array:
-        return np.unique([end for end in (*self.support(), *self._extremes) if np.isfinite(end)])
 
     def _log_weight(self, x: Array) -> Array:
         # no product of matrices: each value has the same bits whatever the other x

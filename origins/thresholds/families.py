@@ -29,10 +29,8 @@ class Rectangular(Thresholds):
     onset_power = 0.0
 
     def __init__(self, lower: float, upper: float) -> None:
-        self._lower, self._upper, self._width = lower, upper, upper - lower
-
-    def support(self) -> tuple[float, float]:
-        return self._lower, self._upper
+        self._lower, self._upper = self._support = lower, upper
+        self._width = upper - lower
 
     def _pdf(self, x: Array) -> Array:
         return np.full(x.shape, 1.0 / self._width)
@@ -52,11 +50,8 @@ class Identical(Thresholds):
     """All weight in one atom; the density is zero everywhere."""
 
     def __init__(self, value: float) -> None:
-        self._value = value
+        self._value, self._support = value, (value, value)
         self.breakpoints, self.atoms = np.array([value]), (np.array([value]), np.ones(1))
-
-    def support(self) -> tuple[float, float]:
-        return self._value, self._value
 
     def _pdf(self, x: Array) -> Array:
         return np.zeros(x.shape)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import between, finite, finite_array, non_negative, positive, refuse
+from origins.errors import between, finite, non_negative, positive_array, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
@@ -25,12 +25,10 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
     if isinstance(components, Thresholds) or not isinstance(components, Sequence) or not components:
         such = "such as [identical(0.9), identical(1.1)]"
         refuse("components", components, f"must be a list of thresholds, {such}")
-    shares = finite_array("weights", weights)
+    shares = positive_array("weights", weights)
     if shares.size != len(components):
         rule = f"must hold one weight for each of the {len(components)} components"
         refuse("weights", weights, rule)
-    for i, share in enumerate(shares):
-        positive(f"weights[{i}]", share)
     if abs((whole := float(shares.sum())) - 1.0) > 1e-12:
         refuse("weights", weights, f"must add up to 1, not {whole:.15g}; divide each by their sum")
     return Mixture([as_thresholds(component) for component in components], shares / whole)
@@ -50,8 +48,8 @@ def continuous_mixture(
     Parameters
     ----------
     law : function of phi
-        The normalised law of one phi: Thresholds or a frozen scipy.stats distribution, smooth in phi. Where a misfit
-        multiplies the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
+        The law of one phi, smooth in phi: Thresholds or a frozen scipy.stats distribution. Where a misfit multiplies
+        the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
     lower, upper : float
         Ends of phi, in any unit.
     density : function of phi
@@ -67,8 +65,7 @@ def continuous_mixture(
         is that of the laws at the nodes.
 
     Raises InputError for values outside these, and where 512 laws do not reach the accuracy, as where P_c(x; phi) has
-    exact values or jumps that move with phi: the average has none, while a finite mixture has one for each law, and
-    therefore another K*.
+    exact values or jumps that move with phi: a finite mixture has them, and another K*, while the average has none.
     """
     lower, upper = finite("lower", lower), finite("upper", upper)
     accuracy = between("accuracy", accuracy, 1e-15, 1e-8, "sums over few laws have another K*")
@@ -120,9 +117,6 @@ class Mixture(Thresholds):
         x, shares = np.hstack([(c.atoms[0], weight * c.atoms[1]) for c, weight in atoms])
         places, index = np.unique(x, return_inverse=True)
         self.atoms = places, np.bincount(index, shares, places.size).astype(float)
-
-    def support(self) -> tuple[float, float]:
-        return self._support
 
     def _sum(self, values: list[Array]) -> Array:
         return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))

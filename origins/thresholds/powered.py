@@ -74,6 +74,8 @@ class Powered(Thresholds):
         if not isinstance(power, Bend) or power.above == power.exponent:
             power = straight(power.coefficient, power.exponent)
         self.base, self.power, self._back = base, power, straight(1.0, 1.0).against(power)
+        lower, upper = power(base.support()).tolist()
+        self._support = lower, upper
         self.atoms = power(base.atoms[0]), base.atoms[1]
         marks = np.unique(np.append(power(base.breakpoints), self._back.at))
         self.breakpoints = marks[np.isfinite(marks)]
@@ -83,10 +85,6 @@ class Powered(Thresholds):
         self._at_zero = -np.inf * self.onset_power  # log P_c(0)
         if self.onset_power == 0.0:  # the density begins at a finite value, the cdf over x
             self._at_zero = float(np.log(1e-30 / self.ppf(1e-30)))
-
-    def support(self) -> tuple[float, float]:
-        lower, upper = self.power(np.array(self.base.support()))
-        return float(lower), float(upper)
 
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
