@@ -6,6 +6,8 @@ hardness times area). The two loads are equal at one compression, and so are the
 continuous there, but the threshold as a function of delta has a kink and P_c has a jump.
 """
 
+from typing import Any
+
 import numpy as np
 from scipy.special import log_ndtr
 
@@ -30,7 +32,11 @@ class Summits:
     """
 
     def __init__(
-        self, moments: SpectralMoments, material: Material, regime: str, height_law: str
+        self,
+        moments: SpectralMoments,
+        material: Material,
+        regime: str = "elastic",
+        height_law: str = "gaussian",
     ) -> None:
         one_of("regime", regime, REGIMES)
         self.heights = one_of("height_law", height_law, ("gaussian", "exponential"))
@@ -98,36 +104,22 @@ class Summits:
             refuse(name, value, rule)
 
 
-def separation_of_pressure(
-    moments: SpectralMoments,
-    pressure: float,
-    *,
-    material: Material,
-    regime: str = "elastic",
-    height_law: str = "gaussian",
-) -> float:
+def separation_of_pressure(moments: SpectralMoments, pressure: float, **options: Any) -> float:
     """h0 in m, the height of the flat above the summits' mean plane, under a nominal pressure in Pa.
 
-    moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does.
+    moments, and as options material, regime, height_law : as in from_moments. Raises InputError as from_moments does.
     """
-    summits = Summits(moments, material, regime, height_law)
+    summits = Summits(moments, **options)
     return float(summits.pressed(positive("pressure", pressure)) * summits.std)
 
 
-def pressure_of_separation(
-    moments: SpectralMoments,
-    separation: float,
-    *,
-    material: Material,
-    regime: str = "elastic",
-    height_law: str = "gaussian",
-) -> float:
+def pressure_of_separation(moments: SpectralMoments, separation: float, **options: Any) -> float:
     """Nominal pressure in Pa that holds the flat at `separation`, in m above the summits' mean plane.
 
-    moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does, for a flat below
-    h = 0 under exponential heights, and for one so high that the pressure underflows.
+    moments, and as options material, regime, height_law : as in from_moments. Raises InputError as from_moments does,
+    for a flat below h = 0 under exponential heights, and for one so high that the pressure underflows.
     """
-    summits = Summits(moments, material, regime, height_law)
+    summits = Summits(moments, **options)
     z = finite("separation", separation) / summits.std
     summits.check(z, "separation", separation, "raise it")
     pressure = float(np.exp(summits.log_pressure(z)))

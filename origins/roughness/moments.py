@@ -1,6 +1,7 @@
 """Profile spectral moments of a surface, by nearest-neighbour differences or from its spectrum, and the summits they
 imply."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -126,8 +127,7 @@ def spectral_moments(
     if min(shape) < 2 * step + 1:
         rule = f"the scan of {shape} points needs at least 2 step + 1 along each axis"
         refuse("step", step, rule)
-    level = detrended(surface, detrend)
-    h, inside = level.heights, [n if periodic else n - 2 * step for n in shape]
+    h = detrended(surface.heights, detrend)
     wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
     inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
     ahead = np.stack([wide[after, inner], wide[inner, after]])
@@ -136,13 +136,11 @@ def spectral_moments(
     # a point counts only where both axes have a difference
     slopes, curvatures = (d[:, np.isfinite(d).all(axis=0)] for d in both)
     missing = float(np.isnan(h).mean())
-    used = curvatures.shape[1] / (inside[0] * inside[1])
+    used = curvatures.shape[1] / math.prod(n if periodic else n - 2 * step for n in shape)
     if used < 0.5:
-        rule = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils"
-        refuse(
-            "heights", h, f"{rule}, less than half; fill them in or cut out a part that is whole"
-        )
-    dx, dy = level.pixel_size
+        rule = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils, less than half"
+        refuse("heights", h, f"{rule}; fill them in or cut out a part that is whole")
+    dx, dy = surface.pixel_size
     sizes = np.array([step * dx, step * dy])
     m2, m4 = (slopes**2).mean(axis=1) / sizes**2, (curvatures**2).mean(axis=1) / sizes**4
     return SpectralMoments(

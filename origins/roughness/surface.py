@@ -57,15 +57,14 @@ def _pixel_sizes(pixel_size: object) -> tuple[float, float]:
     return positive("pixel_size[0]", dx), positive("pixel_size[1]", dy)
 
 
-def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
-    """The surface minus its least-squares trend, fitted to the points that are not missing.
+def detrended(heights: Array, detrend: str) -> Array:
+    """Heights minus their least-squares trend, fitted to the points that are not missing; shape and unit as given.
 
     "curvature": polynomial of second order with the xy term; "tilt": plane; "centre": mean height.
 
     Raises InputError for any other name and where the surface equals its trend.
     """
     one_of("detrend", detrend, ("curvature", "tilt", "centre"))
-    heights = surface.heights
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in heights.shape), indexing="ij")
     count = {"centre": 1, "tilt": 3, "curvature": 6}[detrend]
     terms = np.stack([np.ones_like(x), x, y, x * x, y * y, x * y][:count], axis=-1)
@@ -76,7 +75,7 @@ def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
     if not np.nanstd(rest) > 1e-12 * np.nanmax(np.abs(heights)):  # else it is round-off
         rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
         refuse("heights", heights, rule)
-    return Topography(rest, surface.pixel_size)
+    return rest
 
 
 def _height_array(heights: object) -> Array:

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.quadrature import gauss
 
 _EDGE = 3.0  # gain in log-likelihood that an edge, or a density diverging at 0, needs beyond a parameter's cost
-_NODES, _WEIGHTS = legendre.leggauss(8)
 
 
 class _State(NamedTuple):
@@ -86,9 +86,8 @@ class LogPolynomial(Thresholds):
         if open_above:
             ends.append(last + (last - first) * np.geomspace(1e-4, 1e4, 30))
         edges = np.unique(np.concatenate(ends))
-        half = 0.5 * np.diff(edges)[:, None]
-        nodes = (edges[:-1, None] + half * (1.0 + _NODES)).ravel()
-        self._nodes, self._log_weights = self.columns(nodes), np.log((half * _WEIGHTS).ravel())
+        nodes, weights = gauss(edges[:-1], edges[1:])
+        self._nodes, self._log_weights = self.columns(nodes.ravel()), np.log(weights.ravel())
         self._fit(few=x.size < 3)
         del self._nodes, self._log_weights  # a megabyte, which ranks would send one another
 
