@@ -84,7 +84,7 @@ class LogPolynomial(Thresholds):
         if from_zero:
             ends += [first * (1.0 - near), last * np.geomspace(1e-30, 1.0, 60)]
         if open_above:
-            ends.append(last + (last - first) * np.geomspace(1e-4, 1e4, 30))
+            ends.append(last + (last - first) * np.geomspace(1e-6, 1e4, 36))
         edges = np.unique(np.concatenate(ends))
         nodes, weights = gauss(edges[:-1], edges[1:])
         self._nodes, self._log_weights = self.columns(nodes.ravel()), np.log(weights.ravel())
