@@ -250,8 +250,7 @@ class Interface:
         too_high = self.law != "strength" and mu > local
         strained = {
             f"the scan is {max(size):.3g} m across: is the unit right?": np.inf > max(size) > 0.1,
-            f"the scan would hold {in_scan:.2g} contacts: what they bear is extrapolated": in_scan
-            < 1.0,
+            f"the scan would hold {in_scan:.2g} contacts: the load is extrapolated": in_scan < 1.0,
             f"patch_area = {patch:.3g} m² is below the {point:.3g} m² of a pixel": patch < point,
             f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan": patch > scan,
             f"contacts cover {covered:.0%} of the surface: {alone}": covered > 0.1,

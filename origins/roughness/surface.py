@@ -40,14 +40,14 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
         if pixel_size is not None:
             refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
         if (unit := getattr(heights, "unit", None)) not in METRES:
-            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size"
-            refuse("heights.unit", unit, f"{rule} in metres")
+            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass metres"
+            refuse("heights.unit", unit, rule)
         if getattr(heights, "physical_sizes", True) is not None:
             pixel_size = getattr(heights, "pixel_size", None)
         values, scale = heights.heights(), METRES[unit]  # type: ignore[attr-defined]
     if pixel_size is None:
-        rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres, or open the scan with its "
-        refuse("pixel_size", pixel_size, rule + "physical_sizes given")
+        rule = "must be (dx, dy) in metres: heights alone have no slope; or open the scan with its physical_sizes"
+        refuse("pixel_size", pixel_size, rule)
     dx, dy = _pixel_sizes(pixel_size)
     return Topography(_height_array(values) * scale, (dx * scale, dy * scale))
 
