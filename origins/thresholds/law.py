@@ -61,19 +61,12 @@ class Thresholds:
 
     Raises InputError, with the family's name, where its survival leaves [0, 1].
 
-    Attributes
-    ----------
-    onset_power : float
-        m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any
-        power, or where nothing continuous begins there.
-    onset_power_error : float
-        Its error: 0 where the family defines it, else that of the fit.
-    domains : DomainSamples or None
-        Barriers, angles and sizes of the islands, where the law comes from rotated domains.
-    interface : Interface or None
-        Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
-    cut_weight : float
-        Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
+    onset_power : m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any power,
+        or where nothing continuous begins there.
+    onset_power_error : its error: 0 where the family defines it, else that of the fit.
+    interface : Interface, load, contact density, stiffness and friction in SI units, where the law is a surface's.
+    domains : DomainSamples, barriers, angles and sizes of the islands, where the law is that of rotated domains.
+    cut_weight : weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
     """
 
     onset_power: float = np.inf

@@ -45,25 +45,15 @@ def continuous_mixture(
 
     Finitely many orientations are a mixture: mixture([law(phi_1), law(phi_2)], [R_1, R_2]).
 
-    Parameters
-    ----------
-    law : function of phi
-        The law of one phi, smooth in phi: Thresholds or a frozen scipy.stats distribution. Where a misfit multiplies
-        the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
-    lower, upper : float
-        Ends of phi, in any unit.
-    density : function of phi
-        R(phi) >= 0, normalised here; left out: all phi equal. Smooth in phi.
-    accuracy : float
-        Of the survival, absolute, and of <x_s>, relative; at most 1e-8. Gauss's rule takes 8 phi, 16, ... up to 512,
-        until doubling them changes the sums by less.
+    law : function of phi, and smooth in it, that returns Thresholds or a frozen scipy.stats distribution. Where a
+        misfit multiplies the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
+    lower, upper : ends of phi, in any unit.
+    density : smooth function of phi, R(phi) >= 0, normalised here; left out: all phi equal.
+    accuracy : of the survival, absolute, and of <x_s>, relative; at most 1e-8. Gauss's rule takes 8 phi, 16, ... up to
+        512, until doubling them changes the sums by less.
 
-    Returns
-    -------
-    thresholds : ContinuousMixture
-        A mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability below it
-        is that of the laws at the nodes.
-
+    Returns a mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability
+    below it is that of the laws at the nodes.
     Raises InputError for values outside these, and where 512 laws do not reach the accuracy, as where P_c(x; phi) has
     exact values or jumps that move with phi: a finite mixture has them, and another K*, while the average has none.
     """
