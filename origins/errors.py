@@ -111,6 +111,22 @@ def finite_array(name: str, value: object) -> np.ndarray:
     return array
 
 
+def positive_array(name: str, value: object) -> np.ndarray:
+    """`value` as such an array of numbers above zero."""
+    array = finite_array(name, value)
+    for bad in np.flatnonzero(array <= 0.0):
+        refuse(f"{name}[{bad}]", array[bad], "must be above zero")
+    return array
+
+
+def pair(name: str, value: object) -> tuple[object, object]:
+    """`value`, one number or a pair of them, as a pair."""
+    given = value if isinstance(value, tuple | list | np.ndarray) else (value, value)
+    if len(given) != 2:
+        refuse(name, value, "must be one number or a pair")
+    return given[0], given[1]
+
+
 def one_of(name: str, value: object, names: tuple[str, ...]) -> str:
     """`value` as one of these names."""
     if not isinstance(value, str) or value not in names:

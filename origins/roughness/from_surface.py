@@ -54,22 +54,16 @@ def from_moments(
     model : "gw": Greenwood and Williamson's summits, counted and shaped by the spectral moments (McCool 1986), heights
         measured from the summits' mean plane. "persson": normal stress in the real contact, of width
         E* h'_rms/2^(1/2), on patches of `patch_area`.
-    law : from the area A and load w of a contact to its threshold x_s = f_s/k:
-        "paper": f_s = mu w and f_s = c x_s², so that k = c x_s;
-        "amontons": f_s = mu w, with k = G A^(1/2);
-        "strength": f_s = tau A, with k = G A^(1/2).
-        Then x_s ~ delta^b, delta the compression of a summit, with b = 3/4, 1, 1/2 (1/2 always for plastic ones), and
-        x_s ~ s^b, s the stress on a patch, with b = 1/2 (PcPersson3), 1, refused: patches of one area would break at
-        one threshold. For k other than ~ A^(1/2) give Material(contact_stiffness=...), which "paper" refuses.
+    law : from the area A and load w of a contact to its threshold x_s = f_s/k (docs/rough-surfaces.md compares them):
+        "paper": f_s = mu w and f_s = c x_s², so that k = c x_s; refuses contact_stiffness;
+        "amontons": f_s = mu w, with k = G A^(1/2), or the material's contact_stiffness;
+        "strength": f_s = tau A, with the same k; refused for patches, which would all break at one threshold.
     material : SI units; InputError names the constants that the law needs and the material lacks.
     pressure : nominal pressure, Pa.
     regime : gw only. "elastic"; "plastic": every summit carries hardness times area, pi r delta H (paper, Eq. GW2);
-        "mixed": only those compressed by more than r (3 pi H/4E*)² do, where this load equals Hertz' load. Area and
-        load are continuous there, and so is x_s; P_c jumps. Persson's stresses are elastic.
-    patch_area : persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Under
-        both laws x_s and <k> are proportional to patch_area^(1/2) ("amontons" with k ~ A^e: x_s to patch_area^(1-e),
-        <k> to patch_area^e) and the contact density to its inverse; shape, propensity and friction coefficient do not
-        change. Use `interface.mean_area` of model="gw" on the same surface, under the same pressure.
+        "mixed": only those compressed by more than r (3 pi H/4E*)² do, where this load equals Hertz'; P_c jumps there.
+    patch_area : persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Use
+        `interface.mean_area` of model="gw" on the same surface, under the same pressure.
     height_law : gw only: "gaussian" or "exponential" heights of the summits, either of the measured standard deviation.
 
     The result has `.interface`, the Interface: area fraction, contact density, <k>, plasticity, friction coefficient.
@@ -184,12 +178,12 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Threshol
     force = (area if law == "strength" else load).times(strength)
     if law == "paper":
         coefficient = material.needed("force_coefficient", 'law = "paper"')
-        thresholds = Powered(size, force.times(1.0 / coefficient).raised(0.5))
+        thresholds = Powered(size, force.times(coefficient**-0.5, 0.5))
         stiffness = coefficient * thresholds.mean()  # k = c x_s
     else:
         of_area = material.stiffness(law)
-        each = area.raised(of_area.exponent).times(of_area.coefficient)
-        stretch = force.times(1.0 / each.coefficient, -each.exponent)
+        each = area.times(of_area.coefficient, of_area.exponent)
+        stretch = force.times(1.0 / each.coefficient, exponent=-each.exponent)
         if not min(stretch.exponent, stretch.above) > 0.0:
             raise InputError(
                 f"material.contact_stiffness: k ~ A^{of_area.exponent:g} makes thresholds fall as a summit is pressed "
@@ -200,7 +194,7 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Threshol
     density, pressure = fields["contact_density"], fields["pressure"]
     carried = fields["area_fraction"] if law == "strength" else pressure
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
-    radius = area.times(1.0 / np.pi).raised(0.5)
+    radius = area.times(np.pi**-0.5, 0.5)
     thresholds.interface = Interface(
         **fields,
         mean_radius=radius.coefficient * size._moment(radius.exponent),

@@ -30,7 +30,11 @@ class Summits:
     """
 
     def __init__(
-        self, moments: SpectralMoments, material: Material, regime: str, height_law: str
+        self,
+        moments: SpectralMoments,
+        material: Material,
+        regime: str,
+        height_law: str,
     ) -> None:
         one_of("regime", regime, REGIMES)
         self.heights = one_of("height_law", height_law, ("gaussian", "exponential"))
@@ -124,8 +128,8 @@ def pressure_of_separation(
 ) -> float:
     """Nominal pressure in Pa that holds the flat at `separation`, in m above the summits' mean plane.
 
-    moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does, for a flat below
-    h = 0 under exponential heights, and for one so high that the pressure underflows.
+    moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does,
+    for a flat below h = 0 under exponential heights, and for one so high that the pressure underflows.
     """
     summits = Summits(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std
@@ -148,8 +152,8 @@ def gw_gaussian(
     A contact compressed by delta breaks at x_s = scale (delta/sigma_h)^b, where b of elastic contacts is 3/4 under the
     law "paper", 1 under "amontons" and 1/2 under "strength", and b of plastic ones 1/2.
 
-    Light load, h0 >> sigma_h, is the exponential case, S(x) = exp[-(h0/sigma_h)(x/scale)^(1/b)] up to
-    (sigma_h/h0)²: the paper's law gives (GW3) and (GW4), gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).
+    Light load, h0 >> sigma_h, is the exponential case up to (sigma_h/h0)²: the paper's law gives (GW3) and (GW4),
+    gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).
 
     separation : h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Below 0 the load is heavy; below about -3
         every summit touches, and the model hardly applies. separation_of_pressure finds it from a load.
@@ -172,15 +176,11 @@ def gw_gaussian(
     exponents = {"paper": 0.75, "amontons": 1.0, "strength": 0.5}
     exponent, at = exponents[one_of("law", law, (*exponents,))], np.inf
     if one_of("regime", regime, REGIMES) == "mixed":
-        if plasticity_index is None:
-            rule = 'regime = "mixed" needs it, such as plasticity_index = 5.0'
-            refuse("plasticity_index", plasticity_index, rule)
         psi = between("plasticity_index", plasticity_index, 1e-100, 1e100, "it is a pure number")
         at = (2.25 * np.pi / psi) ** 2
     elif plasticity_index is not None:
-        refuse(
-            "plasticity_index", plasticity_index, 'belongs to regime = "mixed" alone; leave it out'
-        )
+        rule = 'belongs to regime = "mixed" alone; leave it out'
+        refuse("plasticity_index", plasticity_index, rule)
     if regime == "plastic":
         exponent = 0.5
     # `scale` belongs to the part that includes delta = sigma_h

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, between, finite, non_negative, positive, refuse
+from origins.errors import InputError, between, finite, non_negative, pair, positive, refuse
 from origins.roughness.moments import SpectralMoments
 from origins.thresholds.powered import Array, Bend, PowerLaw
 
@@ -25,19 +25,16 @@ class Material:
     contact_modulus : E* of Hertz' theory in Pa, 1/E* = (1 - nu_1²)/E_1 + (1 - nu_2²)/E_2; E/(2(1 - nu²)) for equal
         bodies.
     local_friction : mu, the shear force at which one contact breaks over its normal force.
-    shear_modulus : G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II, App. A, G = rho c²).
-        Mindlin's 8 a G* for equal bodies is 4/((2 - nu) pi^(1/2)) times that, 1.33 for nu = 0.3.
+    shear_modulus : G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II, App. A).
     density, sound_velocity : rho in kg/m³ and the transverse sound velocity c in m/s, another way to give G = rho c².
     hardness : H in Pa, about 3 Y: the mean pressure of a plastic contact.
     shear_strength : tau in Pa, f_s = tau A.
     force_coefficient : c in Pa, f_s = c x_s² (the paper's law); G²/tau is its value where f_s = tau A and
         k = G A^(1/2).
     contact_stiffness : or k in N/m as a PowerLaw of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or
-        your own. The coefficient only sets the scale of x_s and cancels from the friction coefficient; P_c depends on
-        the exponent.
+        your own (docs/rough-surfaces.md compares them).
 
-    Raises InputError for a value not above zero, or not within 1e-20 to 1e20, and where k is given in two ways or only
-    half of one.
+    Raises InputError for a value not within 1e-20 to 1e20, and where k is given in two ways or only half of one.
     """
 
     contact_modulus: float
@@ -67,16 +64,13 @@ class Material:
             refuse(("density", "sound_velocity")[speeds.index(None)], None, _ONE_OF)
 
     def needed(self, name: str, what: str) -> float:
-        """The constant `name`, in SI units; InputError where it was left out though `what`, law or regime, needs it."""
+        """The constant `name`, in SI units; InputError where it was left out though `what` needs it."""
         if (value := getattr(self, name)) is None:
             refuse(f"material.{name}", None, f"{what} needs it; give the material one, in SI units")
         return float(value)
 
     def stiffness(self, law: str) -> PowerLaw:
-        """k in N/m as a power of the contact's area in m² under a threshold law.
-
-        InputError where the material lacks a constant that the law needs. Not for the paper's law, whose k is c x_s.
-        """
+        """k in N/m as a power of the contact's area in m², not for the paper's law; InputError without one."""
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         if self.density is not None and self.sound_velocity is not None:
@@ -86,12 +80,12 @@ class Material:
         return PowerLaw(self.shear_modulus, 0.5)
 
     def critical_compression(self, radius: float) -> float:
-        """Compression above which a summit is plastic, r (3 pi H/4E*)², where the elastic and plastic loads meet; for a
-        material with a hardness."""
+        """Compression in m above which a summit is plastic, r (3 pi H/4E*)², for a material with a hardness."""
         return float(radius * (0.75 * np.pi * (self.hardness or 0.0) / self.contact_modulus) ** 2)
 
     def plasticity_index(self, std: float, radius: float) -> float | None:
-        """psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; None without a hardness. Interface compares it with others' psi."""
+        """psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; None without a hardness. Greenwood and Williamson's is a third of it;
+        the paper's has E and the mean height of exponential summits."""
         if self.hardness is None:
             return None
         return float(3.0 * self.contact_modulus / self.hardness * np.sqrt(std / radius))
@@ -118,14 +112,10 @@ def mindlin_stiffness(
     poisson_ratio : nu, above -1 and at most 1/2, one number or a pair.
     The law takes m² and gives N/m. Raises InputError otherwise.
     """
-    pairs = []
-    for name, value in (("shear_modulus", shear_modulus), ("poisson_ratio", poisson_ratio)):
-        pairs.append(value if isinstance(value, tuple | list) else (value, value))
-        if len(pairs[-1]) != 2:
-            refuse(name, value, "must be one number for equal bodies, or a pair")
+    moduli, ratios = pair("shear_modulus", shear_modulus), pair("poisson_ratio", poisson_ratio)
     compliance = 0.0
-    for modulus, ratio in zip(*pairs, strict=True):
-        if not -1.0 < finite("poisson_ratio", ratio) <= 0.5:
+    for modulus, given in zip(moduli, ratios, strict=True):
+        if not -1.0 < (ratio := finite("poisson_ratio", given)) <= 0.5:
             refuse("poisson_ratio", ratio, "must be above -1 and at most 1/2, such as 0.3")
         compliance += (2.0 - ratio) / positive("shear_modulus", modulus)
     return PowerLaw(8.0 / compliance / float(np.sqrt(np.pi)), 0.5)
@@ -136,12 +126,10 @@ def column_stiffness(
 ) -> PowerLaw:
     """k = (3 pi/4) E_c r_c (r_c/h)³ of a cylinder bent sideways (paper, Eqs. eq15 and eq15a).
 
-    Its radius is r_c = (A/pi)^(1/2), its length h. This is a thin beam without shear and without the bodies'
-    compliance: too stiff where r_c is not below h.
+    Its radius is r_c = (A/pi)^(1/2), its length h: a thin beam without shear, too stiff where r_c is not below h.
 
     youngs_modulus : E_c in Pa; 2 (1 + nu) rho c² in Eq. (eq15a).
-    aspect : r_c/h, the same for every contact, so that k ~ A^(1/2). At aspect = 1 this is (3 pi^(1/2)/2) (1 + nu)
-        times rho c² A^(1/2): 3.5 for nu = 0.3, where the paper writes ~.
+    aspect : r_c/h, the same for every contact, so that k ~ A^(1/2).
     height : or h in m, the same for every contact, the thickness of the interface: then k ~ A².
 
     The law takes m² and gives N/m. Raises InputError for values not above zero, for both and for neither.
@@ -170,12 +158,9 @@ class Interface:
     mean_threshold, mean_stiffness, mean_force_threshold : over fresh contacts, <x_s> in m, <k> in N/m with
         k = f_s/x_s, and <f_s> in N.
     friction_coefficient : kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of
-        x_i (paper, Eq. Q6). Where k is proportional to x_s it is <f_s>/(2 <load>) exactly: half the sum of all
-        thresholds. Number, load and <k> are those of the fresh interface; that sliding favours large thresholds is
-        neglected.
+        x_i (paper, Eq. Q6), with number, load and <k> of the fresh interface.
     force_law : f_s in N as a law of x_s in m: force_threshold.
-    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness. The paper's has E and the
-        mean height of exponential summits; Greenwood and Williamson's, with H in place of Y, is a third of this one.
+    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness.
     plastic_fraction : gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime
         "mixed"; all of them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
     hertz_plastic_fraction : the same if all contacts were elastic under this pressure, whatever the regime.
@@ -265,8 +250,7 @@ class Interface:
         too_high = self.law != "strength" and mu > local
         strained = {
             f"the scan is {max(size):.3g} m across: is the unit right?": np.inf > max(size) > 0.1,
-            f"the scan would hold {in_scan:.2g} contacts: what they bear is extrapolated": in_scan
-            < 1.0,
+            f"the scan would hold {in_scan:.2g} contacts: the load is extrapolated": in_scan < 1.0,
             f"patch_area = {patch:.3g} m² is below the {point:.3g} m² of a pixel": patch < point,
             f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan": patch > scan,
             f"contacts cover {covered:.0%} of the surface: {alone}": covered > 0.1,

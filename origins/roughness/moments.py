@@ -1,13 +1,14 @@
 """Profile spectral moments of a surface, by nearest-neighbour differences or from its spectrum, and the summits they
 imply."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 from scipy.special import exprel
 
-from origins.errors import InputError, finite_array, one_of, positive, refuse, whole
+from origins.errors import InputError, one_of, positive, positive_array, refuse, whole
 from origins.roughness.surface import as_topography, detrended
 
 _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
@@ -112,8 +113,7 @@ def spectral_moments(
 
     heights, pixel_size : as in as_topography, metres, or a topography object with its own unit.
     detrend : least-squares trend removed first, "curvature", "tilt" or "centre".
-    step : neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine, but uses all points.
-        m0 does not depend on it.
+    step : neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine. m0 is the same.
     periodic : whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
 
     Raises InputError for a flat surface, for one too small for the step, where missing points leave less than
@@ -127,8 +127,7 @@ def spectral_moments(
     if min(shape) < 2 * step + 1:
         rule = f"the scan of {shape} points needs at least 2 step + 1 along each axis"
         refuse("step", step, rule)
-    level = detrended(surface, detrend)
-    h, inside = level.heights, [n if periodic else n - 2 * step for n in shape]
+    h = detrended(surface.heights, detrend)
     wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
     inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
     ahead = np.stack([wide[after, inner], wide[inner, after]])
@@ -137,13 +136,11 @@ def spectral_moments(
     # a point counts only where both axes have a difference
     slopes, curvatures = (d[:, np.isfinite(d).all(axis=0)] for d in both)
     missing = float(np.isnan(h).mean())
-    used = curvatures.shape[1] / (inside[0] * inside[1])
+    used = curvatures.shape[1] / math.prod(n if periodic else n - 2 * step for n in shape)
     if used < 0.5:
-        rule = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils"
-        refuse(
-            "heights", h, f"{rule}, less than half; fill them in or cut out a part that is whole"
-        )
-    dx, dy = level.pixel_size
+        rule = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils, less than half"
+        refuse("heights", h, f"{rule}; fill them in or cut out a part that is whole")
+    dx, dy = surface.pixel_size
     sizes = np.array([step * dx, step * dy])
     m2, m4 = (slopes**2).mean(axis=1) / sizes**2, (curvatures**2).mean(axis=1) / sizes**4
     return SpectralMoments(
@@ -175,13 +172,10 @@ def moments_of_spectrum(
 
     Raises InputError for arrays that are not these.
     """
-    q, c = finite_array("wavevectors", wavevectors), finite_array("power", power)
+    q, c = positive_array("wavevectors", wavevectors), positive_array("power", power)
     if q.size < 2 or c.size != q.size:
         rule = f"must hold one value for each of the {q.size} wavevectors, of which two are needed"
         refuse("power", c, rule)
-    for name, values in (("wavevectors", q), ("power", c)):
-        for bad in np.flatnonzero(values <= 0.0):
-            refuse(f"{name}[{bad}]", values[bad], "must be above zero; leave empty bins out")
     if not (np.diff(q) > 0.0).all():
         refuse("wavevectors", q, "must rise from point to point")
     # integrals of q^order C(q), C a power law between neighbours

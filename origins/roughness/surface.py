@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import between, one_of, positive, refuse, whole
+from origins.errors import between, one_of, pair, positive, refuse, whole
 
 Array = npt.NDArray[np.float64]
 
@@ -40,50 +40,42 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
         if pixel_size is not None:
             refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
         if (unit := getattr(heights, "unit", None)) not in METRES:
-            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass heights and pixel_size"
-            refuse("heights.unit", unit, f"{rule} in metres")
+            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass metres"
+            refuse("heights.unit", unit, rule)
         if getattr(heights, "physical_sizes", True) is not None:
             pixel_size = getattr(heights, "pixel_size", None)
         values, scale = heights.heights(), METRES[unit]  # type: ignore[attr-defined]
     if pixel_size is None:
-        rule = "heights without it have no slope; write pixel_size=(dx, dy) in metres, or open the scan with its "
-        refuse("pixel_size", pixel_size, rule + "physical_sizes given")
-    dx, dy = pixel_sizes(pixel_size)
+        rule = "must be (dx, dy) in metres: heights alone have no slope; or open the scan with its physical_sizes"
+        refuse("pixel_size", pixel_size, rule)
+    dx, dy = _pixel_sizes(pixel_size)
     return Topography(_height_array(values) * scale, (dx * scale, dy * scale))
 
 
-def pixel_sizes(pixel_size: object) -> tuple[float, float]:
-    """`pixel_size`, one number or a pair, as (dx, dy), both above zero."""
-    given = pixel_size if isinstance(pixel_size, tuple | list | np.ndarray) else (pixel_size,) * 2
-    if len(given) != 2:
-        refuse("pixel_size", pixel_size, "must be one number or a pair (dx, dy)")
-    return positive("pixel_size[0]", given[0]), positive("pixel_size[1]", given[1])
+def _pixel_sizes(pixel_size: object) -> tuple[float, float]:
+    dx, dy = pair("pixel_size", pixel_size)
+    return positive("pixel_size[0]", dx), positive("pixel_size[1]", dy)
 
 
-def detrended(surface: Topography, detrend: str = "curvature") -> Topography:
-    """The surface minus its least-squares trend, fitted to the points that are not missing.
+def detrended(heights: Array, detrend: str) -> Array:
+    """Heights minus their least-squares trend, fitted to the points that are not missing; shape and unit as given.
 
     "curvature": polynomial of second order with the xy term; "tilt": plane; "centre": mean height.
 
     Raises InputError for any other name and where the surface equals its trend.
     """
     one_of("detrend", detrend, ("curvature", "tilt", "centre"))
-    heights = surface.heights
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in heights.shape), indexing="ij")
     count = {"centre": 1, "tilt": 3, "curvature": 6}[detrend]
     terms = np.stack([np.ones_like(x), x, y, x * x, y * y, x * y][:count], axis=-1)
     measured = np.isfinite(heights)
-    # fitted about their mean, in units of their range, for heights in any unit and far from zero
-    values = heights[measured]
-    middle, span = float(values.mean()), float(np.ptp(values))
-    coefficients = np.linalg.lstsq(terms[measured], (values - middle) / (span or 1.0), rcond=None)[
-        0
-    ]
-    rest = heights - middle - span * (terms @ coefficients)
-    if not float(np.nanstd(rest)) > 1e-12 * float(np.abs(values).max()):  # else it is round-off
+    from_mean = heights - np.nanmean(heights)  # for heights far from zero
+    coefficients = np.linalg.lstsq(terms[measured], from_mean[measured], rcond=None)[0]
+    rest = from_mean - terms @ coefficients
+    if not np.nanstd(rest) > 1e-12 * np.nanmax(np.abs(heights)):  # else it is round-off
         rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
         refuse("heights", heights, rule)
-    return Topography(rest, surface.pixel_size)
+    return rest
 
 
 def _height_array(heights: object) -> Array:
@@ -95,10 +87,8 @@ def _height_array(heights: object) -> Array:
         refuse("heights", heights, f"must be a two-dimensional array in metres, or {such}")
     if values.ndim != 2 or min(values.shape) < 3:
         refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
-    if np.isinf(values).any():
-        refuse("heights", values, "must be finite, or NaN where none is known")
-    if not np.isfinite(values).any():
-        refuse("heights", values, "every point is missing; a surface needs heights")
+    if np.isinf(values).any() or np.isnan(values).all():
+        refuse("heights", values, "must be finite, or NaN at some points, where none is known")
     return values
 
 
@@ -118,9 +108,7 @@ def self_affine_surface(
     the seed: the rms slope, from the sum over modes of |a_q|² q², is `rms_slope` exactly. The power spectrum is
     ~ q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
 
-    Nearest-neighbour differences replace q_x by 2 sin(q_x dx/2)/dx: the mean square slope by periodic differences
-    (spectral_moments with periodic=True) is exactly the sum over modes of
-    |a_q|² [(2 sin(q_x dx/2)/dx)² + (2 sin(q_y dy/2)/dy)²].
+    Periodic differences (spectral_moments with periodic=True) see q_x as 2 sin(q_x dx/2)/dx, and q_y likewise.
 
     shape : numbers of points along both axes, at least 4.
     pixel_size : distance between points, one number or (dx, dy).
@@ -145,7 +133,7 @@ def self_affine_surface(
     if needed > total:
         rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {total / 1e9:.3g} GB"
         refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
-    dx, dy = pixel_sizes(pixel_size)
+    dx, dy = _pixel_sizes(pixel_size)
     hurst = between("hurst", hurst, 0.0, 1.0, "it is the Hurst exponent")
     rms_slope = between("rms_slope", rms_slope, 1e-20, 1e20, "it is metres per metre")
     least, box = 2.0 * max(dx, dy), max(n_x * dx, n_y * dy)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite_array, positive, refuse, whole
+from origins.errors import InputError, positive, positive_array, refuse, whole
 from origins.samples.log_polynomial import smooth
 from origins.thresholds.families import identical
 from origins.thresholds.law import Array, Thresholds
@@ -25,14 +25,9 @@ def from_samples(
 ) -> Thresholds:
     """A smooth P_c through threshold values of your own; one value, or all equal to within 1e-9, gives identical().
 
-    Values that repeat are exact, atoms of the law, where rounding does not explain it: where one occurs at least 10
-    times more often than 5 times the second largest count among the two values on either side of it; and where there
-    are at most 8 values in all, each 10 times or more, that are not equally spaced, or at most 3. Equal means to within
-    1e-12. Samples rounded to a grid, whose neighbours repeat equally often, stay smooth.
-
-    Few samples far from all others keep their effect on the mean, though not always their place. Where a law misplaces
-    a tenth of the samples more than sampling explains, they are refused: give each narrow peak or group separately, in
-    a mixture.
+    Values that repeat, to within 1e-12, are exact, atoms of the law, where rounding to a grid does not explain it:
+    where one occurs at least 10 times more often than 5 times the second largest count among the two values on either
+    side of it; and where there are at most 8 values, each 10 times or more, that are not equally spaced, or at most 3.
 
     x_s : array of shape (n,), lengths from 1e-100 to 1e100; or instead of it
     f_s : array of shape (n,), forces above zero, turned into lengths in one of two ways:
@@ -46,24 +41,22 @@ def from_samples(
     Sampled), and `origins.bootstrap` gives that of any number derived from it.
     Raises InputError for values that are missing, not finite or not above zero, for arrays of different lengths,
     unless exactly one of x_s and f_s, and for f_s exactly one of coefficient and stiffness, is given, and for samples
-    that no smooth density follows.
+    a tenth of which a smooth law misplaces, beyond what sampling explains: give each peak or group apart, in a mixture.
     """
     if (x_s is None) == (f_s is None):
         rule = "give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
         raise InputError(f"from_samples: {rule}")
-    if x_s is None:
-        name, given = "f_s", _above_zero("f_s", f_s)
+    name, values = ("x_s", x_s) if f_s is None else ("f_s", f_s)
+    lengths = given = positive_array(name, values)
+    if f_s is not None:
         lengths = _lengths(given, coefficient, stiffness)
-    else:
-        for name, value in (("coefficient", coefficient), ("stiffness", stiffness)):
-            if value is not None:
-                refuse(name, value, "turns forces f_s into lengths; leave it out with x_s")
-        name, lengths = "x_s", _above_zero("x_s", x_s)
-        given = lengths
+    elif coefficient is not None or stiffness is not None:
+        rule = "coefficient and stiffness turn forces f_s into lengths; leave them out with x_s"
+        raise InputError(f"from_samples: {rule}")
     for bad in np.flatnonzero((lengths < 1e-100) | (lengths > 1e100)):
         rule = "must lie between 1e-100 and 1e+100, as a length; choose another unit"
         refuse(f"{name}[{bad}]", given[bad], rule)
-    counts = _above_zero("weights", np.ones(lengths.size) if weights is None else weights)
+    counts = np.ones(lengths.size) if weights is None else positive_array("weights", weights)
     if counts.size != lengths.size:
         refuse("weights", counts, f"must hold one value for each of the {lengths.size} samples")
     order = np.argsort(lengths, kind="stable")
@@ -84,18 +77,10 @@ def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None
         raise InputError(f"from_samples: with f_s give either {rule}, and not both")
     if stiffness is None:
         return np.sqrt(forces / positive("coefficient", coefficient))
-    each = _above_zero("stiffness", stiffness)
+    each = positive_array("stiffness", stiffness)
     if np.ndim(stiffness) and each.size != forces.size:
         refuse("stiffness", each, f"must hold one value for each of the {forces.size} samples")
     return forces / each
-
-
-def _above_zero(name: str, value: object) -> Array:
-    """`value` as an array above zero."""
-    array = finite_array(name, value)
-    for bad in np.flatnonzero(array <= 0.0):
-        refuse(f"{name}[{bad}]", array[bad], "must be above zero")
-    return array
 
 
 def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
@@ -114,14 +99,12 @@ def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
 class Sampled(Mixture):
     """A smooth law through samples, with their exact values as atoms.
 
-    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/log_polynomial.py). The
-    likelihood also determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest
-    sample, and whether it ends as an exponential or with an edge at the largest; for thresholds over decades the
-    polynomial's variable is log(1 + x/median). Beyond the extreme samples there is about one sample's weight. <x_s> is
-    that of the samples. Time grows as n log n with the number of samples, memory is a few copies of them.
+    log P_c is m log x + a polynomial, of largest penalised likelihood (origins/samples/log_polynomial.py), which also
+    determines whether it begins as a power x^m, at a finite value at 0 or with an edge at the smallest sample, and
+    whether it ends as an exponential or with an edge at the largest. Beyond the extreme samples there is about one
+    sample's weight. <x_s> is that of the samples.
 
-    n_samples : int
-    effective_samples : (sum of the weights)^2 / sum of their squares, used in the errors; n_samples without weights.
+    n_samples, effective_samples : their number, and (sum of the weights)^2 / sum of their squares, used in the errors.
     cdf_error : the cdf of the law the samples came from lies within this of their empirical cdf, everywhere at once,
         with 95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
     cdf_misfit : largest distance of this smooth cdf from the empirical one.
@@ -129,8 +112,7 @@ class Sampled(Mixture):
     samples, shares : arrays of shape (n,), the different values, sorted, and their weights, of sum 1.
     smooth_part : the law without its atoms, or None.
     onset_power, onset_power_error : m and its error. Where P_c begins at a finite value, m = 0, and the error is the
-        size of a fitted power plus its own error; inf where the samples are too far from 0, or begin too sharply, to
-        determine m.
+        size of a fitted power plus its own error; inf where the samples do not determine m.
     """
 
     def __init__(
@@ -145,7 +127,7 @@ class Sampled(Mixture):
         self.cdf_error = float(np.sqrt(np.log(2.0 / 0.05) / (2.0 * size)))
         first = np.append(0, np.flatnonzero(np.diff(x) > 1e-12 * x[1:]) + 1)
         values, shares = x[first], np.add.reduceat(shares, first)
-        counts = np.diff(np.append(first, x.size)).astype(float)
+        counts = np.diff(first, append=x.size)
         atom = _exact(values, counts) if known is None else np.isin(values, known)
         if (~atom).sum() == 1:  # its width cannot be estimated
             atom[:] = True
@@ -158,8 +140,6 @@ class Sampled(Mixture):
             laws, weights, self.smooth_part = [*laws, part], np.append(weights, weight), part
         super().__init__(laws, weights / weights.sum())
         self.samples, self.shares = values, shares
-        if self.smooth_part is not None and self.smooth_part.support()[0] == self.support()[0]:
-            self.onset_power_error = self.smooth_part.onset_power_error
         up_to, steps = self.cdf(values), np.cumsum(shares)
         below = up_to.copy()
         below[atom] -= self.atoms[1]
@@ -231,18 +211,14 @@ def bootstrap_laws(
     """Laws that other samples would have given: as many as the effective ones, drawn from the smooth law `thresholds`
     itself and smoothed in the same way (smoothed bootstrap, Silverman and Young, Biometrika 74, 469, 1987).
 
-    Drawing from the law, not from the samples, gives no ties except its exact values, which keep their places and vary
-    in weight, and shows the effect of smoothing on a statistic. It cannot show structure that the law itself has
-    missed. In a mixture each part from samples is drawn again; its weight and all other parts stay.
+    Exact values keep their places and vary in weight. Structure that the law itself has missed cannot show. In a
+    mixture each part from samples is drawn again; its weight and all other parts stay.
 
     Raises InputError for thresholds without samples of at least two values, and for a continuous_mixture, whose laws
     may all come from the same samples.
     """
-    if not sampled_parts(thresholds):
-        rule = "must come from from_samples, or be a mixture with such a law, with at least two different values"
-        refuse("thresholds", thresholds, rule)
-    if isinstance(thresholds, ContinuousMixture):
-        rule = "must not be a continuous mixture: its laws may all be of the same samples"
+    if not sampled_parts(thresholds) or isinstance(thresholds, ContinuousMixture):
+        rule = "must come from at least two different values in from_samples, or be a finite mixture with such a law"
         refuse("thresholds", thresholds, rule)
     count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
     return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
@@ -252,37 +228,21 @@ def sampled_parts(thresholds: Thresholds) -> list[Sampled]:
     """The laws from samples that `thresholds` is, or is a mixture of."""
     if isinstance(thresholds, Sampled):
         return [thresholds]
-    given = thresholds.given if isinstance(thresholds, Mixture) else ()
-    return [part for _, law in given for part in sampled_parts(law)]
+    components = thresholds.components if isinstance(thresholds, Mixture) else ()
+    return [part for law in components for part in sampled_parts(law)]
 
 
 def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
     """The law that other samples would have given, in a mixture of each part."""
     if isinstance(law, Mixture) and not isinstance(law, Sampled):
-        weights = np.array([weight for weight, _ in law.given])
-        return Mixture([_anew(part, generator) for _, part in law.given], weights)
+        return Mixture([_anew(part, generator) for part in law.components], law.weights)
     if not isinstance(law, Sampled):
         return law
     size = max(round(law.effective_samples), 2)
-    positions, weights = law.atoms
-    hits = generator.multinomial(size, np.append(weights, max(1.0 - weights.sum(), 0.0)))
-    x, counts = positions[hits[:-1] > 0], hits[:-1][hits[:-1] > 0].astype(float)
-    if law.smooth_part is not None:
-        drawn, each = _drawn(law.smooth_part, int(hits[-1]), generator)
-        x, counts = np.append(x, drawn), np.append(counts, each)
-    order = np.argsort(x, kind="stable")
-    return Sampled(x[order], counts[order] / size, size, float(size), known=positions)
-
-
-def _drawn(law: Thresholds, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
-    """`size` samples of a law, some merged: values, and the number of samples that each represents."""
-    cells = 1 << 12  # of equal weight
-    if size <= cells:
-        return law.rvs(size, generator), np.ones(size)
-    # samples are replaced by the medians of their cells, but for those in the two outermost cells
-    counts = generator.multinomial(size, np.full(cells, 1.0 / cells))
-    inner = np.flatnonzero(counts[1:-1]) + 1
-    low = law.ppf(generator.random(counts[0]) / cells)
-    high = law.isf(generator.random(counts[-1]) / cells)
-    x = np.concatenate([low, law.ppf((inner + 0.5) / cells), high])
-    return x, np.concatenate([np.ones(low.size), counts[inner], np.ones(high.size)])
+    q, cells = generator.random(size), 1 << 12  # of equal weight
+    if size > cells:
+        # in all but the two outermost cells the median replaces the samples: fewer quantiles to find
+        medians = (np.floor(q * cells) + 0.5) / cells
+        q = np.where(np.abs(q - 0.5) < 0.5 - 1.0 / cells, medians, q)
+    q, counts = np.unique(q, return_counts=True)
+    return Sampled(law.ppf(q), counts / size, size, float(size), known=law.atoms[0])

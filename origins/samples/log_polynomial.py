@@ -11,24 +11,23 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import laguerre, legendre
+from numpy.polynomial import legendre
 
 from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.quadrature import gauss
 
 _EDGE = 3.0  # gain in log-likelihood that an edge, or a density diverging at 0, needs beyond a parameter's cost
-_NODES, _WEIGHTS = legendre.leggauss(8)
-# along an exponential tail all columns are linear: two nodes are exact for value, gradient and curvature
-_TAIL_NODES, _TAIL_WEIGHTS = laguerre.laggauss(2)
 
 
 class _State(NamedTuple):
-    """Coefficients, the penalised log-likelihood per sample there, and mean and covariance of the columns under the
-    density."""
+    """Coefficients, the penalised log-likelihood per sample there, and the weights of the nodes under the density.
+
+    The likelihood is -inf or NaN where the coefficients give no density.
+    """
 
     coefficients: Array
     value: float
-    expected: Array
-    covariance: Array
+    shares: Array
 
 
 class LogPolynomial(Thresholds):
@@ -59,7 +58,9 @@ class LogPolynomial(Thresholds):
         """Prepare the columns and their sums over samples and over panels, and fit the coefficients."""
         self.power, self.decades = power, decades
         self.from_zero, self.open_above = from_zero, open_above
-        self._size, self._extremes = size, (float(x[0]), float(x[-1]))
+        self._size, first, last = size, float(x[0]), float(x[-1])
+        self._support = 0.0 if from_zero else first, np.inf if open_above else last
+        self.breakpoints = np.unique([self._support[0], first, last])
         self._unit = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
         x = x / self._unit
         first, last = self._first, self._last = float(x[0]), float(x[-1])
@@ -82,21 +83,13 @@ class LogPolynomial(Thresholds):
         ends += [first + (last - first) * near, last - (last - first) * near]
         if from_zero:
             ends += [first * (1.0 - near), last * np.geomspace(1e-30, 1.0, 60)]
+        if open_above:
+            ends.append(last + (last - first) * np.geomspace(1e-6, 1e4, 36))
         edges = np.unique(np.concatenate(ends))
-        half = 0.5 * np.diff(edges)[:, None]
-        nodes = (edges[:-1, None] + half * (1.0 + _NODES)).ravel()
-        self._nodes, self._log_weights = self.columns(nodes), np.log((half * _WEIGHTS).ravel())
-        self._end = self.columns(x[-1:])[0]
+        nodes, weights = gauss(edges[:-1], edges[1:])
+        self._nodes, self._log_weights = self.columns(nodes.ravel()), np.log(weights.ravel())
         self._fit(few=x.size < 3)
         del self._nodes, self._log_weights  # a megabyte, which ranks would send one another
-
-    def support(self) -> tuple[float, float]:
-        first, last = self._extremes
-        return 0.0 if self.from_zero else first, np.inf if self.open_above else last
-
-    @property
-    def breakpoints(self) -> Array:
-        return np.unique([end for end in (*self.support(), *self._extremes) if np.isfinite(end)])
 
     def _log_weight(self, x: Array) -> Array:
         # no product of matrices: each value has the same bits whatever the other x
@@ -144,8 +137,10 @@ class LogPolynomial(Thresholds):
         for smooth in [straight + bends, *weaker][: 1 if few else None]:
             penalty = smooth + ridge
             state = self._highest(start, penalty)
-            start, spread = state.coefficients, _inverse(state.covariance + penalty)
-            count = float(np.trace(spread @ state.covariance))
+            start = state.coefficients
+            covariance = self._covariance(state.shares)
+            spread = _inverse(covariance + penalty)
+            count = float(np.trace(spread @ covariance))
             likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
             score = likelihood - cost * count * size / max(size - count - 1.0, 1.0)
             score -= _EDGE * (self.power and start[-1] < 0.0)
@@ -169,41 +164,36 @@ class LogPolynomial(Thresholds):
             self.onset_power = float(powers[best])
             self.onset_power_error = float(np.sqrt(likely @ squares / likely.sum()))
 
-    def _state(self, coefficients: Array, penalty: Array) -> _State | None:
-        """The state; None if these give no density: a tail that does not fall, a power below -0.95, or overflow."""
-        columns, log = self._nodes, self._nodes @ coefficients + self._log_weights
-        # closer to 1/x nearly all weight would be at x that underflow
-        if self.power and coefficients[-1] <= -0.95:
-            return None
-        if self.open_above:
-            if (fall := -float(self._above @ coefficients)) <= 0.0:
-                return None
-            tail = self._end + np.outer(_TAIL_NODES / fall, self._above)
-            columns = np.concatenate([columns, tail])
-            log = np.append(log, np.log(_TAIL_WEIGHTS / fall) + self._end @ coefficients)
-        if not np.isfinite(top := float(log.max())):
-            return None
+    def _state(self, coefficients: Array, penalty: Array) -> _State:
+        """The state at these coefficients, by sums over the nodes."""
+        log = self._nodes @ coefficients + self._log_weights
+        top = float(log.max())
         shares = np.exp(log - top)
         whole = float(shares.sum())
-        expected = shares @ columns / whole
-        away = columns - expected
-        likelihood = float(self._mean @ coefficients) - top - float(np.log(whole))
-        value = likelihood - 0.5 * float(coefficients @ penalty @ coefficients)
-        return _State(coefficients, value, expected, (away * shares[:, None] / whole).T @ away)
+        value = float(self._mean @ coefficients) - top - float(np.log(whole))
+        value -= 0.5 * float(coefficients @ penalty @ coefficients)
+        # closer to 1/x nearly all weight would be at x that underflow
+        if self.power and coefficients[-1] <= -0.95:
+            value = -np.inf
+        return _State(coefficients, value, shares / whole)
+
+    def _covariance(self, shares: Array) -> Array:
+        """That of the columns under the density: minus the curvature of the log-likelihood."""
+        away = self._nodes - shares @ self._nodes
+        return (away * shares[:, None]).T @ away
 
     def _highest(self, start: Array, penalty: Array) -> _State:
         """The maximum, by Newton's method; the only one, as the penalised log-likelihood is concave."""
         now = self._state(start, penalty)
-        assert now is not None
         for _ in range(100):
-            gradient = self._mean - now.expected - penalty @ now.coefficients
-            step = _inverse(now.covariance + penalty) @ gradient
+            gradient = self._mean - now.shares @ self._nodes - penalty @ now.coefficients
+            step = _inverse(self._covariance(now.shares) + penalty) @ gradient
             gain, length = float(gradient @ step), 1.0
             trial = self._state(now.coefficients + step, penalty)
             if not gain * self._size > 1e-13:
                 # with one more step the mean equals that of the samples to round-off
-                return trial or now
-            while trial is None or trial.value < now.value + 1e-4 * length * gain - 1e-14:
+                return trial if np.isfinite(trial.value) else now
+            while not trial.value >= now.value + 1e-4 * length * gain - 1e-14:
                 length *= 0.5
                 if length < 1e-9:
                     return now

@@ -5,7 +5,6 @@ from scipy.special import erf, exprel, gammaln, poch, xlogy
 
 from origins.errors import finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.quadrature import gauss
 
 _STEEPEST, _SLOWEST = 100.0, 0.1  # limits of powers and decays, for quantiles in floats
 
@@ -30,10 +29,8 @@ class Rectangular(Thresholds):
     onset_power = 0.0
 
     def __init__(self, lower: float, upper: float) -> None:
-        self._lower, self._upper, self._width = lower, upper, upper - lower
-
-    def support(self) -> tuple[float, float]:
-        return self._lower, self._upper
+        self._lower, self._upper = self._support = lower, upper
+        self._width = upper - lower
 
     def _pdf(self, x: Array) -> Array:
         return np.full(x.shape, 1.0 / self._width)
@@ -48,20 +45,13 @@ class Rectangular(Thresholds):
         from_lower = self._lower + self._width * below
         return np.where(below < above, from_lower, self._upper - self._width * above)
 
-    def _moment(self, n: float, centre: float = 0.0) -> float:
-        x, weights = gauss(np.array(self._lower), np.array(self._upper))  # exact up to n = 15
-        return float(weights @ (x - centre) ** n / self._width)
-
 
 class Identical(Thresholds):
     """All weight in one atom; the density is zero everywhere."""
 
     def __init__(self, value: float) -> None:
-        self._value = value
+        self._value, self._support = value, (value, value)
         self.breakpoints, self.atoms = np.array([value]), (np.array([value]), np.ones(1))
-
-    def support(self) -> tuple[float, float]:
-        return self._value, self._value
 
     def _pdf(self, x: Array) -> Array:
         return np.zeros(x.shape)

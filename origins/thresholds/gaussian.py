@@ -35,8 +35,7 @@ def gaussian(
         return UpperGaussian(mean, std) if mean >= 0.0 else CutGaussian(mean, std)
     one_of("form", form, ("cut", "paper"))
     if upper is None:
-        such = f"such as upper = {3.0 * abs(mean):g}"
-        refuse("upper", upper, f'form = "paper" needs the end of its interval, {such}')
+        refuse("upper", upper, f'form = "paper" needs it, such as upper = {3.0 * abs(mean):g}')
     upper = positive("upper", upper)
     if not 0.0 < mean < upper:
         refuse("mean", mean, f'form = "paper" needs 0 < mean < upper = {upper:g}')
@@ -121,14 +120,11 @@ class ChordGaussian(Thresholds):
     def __init__(self, parent_mean: float, parent_std: float, upper: float) -> None:
         self._mean, self._std, self._upper = parent_mean, parent_std, upper
         first = _zero_beyond(upper - parent_mean, parent_std, upper)
-        self._ends = upper - first, _zero_beyond(parent_mean, parent_std, upper)
-
-    def support(self) -> tuple[float, float]:
-        return self._ends
+        self._support = upper - first, _zero_beyond(parent_mean, parent_std, upper)
 
     def _log_weight(self, x: Array) -> Array:
         """log of h(x) / G(mean), written relative to the nearer zero of h, to avoid cancellation there."""
-        low, high = self._ends
+        low, high = self._support
         anchor = np.where(x - low < high - x, low, high)
         with np.errstate(over="ignore", divide="ignore"):
             drop = self._log_ratio(self._upper, np.zeros(()))

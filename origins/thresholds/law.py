@@ -52,8 +52,8 @@ class Thresholds:
     - required: one of `_log_weight(x)`, the log of the density up to a constant, or of `_logpdf(x)` and `_pdf(x)`, both
       normalised. Densities are also evaluated at finite ends of the support. They must be accurate to a relative
       1e-10, logarithms to 1e-10 max(1, |log|), also where the density underflows.
-    - required where they differ from the defaults here: `support()`, `breakpoints` inside the support, `onset_power`,
-      `atoms`.
+    - required where they differ from the defaults here: `support()` (or `_support`), `breakpoints` inside the support,
+      `onset_power`, `atoms`.
     - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
       `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other; also asked at
       the support's lower end), `_logsf` (finite where the survival underflows), `_quantiles(below, above)` (1e-12 in
@@ -61,19 +61,12 @@ class Thresholds:
 
     Raises InputError, with the family's name, where its survival leaves [0, 1].
 
-    Attributes
-    ----------
-    onset_power : float
-        m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any
-        power, or where nothing continuous begins there.
-    onset_power_error : float
-        Its error: 0 where the family defines it, else that of the fit.
-    domains : DomainSamples or None
-        Barriers, angles and sizes of the islands, where the law comes from rotated domains.
-    interface : Interface or None
-        Load, contact density, stiffness and friction in SI units, where the law comes from a rough surface.
-    cut_weight : float
-        Weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
+    onset_power : m in P_c(x) ~ (x - a)^m at the lower end a of the support; inf where P_c rises slower than any power,
+        or where nothing continuous begins there.
+    onset_power_error : its error: 0 where the family defines it, else that of the fit.
+    interface : Interface, load, contact density, stiffness and friction in SI units, where the law is a surface's.
+    domains : DomainSamples, barriers, angles and sizes of the islands, where the law is that of rotated domains.
+    cut_weight : weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
     """
 
     onset_power: float = np.inf
@@ -81,11 +74,12 @@ class Thresholds:
     interface: Any = None
     domains: Any = None
     cut_weight: float = 0.0
+    _support: tuple[float, float] = (0.0, np.inf)
 
     # -- methods that a family defines, for x inside the support ----------------------------------------
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
-        return 0.0, np.inf
+        return self._support
 
     @cached_property
     def breakpoints(self) -> Array:

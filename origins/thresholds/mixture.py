@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import between, finite, finite_array, non_negative, positive, refuse
+from origins.errors import between, finite, non_negative, positive_array, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
@@ -25,12 +25,10 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
     if isinstance(components, Thresholds) or not isinstance(components, Sequence) or not components:
         such = "such as [identical(0.9), identical(1.1)]"
         refuse("components", components, f"must be a list of thresholds, {such}")
-    shares = finite_array("weights", weights)
+    shares = positive_array("weights", weights)
     if shares.size != len(components):
         rule = f"must hold one weight for each of the {len(components)} components"
         refuse("weights", weights, rule)
-    for i, share in enumerate(shares):
-        positive(f"weights[{i}]", share)
     if abs((whole := float(shares.sum())) - 1.0) > 1e-12:
         refuse("weights", weights, f"must add up to 1, not {whole:.15g}; divide each by their sum")
     return Mixture([as_thresholds(component) for component in components], shares / whole)
@@ -47,28 +45,17 @@ def continuous_mixture(
 
     Finitely many orientations are a mixture: mixture([law(phi_1), law(phi_2)], [R_1, R_2]).
 
-    Parameters
-    ----------
-    law : function of phi
-        The normalised law of one phi: Thresholds or a frozen scipy.stats distribution, smooth in phi. Where a misfit
-        multiplies the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
-    lower, upper : float
-        Ends of phi, in any unit.
-    density : function of phi
-        R(phi) >= 0, normalised here; left out: all phi equal. Smooth in phi.
-    accuracy : float
-        Of the survival, absolute, and of <x_s>, relative; at most 1e-8. Gauss's rule takes 8 phi, 16, ... up to 512,
-        until doubling them changes the sums by less.
+    law : function of phi, and smooth in it, that returns Thresholds or a frozen scipy.stats distribution. Where a
+        misfit multiplies the strength of all grains by s(phi), it is grains(rho, B=B / s(phi)).
+    lower, upper : ends of phi, in any unit.
+    density : smooth function of phi, R(phi) >= 0, normalised here; left out: all phi equal.
+    accuracy : of the survival, absolute, and of <x_s>, relative; at most 1e-8. Gauss's rule takes 8 phi, 16, ... up to
+        512, until doubling them changes the sums by less.
 
-    Returns
-    -------
-    thresholds : ContinuousMixture
-        A mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability below it
-        is that of the laws at the nodes.
-
+    Returns a mixture of the laws at the nodes, with that change as `.quadrature_error`. A tail with a probability
+    below it is that of the laws at the nodes.
     Raises InputError for values outside these, and where 512 laws do not reach the accuracy, as where P_c(x; phi) has
-    exact values or jumps that move with phi: the average has none, while a finite mixture has one for each law, and
-    therefore another K*.
+    exact values or jumps that move with phi: a finite mixture has them, and another K*, while the average has none.
     """
     lower, upper = finite("lower", lower), finite("upper", upper)
     accuracy = between("accuracy", accuracy, 1e-15, 1e-8, "sums over few laws have another K*")
@@ -87,7 +74,8 @@ def continuous_mixture(
         weights = weights * [non_negative("density", density_of(phi)) for phi in phis]
         if not weights.sum() > 0.0:
             refuse("density", density, "is zero at all phi asked")
-        laws = [as_thresholds(law(phi)) for phi in phis]
+        there = [phi for phi, weight in zip(phis, weights, strict=True) if weight > 0.0]
+        laws, weights = [as_thresholds(law(phi)) for phi in there], weights[weights > 0.0]
         if not x.size:
             x = np.unique([x for part in laws for x in (*part.ppf(_TAILS), *part.isf(_TAILS))])
         average = ContinuousMixture(laws, weights / weights.sum())
@@ -104,40 +92,21 @@ def continuous_mixture(
 
 
 class Mixture(Thresholds):
-    """Sums of the components' functions, all positive, so that no accuracy is lost.
-
-    given : pairs of weight and law, as they were given.
-    components, weights : the same with mixtures among them taken apart, so that none lies within another.
-    """
-
-    components: tuple[Thresholds, ...]
-    weights: Array
+    """Sums of the components' functions, all positive, so that no accuracy is lost."""
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
-        """Join the components; those of a mixture within become its own."""
-        self.given = tuple(zip(weights.tolist(), components, strict=True))
-        parts: list[tuple[float, Thresholds]] = []
-        for share, law in (pair for pair in self.given if pair[0] > 0.0):
-            if isinstance(law, Mixture):
-                parts += zip((share * law.weights).tolist(), law.components, strict=True)
-            else:
-                parts.append((share, law))
-        self.weights = np.array([weight for weight, _ in parts])
-        self.components = tuple(part for _, part in parts)
+        self.components, self.weights = tuple(components), weights
         lower, upper = zip(*(part.support() for part in self.components), strict=True)
         self._support = min(lower), max(upper)
-        first = (part for part in self.components if part.support()[0] == min(lower))
-        self.onset_power = min(part.onset_power for part in first)
+        starting = (part for part in self.components if part.support()[0] == min(lower))
+        first = min(starting, key=lambda part: part.onset_power)
+        self.onset_power, self.onset_power_error = first.onset_power, first.onset_power_error
         self.breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
         self.cut_weight = float(self.weights @ [part.cut_weight for part in self.components])
-        positions, place = np.unique(
-            np.concatenate([part.atoms[0] for part in self.components]), return_inverse=True
-        )
-        shares = np.concatenate([weight * part.atoms[1] for weight, part in parts])
-        self.atoms = positions, np.bincount(place, shares, positions.size).astype(float)
-
-    def support(self) -> tuple[float, float]:
-        return self._support
+        atoms = zip(self.components, weights.tolist(), strict=True)
+        x, shares = np.hstack([(c.atoms[0], weight * c.atoms[1]) for c, weight in atoms])
+        places, index = np.unique(x, return_inverse=True)
+        self.atoms = places, np.bincount(index, shares, places.size).astype(float)
 
     def _sum(self, values: list[Array]) -> Array:
         return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))

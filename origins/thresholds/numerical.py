@@ -35,24 +35,14 @@ class NumericalLaw:
     Panels are halved until a polynomial of degree 11 fits the density on each, and the weights of all panels are
     added from both ends: cdf and survival keep a relative 1e-12 down to 1e-300 where the log-density is exact.
 
-    Parameters
-    ----------
-    log_density : function of arrays
-        Log of the density at x, a length; it need not be normalised.
-    lower, upper : float
-        Ends of the support (lengths); upper may be inf.
-    points : array
-        Places where the density or one of its derivatives jumps.
-    power : float
-        m of a density (x - lower)^m at the lower end; inf if it is no power, or not known.
+    log_density : function of arrays x (lengths), the log of the density, which need not be normalised.
+    lower, upper : ends of the support (lengths); upper may be inf.
+    points : array of the places where the density or one of its derivatives jumps.
+    power : m of a density (x - lower)^m at the lower end; inf if it is no power, or not known.
+    log_whole : log of the integral of the density as given.
 
     Raises InputError where the density is zero at all places looked at, and where panels do not follow it: it is too
     rough, or diverges elsewhere than at a lower end x = 0 with a known power.
-
-    Attributes
-    ----------
-    log_whole : float
-        Log of the integral of the density as given.
     """
 
     def __init__(
@@ -60,8 +50,8 @@ class NumericalLaw:
         log_density: Callable[[Array], Array],
         lower: float,
         upper: float,
-        points: npt.ArrayLike = (),
-        power: float = np.inf,
+        points: npt.ArrayLike,
+        power: float,
     ) -> None:
         """Halve panels of the density until its integral is resolved, and sum it up from both ends."""
         self._log_density, self._lower, self._upper = log_density, lower, upper

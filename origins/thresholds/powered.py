@@ -36,32 +36,26 @@ class Bend(PowerLaw):
     at: float
 
     def __call__(self, y: npt.ArrayLike) -> Array:
-        y = np.asarray(y, dtype=float)
-        up_to = super().__call__(np.minimum(y, self.at))
-        if self.at == np.inf:
-            return up_to
-        return np.asarray(up_to * np.maximum(y / self.at, 1.0) ** self.above)[()]
+        with np.errstate(over="ignore", invalid="ignore"):  # inf over inf is no number, and no bend
+            up_to = super().__call__(np.minimum(y, self.at))
+            return np.asarray(up_to * np.fmax(np.divide(y, self.at), 1.0) ** self.above)[()]
 
-    def times(self, coefficient: float, exponent: float = 0.0) -> "Bend":
-        """The product with a power law of the same y."""
-        above = self.above + exponent
-        return Bend(self.coefficient * coefficient, self.exponent + exponent, above, self.at)
-
-    def raised(self, power: float) -> "Bend":
-        """This law to a power."""
-        exponents = self.exponent * power, self.above * power
-        return Bend(self.coefficient**power, *exponents, self.at)
+    def times(self, coefficient: float, power: float = 1.0, exponent: float = 0.0) -> "Bend":
+        """coefficient * y^exponent times this law to a power."""
+        front = coefficient * self.coefficient**power
+        below, above = (each * power + exponent for each in (self.exponent, self.above))
+        return Bend(front, below, above, self.at)
 
     def slope(self, y: Array) -> Array:
         """The derivative, which jumps at the bend."""
-        return self.times(1.0, -1.0)(y) * np.where(y <= self.at, self.exponent, self.above)
+        slopes = np.where(y <= self.at, self.exponent, self.above)
+        return self.times(1.0, exponent=-1.0)(y) * slopes
 
     def against(self, other: "Bend") -> "Bend":
         """This law as a function of another one, which rises with y; if both bend, then at the same y."""
         power, at = self.exponent / other.exponent, min(self.at, other.at)
         coefficient = self.coefficient * other.coefficient**-power
-        at = float(other(at)) if at < np.inf else at
-        return Bend(coefficient, power, self.above / other.above, at)
+        return Bend(coefficient, power, self.above / other.above, float(other(at)))
 
 
 def straight(coefficient: float, exponent: float) -> Bend:
@@ -80,9 +74,11 @@ class Powered(Thresholds):
         if not isinstance(power, Bend) or power.above == power.exponent:
             power = straight(power.coefficient, power.exponent)
         self.base, self.power, self._back = base, power, straight(1.0, 1.0).against(power)
-        marks, self.atoms = power(base.breakpoints), (power(base.atoms[0]), base.atoms[1])
-        bent = [] if power.at == np.inf else [self._back.at]
-        self.breakpoints = np.unique(np.append(marks, bent))
+        lower, upper = power(base.support()).tolist()
+        self._support = lower, upper
+        self.atoms = power(base.atoms[0]), base.atoms[1]
+        marks = np.unique(np.append(power(base.breakpoints), self._back.at))
+        self.breakpoints = marks[np.isfinite(marks)]
         self.onset_power = base.onset_power
         if base.support()[0] == 0.0:
             self.onset_power = (base.onset_power + 1.0) / power.exponent - 1.0
@@ -90,28 +86,19 @@ class Powered(Thresholds):
         if self.onset_power == 0.0:  # the density begins at a finite value, the cdf over x
             self._at_zero = float(np.log(1e-30 / self.ppf(1e-30)))
 
-    def support(self) -> tuple[float, float]:
-        lower, upper = self.power(np.array(self.base.support()))
-        return float(lower), float(upper)
-
-    def _y(self, x: Array) -> Array:
-        """The base's variable at the threshold x."""
-        with np.errstate(over="ignore"):
-            return np.asarray(self._back(x))
-
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
-            inside = self.base.logpdf(self._y(x)) + np.log(self._back.slope(x))
+            inside = self.base.logpdf(self._back(x)) + np.log(self._back.slope(x))
         return np.where(x == 0.0, self._at_zero, inside)
 
     def _cdf(self, x: Array) -> Array:
-        return self.base.cdf(self._y(x))
+        return self.base.cdf(self._back(x))
 
     def _sf(self, x: Array) -> Array:
-        return self.base.sf(self._y(x))
+        return self.base.sf(self._back(x))
 
     def _logsf(self, x: Array) -> Array:
-        return self.base.logsf(self._y(x))
+        return self.base.logsf(self._back(x))
 
     def _quantiles(self, below: Array, above: Array) -> Array:
         return self.power(self.base._quantiles(below, above))

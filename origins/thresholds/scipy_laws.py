@@ -33,8 +33,7 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
         rule = "a threshold is a positive length: cut it there, or use origins.gaussian, which does"
         raise InputError(f"{name}: {fault}; {rule}")
     if not np.isfinite(mean):
-        endless = "with an infinite mean contacts never reach a steady state"
-        rule = "check its parameters" if np.isnan(mean) else endless
+        rule = "without a finite mean contacts never reach a steady state"
         raise InputError(f"{name}: the mean is {mean}; {rule}")
     kind = ScipyDensity if below > _ROUNDING or frozen is not law else FrozenThresholds
     return kind(frozen, (max(lower, 0.0), upper), below)
@@ -76,9 +75,6 @@ class ScipyDensity(Thresholds):
         self.onset_power = 0.0
         if below == 0.0:
             self._fit_onset()
-
-    def support(self) -> tuple[float, float]:
-        return self._support
 
     def _ask(self, method: str, x: Array) -> Array:
         # warnings inside the distribution are ignored: only its result counts
