@@ -30,7 +30,6 @@ class Replicas:
         self, contacts: Contacts, drive: Drive, n: int, seed: int, slip_fraction: float | None
     ) -> None:
         """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
-        from eq_model.coupled.queue_kernel import bucket_bits
         from eq_model.draws.births import births_of
 
         check_coupled(contacts, drive)
@@ -42,14 +41,12 @@ class Replicas:
         self._contacts, self._drive, self._n, self._seed = contacts, drive, n, seed
         self.slip_fraction, self._unit = share, unit_of(contacts)
         self._births = births_of(contacts, self._unit)
-        law, mean = contacts.thresholds, contacts.mean_threshold
-        self._shift = bucket_bits(n, mean / self._unit, lambda width: float(law.cdf(width * mean)))
         # contacts that pull forward take the slider beyond the drive, at most by their largest stretch
         way = drive.path[-1] + Reach(contacts, drive).furthest
-        self._buckets = (int(max(way, 0.0) / self._unit) >> self._shift) + 2
-        if self._buckets > 1 << 25:  # which take 270 MB
-            most = 2.0 ** (25 + self._shift) * self._unit
-            refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for {n} coupled contacts")
+        self._furthest = int(max(way, 0.0) / self._unit)
+        if self._furthest >> 48:  # more than 2^25 of the widest buckets, which take 130 MB
+            most = 2.0**48 * self._unit
+            refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for coupled contacts")
 
     def nothing(self) -> State:
         """The state of no replicas."""
@@ -77,7 +74,10 @@ class Replicas:
         linked = self._contacts.stiffness == "linked"
         mean = self._contacts.mean_threshold / unit if linked else 0.0
         first, later = (kernel.make_supply(births, stream, mean) for births in self._births)
-        queue, slider = make_queue(n, self._shift, self._buckets), np.zeros(1, kernel.SLIDER)
+        queue, slider = (
+            make_queue(n, self._contacts.mean_threshold / unit, self._furthest),
+            np.zeros(1, kernel.SLIDER),
+        )
         s, slips = slider[0], list[npt.NDArray[np.float64]]()
         s["back"] = -(1 << 62)  # never
         kernel.form_all(slider, queue, first, n)

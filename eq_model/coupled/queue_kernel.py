@@ -2,13 +2,13 @@
 
 A future break is one 64-bit key: the high bits are its place in its bucket, the low bits its
 threshold. This identifies a contact well enough, as contacts of one threshold that break at one
-place are alike. A bucket is sorted by place when the slider reaches it, in the order of arrival
-where places are equal. Positions and thresholds are whole multiples of a unit.
+place are alike. The bucket that the slider has reached is open: its keys are a heap, in which two
+larger keys follow each, numbers 2i and 2i + 1 after number i, so that number 1 is the next. Each
+other bucket is a chain of slots. Positions and thresholds are whole multiples of a unit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -17,50 +17,33 @@ import numpy.typing as npt
 from eq_model.compiling import bare, inlined, unsigned
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
-CHUNK = 128  # keys in one piece of memory
 
 
 class Queue(NamedTuple):
-    """Buckets as chains of chunks of keys."""
+    """Buckets as chains of slots, of which there is one for each contact; slot 0 is none."""
 
     shift: np.int64  # bits of a bucket's width
-    many: npt.NDArray[np.int32]  # number of breaks of each bucket
-    last: npt.NDArray[np.int32]  # the chunk of each bucket that is being filled
-    before: npt.NDArray[np.int32]  # the chunk before each chunk in its chain
-    free: npt.NDArray[np.int32]  # free[0] is the number of free chunks, which follow it
-    keys: npt.NDArray[np.uint64]  # (chunks, CHUNK)
-    open: npt.NDArray[np.uint64]  # sorted keys of the open bucket, that of the slider
-    spare: npt.NDArray[np.uint64]  # scratch memory to sort them
-    counts: npt.NDArray[np.int64]  # of the 256 values of a digit, to sort them
-    at: npt.NDArray[np.int64]  # index of the next open key, their end, and the bucket's number
+    first: npt.NDArray[np.int32]  # slot of each bucket's latest break
+    after: npt.NDArray[np.int32]  # the next slot of the bucket, or the next free one
+    keys: npt.NDArray[np.uint64]  # of the slots
+    open: npt.NDArray[np.uint64]  # heap of the open bucket
+    at: npt.NDArray[np.int64]  # number of open keys, number of the open bucket, first free slot
 
 
-def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> int:
-    """Bits of a bucket's width for n contacts of `mean` threshold (units).
+def make_queue(n: int, mean: float, furthest: int) -> Queue:
+    """A queue for n contacts of `mean` threshold up to a position (units); clear it first.
 
-    share_below : share of the thresholds below a number of means; contacts that break in the bucket of
-        their birth are inserted one by one, which is slow.
+    Buckets have room for some 128 breaks, or for more where there would be above 2^25 of them, which
+    take 130 MB; InputError where even the widest are too many.
     """
-    # a bucket's breaks, 16384 on average, fit a core's L2 cache; few contacts break in that of their birth
-    width = min(16384 / n, 2.0**-5)
-    while width * n * min(share_below(width), 1.0) > 64.0:  # keys that are moved to insert one
-        width *= 0.5
-    return min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
-
-
-def make_queue(n: int, shift: int, buckets: int) -> Queue:
-    """A queue for n contacts, with this many buckets; clear it first. Memory is used as it fills."""
-    chunks = n // CHUNK + min(buckets, n) + 1
+    width = max(128.0 * mean / n, furthest * 2.0**-25)
+    shift = min(max(int(np.log2(width)), 1), 64 - THRESHOLD_BITS)
     return Queue(
         shift=np.int64(shift),
-        many=np.zeros(buckets, np.int32),
-        last=np.zeros(buckets, np.int32),
-        before=np.empty(chunks, np.int32),
-        free=np.empty(chunks + 1, np.int32),
-        keys=np.empty((chunks, CHUNK), np.uint64),
-        open=np.empty(n + 1, np.uint64),
-        spare=np.empty(n + 1, np.uint64),
-        counts=np.empty(256, np.int64),
+        first=np.zeros((furthest >> shift) + 2, np.int32),
+        after=np.empty(n + 2, np.int32),
+        keys=np.empty(n + 2, np.uint64),
+        open=np.empty(n + 2, np.uint64),
         at=np.zeros(3, np.int64),
     )
 
@@ -68,27 +51,36 @@ def make_queue(n: int, shift: int, buckets: int) -> Queue:
 @bare
 def clear(queue, position):  # type: ignore[no-untyped-def]
     """Remove all breaks; the slider is at `position`, and the bucket before its own is open."""
-    queue.many[:] = 0
-    queue.free[0] = queue.free.size - 1
-    for i in range(1, queue.free.size):
-        queue.free[i] = queue.free.size - 1 - i
-    queue.at[0], queue.at[1], queue.at[2] = 0, 0, (position >> queue.shift) - 1
+    queue.first[:] = 0
+    for i in range(queue.after.size):
+        queue.after[i] = i + 1
+    queue.at[0], queue.at[1], queue.at[2] = 0, (position >> queue.shift) - 1, 1
 
 
 @inlined
 def next_break(queue):  # type: ignore[no-untyped-def]
     """Whether the open bucket has a break, and the position of the first; else that of the bucket's end."""
-    low = queue.at[2] << queue.shift
-    if queue.at[0] < queue.at[1]:
-        return True, low + np.int64(queue.open[unsigned(queue.at[0])] >> unsigned(THRESHOLD_BITS))
+    low = queue.at[1] << queue.shift
+    if queue.at[0]:
+        return True, low + np.int64(queue.open[1] >> unsigned(THRESHOLD_BITS))
     return False, low + (np.int64(1) << queue.shift)
 
 
 @inlined
 def take_next(queue):  # type: ignore[no-untyped-def]
     """Remove the next break of the open bucket and return its threshold."""
-    queue.at[0] += 1
-    return np.int64(queue.open[unsigned(queue.at[0] - 1)] & unsigned((1 << THRESHOLD_BITS) - 1))
+    heap, i, many = queue.open, unsigned(1), unsigned(queue.at[0])
+    taken, last = heap[1], heap[many]
+    queue.at[0] -= 1
+    while i + i < many:
+        later = i + i
+        later += unsigned(heap[later + unsigned(1)] < heap[later])
+        if heap[later] >= last:
+            break
+        heap[i] = heap[later]
+        i = later
+    heap[i] = last
+    return np.int64(taken & unsigned((1 << THRESHOLD_BITS) - 1))
 
 
 @inlined
@@ -98,67 +90,40 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
     A break beyond all buckets lies beyond the drive's end and is dropped.
     """
     k = b >> queue.shift
-    key = (
-        unsigned(b & ((np.int64(1) << queue.shift) - np.int64(1))) << unsigned(THRESHOLD_BITS)
-    ) | unsigned(x)
-    if k <= queue.at[2]:
-        _insert(queue, key)
-    elif k < queue.many.size:
-        slot = unsigned(queue.many[unsigned(k)]) & unsigned(CHUNK - 1)
-        if slot == unsigned(0):
-            chunk = queue.free[queue.free[0]]
-            queue.free[0] -= 1
-            queue.before[chunk] = queue.last[unsigned(k)]
-            queue.last[unsigned(k)] = chunk
-        queue.keys[unsigned(queue.last[unsigned(k)]), slot] = key
-        queue.many[unsigned(k)] += 1
+    place = unsigned(b & ((np.int64(1) << queue.shift) - np.int64(1)))
+    key = (place << unsigned(THRESHOLD_BITS)) | unsigned(x)
+    if k <= queue.at[1]:
+        _open(queue, key)
+    elif k < queue.first.size:
+        slot = queue.at[2]
+        queue.at[2] = queue.after[unsigned(slot)]
+        queue.keys[unsigned(slot)] = key
+        queue.after[unsigned(slot)] = queue.first[unsigned(k)]
+        queue.first[unsigned(k)] = slot
 
 
-@bare
-def _insert(queue, key):  # type: ignore[no-untyped-def]
-    """Put a break in its place among those of the open bucket."""
-    if queue.at[1] == queue.open.size:  # use the room of keys that have been removed
-        gone = queue.at[0]
-        for j in range(gone, queue.at[1]):
-            queue.open[j - gone] = queue.open[j]
-        queue.at[0] = 0
-        queue.at[1] -= gone
-    j = queue.at[1]
-    while j > queue.at[0] and queue.open[j - 1] > key:
-        queue.open[j] = queue.open[j - 1]
-        j -= 1
-    queue.open[j] = key
-    queue.at[1] += 1
+@inlined
+def _open(queue, key):  # type: ignore[no-untyped-def]
+    """Add a break to the open bucket."""
+    queue.at[0] += 1
+    heap, i = queue.open, unsigned(queue.at[0])
+    while i > unsigned(1) and heap[i >> unsigned(1)] > key:
+        heap[i] = heap[i >> unsigned(1)]
+        i >>= unsigned(1)
+    heap[i] = key
 
 
-@bare
+@inlined
 def open_next(queue):  # type: ignore[no-untyped-def]
-    """Open the next bucket and sort its breaks by place, then by arrival; False if there is none."""
-    k = queue.at[2] + 1
-    if k == queue.many.size:
+    """Open the next bucket, as the open one is empty; False if there is none."""
+    k = queue.at[1] + 1
+    if k == queue.first.size:
         return False
-    n, m, chunk = np.int64(queue.many[k]), np.int64(0), np.int64(queue.last[k])
-    passes = (queue.shift + 7) // 8
-    old, new = (queue.spare, queue.open) if passes % 2 else (queue.open, queue.spare)
-    while m < n:  # the last chunk is filled in part
-        fill = (n - m - 1) % CHUNK + 1
-        for j in range(fill):
-            old[m + j] = queue.keys[chunk, j]
-        m += fill
-        queue.free[0] += 1
-        queue.free[queue.free[0]] = chunk
-        chunk = np.int64(queue.before[chunk])
-    for d in range(passes):  # a digit of eight bits after the other, from the last one
-        shift, at, counts = unsigned(THRESHOLD_BITS + 8 * d), np.int64(0), queue.counts
-        counts[:] = 0
-        for i in range(n):
-            counts[(old[i] >> shift) & unsigned(255)] += 1
-        for digit in range(counts.size):
-            counts[digit], at = at, at + counts[digit]
-        for i in range(n):
-            digit = (old[i] >> shift) & unsigned(255)
-            new[unsigned(counts[digit])] = old[i]
-            counts[digit] += 1
-        old, new = new, old
-    queue.many[k], queue.at[0], queue.at[1], queue.at[2] = 0, 0, n, k
+    slot = queue.first[k]
+    queue.first[k], queue.at[1] = 0, k
+    while slot:
+        _open(queue, queue.keys[unsigned(slot)])
+        after = queue.after[unsigned(slot)]
+        queue.after[unsigned(slot)], queue.at[2] = queue.at[2], slot
+        slot = after
     return True

@@ -159,7 +159,9 @@ def crowding_rate(travel: Travel, wait: float) -> float:
 
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     # the share that breaks at each is that just before less that just after it
-    before, after = (travel.scaled(ways[:, None] * side)[0, :, 0] for side in (1 - 1e-11, 1 + 1e-11))
+    before, after = (
+        travel.scaled(ways[:, None] * side)[0, :, 0] for side in (1 - 1e-11, 1 + 1e-11)
+    )
     ways, shares = ways[before > after] + wait, (before - after)[before > after]
     if not ways.size:
         return np.inf
