@@ -62,8 +62,8 @@ class Points:
     Attributes
     ----------
     shape : tuple of int
-    rows : array of shape (4, n)
-        Speed, temperature, rate and delay, flattened; 0 for a law that the contacts do not have.
+    rows : array of shape (n, 4)
+        Speed, temperature, rate and delay; 0 for a law that the contacts do not have.
 
     Raises InputError for values that are not finite or too small, for shapes that do not broadcast,
     and for a temperature or a rate of contacts without that law.
@@ -92,34 +92,32 @@ class Points:
             raise InputError(
                 "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
             )
-        own = {
+        asked = {
             "velocity": velocity,
-            "temperature": thermal.temperature if thermal else None,
-            "rate": ageing.rate if ageing else None,
-            "delay": wait.time if wait else None,
+            "temperature": thermal.temperature if thermal and temperature is None else temperature,
+            "rate": ageing.rate if ageing and rate is None else rate,
+            "delay": wait.time if wait and delay is None else delay,
         }
-        asked = {"temperature": temperature, "rate": rate, "delay": delay}
-        own |= {name: value for name, value in asked.items() if value is not None}
-        numbers = {name: _numbers(name, value) for name, value in own.items() if value is not None}
+        numbers = {n: _numbers(n, value) for n, value in asked.items() if value is not None}
         try:
             arrays = dict(zip(numbers, np.broadcast_arrays(*numbers.values()), strict=True))
         except ValueError as error:
             shapes = ", ".join(f"{name} {value.shape}" for name, value in numbers.items())
             fault = f"{', '.join(numbers)}: have shapes that do not fit together: {shapes}"
             raise InputError(fault) from error
-        self._fields: dict[str, Any] = dict.fromkeys(own) | arrays
-        self.shape, none = arrays["velocity"].shape, np.zeros(arrays["velocity"].size)
-        self.rows = np.stack([np.ravel(arrays.get(name, none)) for name in own])
+        self._fields: dict[str, Any] = dict.fromkeys(asked) | arrays
+        self.shape = arrays["velocity"].shape
+        self.rows = np.zeros((arrays["velocity"].size, 4))
+        for column, name in enumerate(asked):
+            self.rows[:, column] = np.ravel(arrays.get(name, 0.0))
 
     def outcome(self, success: npt.NDArray[np.bool_], message: str) -> dict[str, Any]:
         """All fields of `Along`."""
         run_time = time.perf_counter() - self._began
         return {**self._fields, "run_time": run_time, "success": success, "message": message}
 
-    def contacts(
-        self, temperature: float, rate: float, delay: float = 0.0, *, start: object = None
-    ) -> Contacts:
-        """The contacts at one temperature, rate and delay (0: none), with another start."""
+    def contacts(self, temperature: float, rate: float, delay: float = 0.0) -> Contacts:
+        """The contacts at one temperature, rate and delay (0: none)."""
         thermal, ageing = self._contacts.thermal, self._contacts.ageing
         if isinstance(thermal, Thermal):
             warm = temperature > 0.0
@@ -127,7 +125,7 @@ class Points:
         if ageing is not None:
             ageing = Ageing(ageing.final, float(rate), ageing.closure)
         wait = Delay(float(delay)) if delay > 0.0 else None
-        return self._contacts.replace(start=start, thermal=thermal, ageing=ageing, delay=wait)
+        return self._contacts.replace(thermal=thermal, ageing=ageing, delay=wait)
 
 
 def _numbers(name: str, value: npt.ArrayLike) -> Array:
@@ -138,12 +136,11 @@ def _numbers(name: str, value: npt.ArrayLike) -> Array:
         refuse(name, value, "must be a number or an array of numbers")
     if not numbers.size:
         refuse(name, numbers, "must not be empty")
-    least = "above zero" if name == "velocity" else "zero or above"
-    good = (numbers > 0.0) | ((numbers == 0.0) & (least == "zero or above"))
-    if not (good & np.isfinite(numbers)).all():
-        refuse(
-            name, float(numbers[~(good & np.isfinite(numbers))][0]), f"must be finite and {least}"
-        )
+    above = name == "velocity"
+    bad = ~np.isfinite(numbers) | (numbers < 0.0) | ((numbers == 0.0) & above)
+    if bad.any():
+        least = "above zero" if above else "zero or above"
+        refuse(name, float(numbers[bad][0]), f"must be finite and {least}")
     return numbers
 
 
@@ -196,9 +193,9 @@ def kinetic_curve(
     speeds so low that squares of stretches at a break underflow.
     """
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
-    points = Points(contacts, velocity, temperature, rate, delay)
+    points = Points(contacts.replace(start=None), velocity, temperature, rate, delay)
     # the state between birth and break is the same at any delay
-    cases, which = np.unique(points.rows[:3].T, axis=0, return_inverse=True)
+    cases, which = np.unique(points.rows[:, :3], axis=0, return_inverse=True)
     steady = np.empty((4, len(cases)))
     for laws in np.unique(cases[:, 1:], axis=0):
         these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
@@ -206,7 +203,7 @@ def kinetic_curve(
     force, force_error, length, length_error = steady[:, which.ravel()].reshape(4, *points.shape)
     # contacts with grains are out until these pin again, in addition to the delay
     pinned = contacts.replace(delay=None).waiting_time
-    speeds, waits = points.rows[[0, 3]].reshape(2, *points.shape)
+    speeds, _, _, waits = points.rows.T.reshape(4, *points.shape)
     holding = length / (length + speeds * (waits + pinned))
     off = holding * (1.0 - holding) * length_error / length
     force_error = force_error * holding + force * off

@@ -65,24 +65,20 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
 
 def _held(life: Life, births: Start, velocity: float, x: Array) -> Array:
     """Share of all contacts that hold at stretches x (n,) after their birth, averaged over births."""
-    low, high = (float(np.clip(end, -life.reach, life.reach)) for end in births.span)
-    out, reached = np.zeros(x.size), np.flatnonzero(x >= low)
-    at = x[reached, None]
-    if births.is_single:
-        born, weights = np.full((*at.shape, 1), births.mean()), np.ones(1)
-    else:
+    low, high = np.clip(births.span, -life.reach, life.reach)
+    at = x[:, None]
+    born, weights = np.full((x.size, 1, 1), births.mean()), (at >= low)[..., None] * 1.0
+    if not births.is_single:
         # twelve panels, and edges where the survival bends
         even = np.linspace(low, high, 13)
         fixed = np.concatenate([even, births.breakpoints, np.zeros(1), life.bends, -life.bends])
-        cuts = np.append(np.tile(fixed, (at.size, 1)), -np.abs(at), axis=1)
-        cuts = np.sort(np.clip(cuts, low, np.minimum(at, high)), axis=1)
+        cuts = np.append(np.tile(fixed, (x.size, 1)), -np.abs(at), axis=1)
+        cuts = np.sort(np.clip(cuts, low, np.clip(at, low, high)), axis=1)
         born, weights = gauss(cuts[:, :-1], cuts[:, 1:])
-        weights = weights * births.pdf(born) / (births.cdf(high) - births.cdf(low))
-    if reached.size:
-        way, rows = at[:, :, None] - born, (-1, born.shape[-1])
-        far = max(float(way.max()), life.reach)
-        motion = Motion(np.array([0.0, far / velocity]), np.array([0.0, far]))
-        history = motion.history(way.reshape(rows) / velocity, np.zeros((1, 1)))
-        held = life.left(born.reshape(rows), history)[0].reshape(born.shape)
-        out[reached] = (weights * held).sum(axis=(1, 2))
-    return out
+        weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
+    way, rows = np.maximum(at[..., None] - born, 0.0), (-1, born.shape[-1])
+    far = max(float(way.max(initial=0.0)), life.reach)
+    motion = Motion(np.array([0.0, far / velocity]), np.array([0.0, far]))
+    history = motion.history(way.reshape(rows) / velocity, np.zeros((1, 1)))
+    held = life.left(born.reshape(rows), history)[0].reshape(born.shape)
+    return np.asarray((weights * held).sum(axis=(1, 2)))

@@ -154,11 +154,10 @@ def phase_line(
     tolerance = check_tolerance("tolerance", tolerance)
     points = Points(contacts, velocity, temperature, rate, delay)
     check_finite(contacts)
-    cases, which = np.unique(points.rows.T, axis=0, return_inverse=True)
+    cases, which = np.unique(points.rows, axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
     for i, (speed, *laws) in enumerate(cases):
-        single = points.contacts(*laws, start=contacts.start)
-        found[:, i] = critical_spring(single, float(speed), tolerance)
+        found[:, i] = critical_spring(points.contacts(*laws), float(speed), tolerance)
     spring, error = found[:, which.ravel()].reshape(2, *points.shape)
     return PhaseLine(
         **points.outcome(*judged("K*", error / (1.0 + spring), tolerance)),
