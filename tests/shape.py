@@ -32,8 +32,8 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 9032, 200, 154),
-    "eq_model": Room(2200, 3317, 60, 34),
+    "master": Room(7500, 9011, 200, 152),
+    "eq_model": Room(2200, 3311, 60, 34),
     "origins": Room(4500, 6692, 120, 76),
     "toolkit": Room(4000, 3992, 100, 65),
 }

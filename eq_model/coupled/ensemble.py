@@ -29,7 +29,7 @@ class Replicas:
     def __init__(
         self, contacts: Contacts, drive: Drive, n: int, seed: int, slip_fraction: float | None
     ) -> None:
-        """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
+        """Choose the unit of lengths; InputError for what is not followed on a soft slider."""
         from eq_model.draws.births import births_of
 
         check_coupled(contacts, drive)
@@ -71,13 +71,10 @@ class Replicas:
             few.follow(blocks, 0)
             return self.nothing()
         n, unit, stream = self._n, self._unit, make_stream(self._seed, replica)
-        linked = self._contacts.stiffness == "linked"
-        mean = self._contacts.mean_threshold / unit if linked else 0.0
-        first, later = (kernel.make_supply(births, stream, mean) for births in self._births)
-        queue, slider = (
-            make_queue(n, self._contacts.mean_threshold / unit, self._furthest),
-            np.zeros(1, kernel.SLIDER),
-        )
+        mean = self._contacts.mean_threshold / unit
+        given = stream, mean if self._contacts.stiffness == "linked" else 0.0
+        first, later = (kernel.make_supply(births, *given) for births in self._births)
+        queue, slider = make_queue(n, mean, self._furthest), np.zeros(1, kernel.SLIDER)
         s, slips = slider[0], list[npt.NDArray[np.float64]]()
         s["back"] = -(1 << 62)  # never
         kernel.form_all(slider, queue, first, n)

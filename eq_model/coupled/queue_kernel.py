@@ -33,8 +33,7 @@ class Queue(NamedTuple):
 def make_queue(n: int, mean: float, furthest: int) -> Queue:
     """A queue for n contacts of `mean` threshold up to a position (units); clear it first.
 
-    Buckets have room for some 128 breaks, or for more where there would be above 2^25 of them, which
-    take 130 MB; InputError where even the widest are too many.
+    A bucket has some 128 breaks, or more where there would be above 2^25 buckets, which take 130 MB.
     """
     width = max(128.0 * mean / n, furthest * 2.0**-25)
     shift = min(max(int(np.log2(width)), 1), 64 - THRESHOLD_BITS)

@@ -173,8 +173,8 @@ def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
 @bare
 def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
     """Follow the slider until a slip has ended, or another reason to stop, which is returned."""
-    s, passed = slider[0], 0
-    while True:
+    s = slider[0]
+    for _event in range(1 << 20):  # then Python can handle an interrupt
         is_break, b = next_break(queue)
         force = s.force + s.stiffness * np.float64(b - s.at)
         load = force + pull.spring * np.float64(b)
@@ -230,12 +230,10 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
                 return SLIP_ENDED
         else:
             _move(s, b)
-            passed += 1
             if not open_next(queue):
                 return OVERTAKEN
-            if passed == 64:  # so that Python can handle an interrupt
-                return GOING_ON
         for _ in range(forming):
             _form(s, queue, supply)
         if why != GOING_ON:
             return why
+    return GOING_ON
