@@ -69,47 +69,40 @@ class Points:
     and for a temperature or a rate of contacts without that law.
     """
 
-    def __init__(
-        self,
-        contacts: Contacts,
-        velocity: npt.ArrayLike,
-        temperature: npt.ArrayLike | None,
-        rate: npt.ArrayLike | None,
-        delay: npt.ArrayLike | None,
-    ) -> None:
-        """Broadcast what is given along the curve; InputError for what these contacts do not have."""
+    def __init__(self, contacts: Contacts, **asked: npt.ArrayLike | None) -> None:
+        """asked : velocity, temperature, rate and delay, in this order"""
         self._began, self._contacts = time.perf_counter(), contacts
         # a rate law of the user's own has no temperature
         thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
         ageing, wait = contacts.ageing, contacts.delay
-        if temperature is not None and thermal is None:
+        if asked["temperature"] is not None and thermal is None:
             raise InputError(
                 "temperature: these contacts have no law for it; give them thermal = "
                 'Thermal("soft", 0.1), or a rate law of your own at each temperature, one after '
                 "the other, by contacts.replace(thermal=...)"
             )
-        if rate is not None and ageing is None:
+        if asked["rate"] is not None and ageing is None:
             raise InputError(
                 "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
             )
-        asked = {
-            "velocity": velocity,
-            "temperature": thermal.temperature if thermal and temperature is None else temperature,
-            "rate": ageing.rate if ageing and rate is None else rate,
-            "delay": wait.time if wait and delay is None else delay,
+        own = {
+            "temperature": thermal.temperature if thermal else None,
+            "rate": ageing.rate if ageing else None,
+            "delay": wait.time if wait else None,
         }
-        numbers = {n: _numbers(n, value) for n, value in asked.items() if value is not None}
+        given = asked | {name: own[name] for name in own if asked[name] is None}
+        numbers = {
+            name: _numbers(name, value) for name, value in given.items() if value is not None
+        }
         try:
             arrays = dict(zip(numbers, np.broadcast_arrays(*numbers.values()), strict=True))
         except ValueError as error:
             shapes = ", ".join(f"{name} {value.shape}" for name, value in numbers.items())
             fault = f"{', '.join(numbers)}: have shapes that do not fit together: {shapes}"
             raise InputError(fault) from error
-        self._fields: dict[str, Any] = dict.fromkeys(asked) | arrays
-        self.shape = arrays["velocity"].shape
-        self.rows = np.zeros((arrays["velocity"].size, 4))
-        for column, name in enumerate(asked):
-            self.rows[:, column] = np.ravel(arrays.get(name, 0.0))
+        self._fields: dict[str, Any] = dict.fromkeys(given) | arrays
+        self.shape, none = arrays["velocity"].shape, np.zeros(arrays["velocity"].size)
+        self.rows = np.stack([np.ravel(arrays.get(name, none)) for name in given], axis=1)
 
     def outcome(self, success: npt.NDArray[np.bool_], message: str) -> dict[str, Any]:
         """All fields of `Along`."""
@@ -193,7 +186,8 @@ def kinetic_curve(
     speeds so low that squares of stretches at a break underflow.
     """
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
-    points = Points(contacts.replace(start=None), velocity, temperature, rate, delay)
+    asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
+    points = Points(contacts.replace(start=None), **asked)
     # the state between birth and break is the same at any delay
     cases, which = np.unique(points.rows[:, :3], axis=0, return_inverse=True)
     steady = np.empty((4, len(cases)))

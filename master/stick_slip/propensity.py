@@ -152,7 +152,8 @@ def phase_line(
     """
     check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
     tolerance = check_tolerance("tolerance", tolerance)
-    points = Points(contacts, velocity, temperature, rate, delay)
+    asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
+    points = Points(contacts, **asked)
     check_finite(contacts)
     cases, which = np.unique(points.rows, axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
