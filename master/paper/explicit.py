@@ -124,8 +124,8 @@ def _stepped(
     travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
     # the grid covers the largest |x| of all but 1e-18 of the contacts
     first = min(max(abs(end) for end in start.span), law.support()[1])
-    last = min(first + float(np.ptp(np.append(path, 0.0))), law.isf(1e-18 * float(law.sf(first))))
-    reach = max(float(last), first)
+    last = first + float(np.ptp(np.append(path, 0.0)))
+    reach = max(min(last, float(law.isf(1e-18 * float(law.sf(first))))), first)
     longest = max(float(travel[-1]), 2.0 * reach)
     if longest / step > MOST_NODES:
         example = f"write step={longest / 1e4:.3g} or so"
