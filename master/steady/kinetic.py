@@ -21,7 +21,7 @@ from master.steady.travel import check_finite
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
-from origins.errors import InputError, refuse
+from origins.errors import InputError, non_negative, positive, refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -129,11 +129,9 @@ def _numbers(name: str, value: npt.ArrayLike) -> Array:
         refuse(name, value, "must be a number or an array of numbers")
     if not numbers.size:
         refuse(name, numbers, "must not be empty")
-    above = name == "velocity"
-    bad = ~np.isfinite(numbers) | (numbers < 0.0) | ((numbers == 0.0) & above)
-    if bad.any():
-        least = "above zero" if above else "zero or above"
-        refuse(name, float(numbers[bad][0]), f"must be finite and {least}")
+    check = positive if name == "velocity" else non_negative
+    for number in (numbers.min(), numbers.max()):
+        check(name, number)
     return numbers
 
 
