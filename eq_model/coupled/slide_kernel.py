@@ -42,12 +42,12 @@ SLIDER = np.dtype(
 
 
 class Supply(NamedTuple):
-    """Draws the contacts of one replica that form, 4 LANES at a time."""
+    """Draws the contacts of one replica that form, LANES at a time."""
 
     births: Births
     stream: Stream
     scratch: Scratch
-    ready: npt.NDArray[np.int64]  # (2, 4, LANES): thresholds and stretches
+    ready: npt.NDArray[np.int64]  # (2, LANES): thresholds and stretches
     at: npt.NDArray[np.int64]  # index of the next contact, and the number of draws so far
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
 
@@ -74,28 +74,27 @@ class Pull(NamedTuple):
 
 def make_supply(births: Births, stream: Stream, mean: float = 0.0) -> Supply:
     """The supply before its first draw."""
-    ready, at = np.empty((2, 4, LANES), np.int64), np.array([4 * LANES, 0])
+    ready, at = np.empty((2, LANES), np.int64), np.array([LANES, 0])
     return Supply(births, stream, make_scratch(), ready, at, mean)
 
 
 @bare
 def _refill(s):  # type: ignore[no-untyped-def]
-    turn, n = s.at[1], np.int64(LANES)
-    for row in range(np.int64(4)):
-        x, r = s.ready[0, row], s.ready[1, row]
-        draw_stretches(n, row, turn, s.stream, s.births, s.scratch, r)
-        draw_thresholds(n, row, turn, s.stream, s.births, s.scratch, r, x)
-    s.at[0], s.at[1] = 0, turn + 1
+    turn, row, n = s.at[1] // 4, s.at[1] % 4, np.int64(LANES)
+    draw_stretches(n, row, turn, s.stream, s.births, s.scratch, s.ready[1])
+    draw_thresholds(n, row, turn, s.stream, s.births, s.scratch, s.ready[1], s.ready[0])
+    s.at[0] = 0
+    s.at[1] += 1
 
 
 @inlined
 def take(s):  # type: ignore[no-untyped-def]
     """Threshold and stretch of the next contact."""
-    if s.at[0] == 4 * LANES:
+    if s.at[0] == LANES:
         _refill(s)
+    k = np.uint64(s.at[0])
     s.at[0] += 1
-    k, lanes = np.uint64(s.at[0] - 1), np.uint64(LANES)
-    return max(s.ready[0, k // lanes, k % lanes], np.int64(1)), s.ready[1, k // lanes, k % lanes]
+    return max(s.ready[0, k], np.int64(1)), s.ready[1, k]
 
 
 @inlined
