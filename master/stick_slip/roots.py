@@ -257,6 +257,8 @@ def _roots_to(transform: Transform, decay: float) -> tuple[Complex, float]:
     size = float(abs(s[1, 1] - s[0, 0]))
     ends, last, moving = begins.copy(), np.zeros(begins.size), np.arange(begins.size)
     for _ in range(40):  # steps of Newton's method, none longer than a cell
+        if not moving.size:
+            break
         found = transform(ends[moving])
         with np.errstate(invalid="ignore"):
             move = np.nan_to_num(found.conserved / found.slope, nan=size, posinf=size, neginf=size)
