@@ -32,8 +32,8 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 9011, 200, 152),
-    "eq_model": Room(2200, 3311, 60, 34),
+    "master": Room(7500, 8964, 200, 152),
+    "eq_model": Room(2200, 3319, 60, 35),
     "origins": Room(4500, 6692, 120, 76),
     "toolkit": Room(4000, 3992, 100, 65),
 }

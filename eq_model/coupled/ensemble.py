@@ -44,7 +44,7 @@ class Replicas:
         # contacts that pull forward take the slider beyond the drive, at most by their largest stretch
         way = drive.path[-1] + Reach(contacts, drive).furthest
         self._furthest = int(max(way, 0.0) / self._unit)
-        if self._furthest >> 48:  # more than 2^25 of the widest buckets, which take 130 MB
+        if self._furthest >> 48:  # more than 2^25 of the widest buckets, which take 270 MB
             most = 2.0**48 * self._unit
             refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for coupled contacts")
 

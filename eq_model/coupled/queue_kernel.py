@@ -4,7 +4,8 @@ A future break is one 64-bit key: the high bits are its place in its bucket, the
 threshold. This identifies a contact well enough, as contacts of one threshold that break at one
 place are alike. The bucket that the slider has reached is open: its keys are a heap, in which two
 larger keys follow each, numbers 2i and 2i + 1 after number i, so that number 1 is the next. Each
-other bucket is a chain of slots. Positions and thresholds are whole multiples of a unit.
+other bucket is a chain of chunks of keys, since its breaks are met together and shall lie together.
+Positions and thresholds are whole multiples of a unit.
 """
 
 from __future__ import annotations
@@ -17,31 +18,35 @@ import numpy.typing as npt
 from eq_model.compiling import bare, inlined, unsigned
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
+CHUNK = 16  # keys in a chunk
 
 
 class Queue(NamedTuple):
-    """Buckets as chains of slots, of which there is one for each contact; slot 0 is none."""
+    """Buckets as chains of chunks of keys."""
 
     shift: np.int64  # bits of a bucket's width
-    first: npt.NDArray[np.int32]  # slot of each bucket's latest break
-    after: npt.NDArray[np.int32]  # the next slot of the bucket, or the next free one
-    keys: npt.NDArray[np.uint64]  # of the slots
+    many: npt.NDArray[np.int32]  # number of breaks of each bucket
+    last: npt.NDArray[np.int32]  # the chunk of each bucket that is being filled
+    chunks: npt.NDArray[
+        np.uint64
+    ]  # (chunks, CHUNK + 1): keys, and the chunk before or the next free
     open: npt.NDArray[np.uint64]  # heap of the open bucket
-    at: npt.NDArray[np.int64]  # number of open keys, number of the open bucket, first free slot
+    at: npt.NDArray[np.int64]  # number of open keys, number of the open bucket, first free chunk
 
 
 def make_queue(n: int, mean: float, furthest: int) -> Queue:
     """A queue for n contacts of `mean` threshold up to a position (units); clear it first.
 
-    A bucket has some 128 breaks, or more where there would be above 2^25 buckets, which take 130 MB.
+    A bucket has some 128 breaks, or more where there would be above 2^25 buckets, which take 270 MB.
     """
-    width = max(128.0 * mean / n, furthest * 2.0**-25)
+    width = max(128.0 * mean / n, 2.0**-25 * furthest)
     shift = min(max(int(np.log2(width)), 1), 64 - THRESHOLD_BITS)
+    buckets = (furthest >> shift) + 2
     return Queue(
         shift=np.int64(shift),
-        first=np.zeros((furthest >> shift) + 2, np.int32),
-        after=np.empty(n + 2, np.int32),
-        keys=np.empty(n + 2, np.uint64),
+        many=np.zeros(buckets, np.int32),
+        last=np.zeros(buckets, np.int32),
+        chunks=np.empty((n // CHUNK + min(buckets, n) + 1, CHUNK + 1), np.uint64),
         open=np.empty(n + 2, np.uint64),
         at=np.zeros(3, np.int64),
     )
@@ -50,10 +55,10 @@ def make_queue(n: int, mean: float, furthest: int) -> Queue:
 @bare
 def clear(queue, position):  # type: ignore[no-untyped-def]
     """Remove all breaks; the slider is at `position`, and the bucket before its own is open."""
-    queue.first[:] = 0
-    for i in range(queue.after.size):
-        queue.after[i] = i + 1
-    queue.at[0], queue.at[1], queue.at[2] = 0, (position >> queue.shift) - 1, 1
+    queue.many[:] = 0
+    for i in range(queue.chunks.shape[0]):
+        queue.chunks[i, CHUNK] = i + 1
+    queue.at[0], queue.at[1], queue.at[2] = 0, (position >> queue.shift) - 1, 0
 
 
 @inlined
@@ -93,12 +98,14 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
     key = (place << unsigned(THRESHOLD_BITS)) | unsigned(x)
     if k <= queue.at[1]:
         _open(queue, key)
-    elif k < queue.first.size:
-        slot = queue.at[2]
-        queue.at[2] = queue.after[unsigned(slot)]
-        queue.keys[unsigned(slot)] = key
-        queue.after[unsigned(slot)] = queue.first[unsigned(k)]
-        queue.first[unsigned(k)] = slot
+    elif k < queue.many.size:
+        k, place = unsigned(k), unsigned(queue.many[unsigned(k)]) % unsigned(CHUNK)
+        if place == unsigned(0):
+            chunk = unsigned(queue.at[2])
+            queue.at[2] = queue.chunks[chunk, CHUNK]
+            queue.chunks[chunk, CHUNK], queue.last[k] = queue.last[k], chunk
+        queue.chunks[unsigned(queue.last[k]), place] = key
+        queue.many[k] += 1
 
 
 @inlined
@@ -116,13 +123,15 @@ def _open(queue, key):  # type: ignore[no-untyped-def]
 def open_next(queue):  # type: ignore[no-untyped-def]
     """Open the next bucket, as the open one is empty; False if there is none."""
     k = queue.at[1] + 1
-    if k == queue.first.size:
+    if k == queue.many.size:
         return False
-    slot = queue.first[k]
-    queue.first[k], queue.at[1] = 0, k
-    while slot:
-        _open(queue, queue.keys[unsigned(slot)])
-        after = queue.after[unsigned(slot)]
-        queue.after[unsigned(slot)], queue.at[2] = queue.at[2], slot
-        slot = after
+    chunk = unsigned(queue.last[k])
+    for i in range(queue.many[k] - 1, -1, -1):
+        place = unsigned(i) % unsigned(CHUNK)
+        _open(queue, queue.chunks[chunk, place])
+        if place == unsigned(0):
+            before = queue.chunks[chunk, CHUNK]
+            queue.chunks[chunk, CHUNK], queue.at[2] = queue.at[2], chunk
+            chunk = before
+    queue.many[k], queue.at[1] = 0, k
     return True
