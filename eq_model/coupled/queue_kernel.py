@@ -40,7 +40,7 @@ def make_queue(n: int, mean: float, furthest: int) -> Queue:
     A bucket has some 128 breaks, or more where there would be above 2^25 buckets, which take 270 MB.
     """
     width = max(128.0 * mean / n, 2.0**-25 * furthest)
-    shift = min(max(int(np.log2(width)), 1), 64 - THRESHOLD_BITS)
+    shift = min(max(int(np.ceil(np.log2(width))), 1), 64 - THRESHOLD_BITS)
     buckets = (furthest >> shift) + 2
     return Queue(
         shift=np.int64(shift),
