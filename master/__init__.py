@@ -4,8 +4,7 @@ from master.paper.critical_velocity import CriticalVelocity, critical_velocity
 from master.solution import Solution
 from master.solve import solve
 from master.steady.kinetic import KineticCurve, kinetic_curve
-from master.steady.state import SteadyState
-from master.steady.steady import steady_state
+from master.steady.steady import SteadyState, steady_state
 from master.stick_slip.propensity import PhaseLine, Propensity, phase_line, propensity
 from master.stick_slip.spectrum import DecoherenceSpectrum, decoherence_spectrum
 

@@ -85,10 +85,10 @@ steady_state(Contacts(lomax(1.9)))  thresholds: <x_s\^2> is
 propensity(Contacts(lomax(1.9)))  thresholds: <x_s\^2> is
 steady_state(Contacts(lomax(2.9), stiffness="linked"))  thresholds: <x_s\^3> is infinite
 kinetic_curve(Contacts(lomax(1.9), thermal=SOFT))  thresholds: <x_s\^2> is infinite
-kinetic_curve(PLAIN, [1.0, 0.0])  velocity = 0\.0: must be finite and above zero
+kinetic_curve(PLAIN, [1.0, 0.0])  velocity = 0\.0: must be above zero
 kinetic_curve(PLAIN, [])  velocity .*must not be empty
 kinetic_curve(PLAIN, [1, 2, 3], delay=[0, 1])  velocity, delay: have shapes that do not fit
-kinetic_curve(PLAIN, delay=-1.0)  delay = -1\.0: must be finite and zero or above
+kinetic_curve(PLAIN, delay=-1.0)  delay = -1\.0: must be zero or above
 kinetic_curve(PLAIN, temperature=[0.1])  temperature: these contacts have no law for it
 kinetic_curve(PLAIN, rate=[0.1])  rate: these contacts do not age
 phase_line(PLAIN, temperature=[0.1])  temperature: these contacts have no law for it

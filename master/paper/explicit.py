@@ -1,13 +1,8 @@
 """(Q2), (Q3), (Q4): the paper's explicit step of Q(x;X) on a grid. First order in the step.
 
 It is kept as the plain twin of `master.solve`. All stretches are multiples of the step dX. In one
-step
-
-    all contacts move on by dX,
-    a fraction a(x) of those now at x breaks,
-    the broken contacts re-form at x = 0.
-
-The fraction is taken from Q after the shift. Taken before it, as (Q2) and (Q3) literally say, cells
+step all contacts move on by dX, a fraction a(x) of those now at x breaks, and the broken contacts
+re-form at x = 0. The fraction is taken from Q after the shift. Taken before it, as (Q2) and (Q3) literally say, cells
 become negative and the solution diverges. A contact that breaks within a step should stretch again
 by up to dX before the step ends; here it does not. So where breaks are spread smoothly, every
 generation is dX/2 late.
@@ -94,8 +89,8 @@ def explicit(
     if thermal is not None and thermal.closure != "paper":
         rule = 'the explicit scheme knows x alone; use closure = "paper"'
         refuse("contacts.thermal.closure", thermal.closure, rule)
-    drive = Drive(path, velocity).only_forward("the explicit scheme")
-    return _stepped(contacts, drive.path, step, breaking, drive.velocity)
+    forward = Drive(path, velocity).only_forward("the explicit scheme")
+    return _stepped(contacts, forward.path, step, breaking, forward.velocity)
 
 
 def explicit_loop(
@@ -125,10 +120,10 @@ def _stepped(
     """Take all steps along slider positions of shape (n,), on a grid that is even about x = 0."""
     began, step = time.perf_counter(), positive("step", step)
     one_of("breaking", breaking, get_args(Breaking))
-    law = contacts.thresholds
+    law, start = contacts.thresholds, contacts.start
     travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
     # the grid covers the largest |x| of all but 1e-18 of the contacts
-    first = min(max(abs(end) for end in contacts.start.span), law.support()[1])
+    first = min(max(abs(end) for end in start.span), law.support()[1])
     last = first + float(np.ptp(np.append(path, 0.0)))
     reach = max(min(last, float(law.isf(1e-18 * float(law.sf(first))))), first)
     longest = max(float(travel[-1]), 2.0 * reach)
@@ -151,9 +146,8 @@ def _stepped(
     force, holding = [x @ shares], [shares.sum()]
     for number, move in enumerate(moves.tolist()):
         one_way = shares if move >= 0 else shares[::-1]  # a view: backward is forward in -x
-        waiting[number % waiting.size] = sum(
-            shift_and_break(one_way, fraction) for _ in range(abs(move))
-        )
+        broken = [shift_and_break(one_way, fraction) for _ in range(abs(move))]
+        waiting[number % waiting.size] = sum(broken)
         shares[zero] += waiting[(number + 1) % waiting.size]
         force.append(x @ shares)
         holding.append(shares.sum())

@@ -11,6 +11,7 @@ removes.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,8 +19,6 @@ from scipy.interpolate import PchipInterpolator
 from scipy.linalg.lapack import get_lapack_funcs
 from scipy.optimize import brentq
 
-from master.outcome import WELL, judged
-from master.steady.state import SteadyState
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.laws.diffusion import Diffusion
@@ -61,8 +60,8 @@ def make_ageing(hops: Diffusion, amount: complex) -> Callable[[Array], Array]:
     return age
 
 
-def paper_steady(contacts: Contacts, velocity: float) -> SteadyState:
-    """(Q15), (Q11c), (Q11d): the steady state from fresh thresholds P_ci, any final law, at D_X = D/v.
+def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
+    """(Q15), (Q11c), (Q11d): fields of SteadyState, from fresh thresholds P_ci, any final law, D_X = D/v.
 
     Exact single values are allowed. Raises InputError for fresh thresholds outside the support of
     the final law, and for a final law with a gap that thresholds would have to cross.
@@ -82,20 +81,17 @@ def paper_steady(contacts: Contacts, velocity: float) -> SteadyState:
     # weights on the coarser of the last two grids, extrapolated from both
     weights = (4.0 * tables[-1].reshape(-1, 2).sum(axis=1) - tables[-2]) / 3.0
     thresholds = TabulatedLaw(grids[-2], np.maximum(weights, 0.0))
-    success, message = judged("F_k", off[0] / force, WELL)
-    return SteadyState(
-        force=force,
-        force_error=float(off[0]) / fresh.mean(),
-        holding=1.0,
-        thresholds=thresholds,
-        mean_threshold=length,
-        cycle_length=length,
-        cycle_length_error=float(off[1]) / fresh.mean(),
-        success=bool(success),
-        message=message,
-        _held=lambda x: np.where(x >= 0.0, thresholds.sf(x), 0.0),
-        positivity_defect=abs(float(weights[weights < 0.0].sum())),
-    )
+    return {
+        "force": force,
+        "force_error": float(off[0]) / fresh.mean(),
+        "holding": 1.0,
+        "thresholds": thresholds,
+        "mean_threshold": length,
+        "cycle_length": length,
+        "cycle_length_error": float(off[1]) / fresh.mean(),
+        "_held": lambda x: np.where(x >= 0.0, thresholds.sf(x), 0.0),
+        "positivity_defect": abs(float(weights[weights < 0.0].sum())),
+    }
 
 
 def _edges(fresh: Thresholds, final: Thresholds, halvings: int) -> Array:

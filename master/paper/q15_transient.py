@@ -14,13 +14,13 @@ the answer depends on which; both defects are returned at every X.
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
-from master.outcome import Progress, unheard
+from master.outcome import Progress, outcome, unheard
 from master.paper.q15_steady import ageing_of, make_ageing
 from origins import Contacts, Drive
 from origins.brief import brief
@@ -171,14 +171,11 @@ def solve_q15(
     less than `tolerance` (in mean fresh thresholds), or until some ten seconds are spent."""
     began, end = time.perf_counter(), float(drive.path[-1])
     step = 0.5 * narrowest(contacts)  # coarser steps do not resolve the laws
-
-    def run() -> AgeingTransient:
-        return paper_transient(contacts, drive.path, step, drive.velocity)
-
-    fine, better, error, stuck, work = run(), np.empty(0), np.inf, False, 0.0
+    fine = paper_transient(contacts, drive.path, step, drive.velocity)
+    better, error, stuck, work = np.empty(0), np.inf, False, 0.0
     while error > tolerance and not stuck and 4.0 * work <= 1e8:
         step, coarse, worse = 0.5 * step, fine, better
-        fine = run()
+        fine = paper_transient(contacts, drive.path, step, drive.velocity)
         better = (4.0 * fine.force - coarse.force) / 3.0
         if worse.size:
             change = 2.0 * float(np.abs(better - worse).max()) / contacts.mean_threshold
@@ -186,17 +183,11 @@ def solve_q15(
             stuck, error = fine.outrun < end and change > 0.5 * error, change
             work = fine.edges.size * CELLS * (end / step + 1.0)
             progress(error)
-    message = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
-    if error > tolerance:
-        message = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
-    return replace(
-        fine,
-        force=better,
-        force_error=error,
-        success=error <= tolerance,
-        message=f"{message}; {fine.message}",
-        run_time=time.perf_counter() - began,
-    )
+    reason = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
+    success, message = outcome(contacts, error, tolerance, reason)
+    message, run_time = f"{message}; {fine.message}", time.perf_counter() - began
+    told: dict[str, Any] = {"success": success, "message": message, "run_time": run_time}
+    return replace(fine, force=better, force_error=error, **told)
 
 
 class _State:

@@ -21,7 +21,7 @@ from master.steady.travel import check_finite
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
-from origins.errors import InputError, refuse
+from origins.errors import InputError, non_negative, positive, refuse
 
 Array = npt.NDArray[np.float64]
 
@@ -62,64 +62,55 @@ class Points:
     Attributes
     ----------
     shape : tuple of int
-    rows : array of shape (4, n)
-        Speed, temperature, rate and delay, flattened; 0 for a law that the contacts do not have.
+    rows : array of shape (n, 4)
+        Speed, temperature, rate and delay; 0 for a law that the contacts do not have.
 
     Raises InputError for values that are not finite or too small, for shapes that do not broadcast,
     and for a temperature or a rate of contacts without that law.
     """
 
-    def __init__(
-        self,
-        contacts: Contacts,
-        velocity: npt.ArrayLike,
-        temperature: npt.ArrayLike | None,
-        rate: npt.ArrayLike | None,
-        delay: npt.ArrayLike | None,
-    ) -> None:
-        """Broadcast what is given along the curve; InputError for what these contacts do not have."""
+    def __init__(self, contacts: Contacts, **asked: npt.ArrayLike | None) -> None:
+        """asked : velocity, temperature, rate and delay, in this order"""
         self._began, self._contacts = time.perf_counter(), contacts
         # a rate law of the user's own has no temperature
         thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
         ageing, wait = contacts.ageing, contacts.delay
-        if temperature is not None and thermal is None:
+        if asked["temperature"] is not None and thermal is None:
             raise InputError(
                 "temperature: these contacts have no law for it; give them thermal = "
                 'Thermal("soft", 0.1), or a rate law of your own at each temperature, one after '
                 "the other, by contacts.replace(thermal=...)"
             )
-        if rate is not None and ageing is None:
+        if asked["rate"] is not None and ageing is None:
             raise InputError(
                 "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
             )
         own = {
-            "velocity": velocity,
             "temperature": thermal.temperature if thermal else None,
             "rate": ageing.rate if ageing else None,
             "delay": wait.time if wait else None,
         }
-        asked = {"temperature": temperature, "rate": rate, "delay": delay}
-        own |= {name: value for name, value in asked.items() if value is not None}
-        numbers = {name: _numbers(name, value) for name, value in own.items() if value is not None}
+        given = asked | {name: own[name] for name in own if asked[name] is None}
+        numbers = {
+            name: _numbers(name, value) for name, value in given.items() if value is not None
+        }
         try:
             arrays = dict(zip(numbers, np.broadcast_arrays(*numbers.values()), strict=True))
         except ValueError as error:
             shapes = ", ".join(f"{name} {value.shape}" for name, value in numbers.items())
             fault = f"{', '.join(numbers)}: have shapes that do not fit together: {shapes}"
             raise InputError(fault) from error
-        self._fields: dict[str, Any] = dict.fromkeys(own) | arrays
+        self._fields: dict[str, Any] = dict.fromkeys(given) | arrays
         self.shape, none = arrays["velocity"].shape, np.zeros(arrays["velocity"].size)
-        self.rows = np.stack([np.ravel(arrays.get(name, none)) for name in own])
+        self.rows = np.stack([np.ravel(arrays.get(name, none)) for name in given], axis=1)
 
     def outcome(self, success: npt.NDArray[np.bool_], message: str) -> dict[str, Any]:
         """All fields of `Along`."""
         run_time = time.perf_counter() - self._began
         return {**self._fields, "run_time": run_time, "success": success, "message": message}
 
-    def contacts(
-        self, temperature: float, rate: float, delay: float = 0.0, *, start: object = None
-    ) -> Contacts:
-        """The contacts at one temperature, rate and delay (0: none), with another start."""
+    def contacts(self, temperature: float, rate: float, delay: float = 0.0) -> Contacts:
+        """The contacts at one temperature, rate and delay (0: none)."""
         thermal, ageing = self._contacts.thermal, self._contacts.ageing
         if isinstance(thermal, Thermal):
             warm = temperature > 0.0
@@ -127,7 +118,7 @@ class Points:
         if ageing is not None:
             ageing = Ageing(ageing.final, float(rate), ageing.closure)
         wait = Delay(float(delay)) if delay > 0.0 else None
-        return self._contacts.replace(start=start, thermal=thermal, ageing=ageing, delay=wait)
+        return self._contacts.replace(thermal=thermal, ageing=ageing, delay=wait)
 
 
 def _numbers(name: str, value: npt.ArrayLike) -> Array:
@@ -138,12 +129,9 @@ def _numbers(name: str, value: npt.ArrayLike) -> Array:
         refuse(name, value, "must be a number or an array of numbers")
     if not numbers.size:
         refuse(name, numbers, "must not be empty")
-    least = "above zero" if name == "velocity" else "zero or above"
-    good = (numbers > 0.0) | ((numbers == 0.0) & (least == "zero or above"))
-    if not (good & np.isfinite(numbers)).all():
-        refuse(
-            name, float(numbers[~(good & np.isfinite(numbers))][0]), f"must be finite and {least}"
-        )
+    check = positive if name == "velocity" else non_negative
+    for number in (numbers.min(), numbers.max()):
+        check(name, number)
     return numbers
 
 
@@ -196,9 +184,10 @@ def kinetic_curve(
     speeds so low that squares of stretches at a break underflow.
     """
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
-    points = Points(contacts, velocity, temperature, rate, delay)
+    asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
+    points = Points(contacts.replace(start=None), **asked)
     # the state between birth and break is the same at any delay
-    cases, which = np.unique(points.rows[:3].T, axis=0, return_inverse=True)
+    cases, which = np.unique(points.rows[:, :3], axis=0, return_inverse=True)
     steady = np.empty((4, len(cases)))
     for laws in np.unique(cases[:, 1:], axis=0):
         these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
@@ -206,7 +195,7 @@ def kinetic_curve(
     force, force_error, length, length_error = steady[:, which.ravel()].reshape(4, *points.shape)
     # contacts with grains are out until these pin again, in addition to the delay
     pinned = contacts.replace(delay=None).waiting_time
-    speeds, waits = points.rows[[0, 3]].reshape(2, *points.shape)
+    speeds, _, _, waits = points.rows.T.reshape(4, *points.shape)
     holding = length / (length + speeds * (waits + pinned))
     off = holding * (1.0 - holding) * length_error / length
     force_error = force_error * holding + force * off

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -12,15 +14,63 @@ from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.outcome import WELL, judged
 from master.renewal.births import reforming_law
-from master.steady.state import SteadyState
 from master.steady.travel import Travel, check_finite
-from origins import Contacts
+from origins import Contacts, Thresholds
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive
 from origins.start import Start
 from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """Steady sliding, whatever the start.
+
+    Attributes
+    ----------
+    force : float
+        F_k/(N_c <k>), a length. Where contacts form again at once and relaxed, and all are equally
+        stiff, it is <x_b^2>/(2 <x_b>); x_b is the stretch at which a contact breaks, x_s at T = 0.
+    force_error : float
+        Its error in units of the mean threshold.
+    holding : float
+        Fraction of the contacts that hold, C/(C + v tau).
+    thresholds : Thresholds
+        P_c: of new contacts, or with the paper's closure of ageing of all, from a table of weights.
+    mean_threshold : float
+        Its mean <x_s>, a length.
+    cycle_length : float
+        C, the mean travel of the slider between a contact's birth and its break.
+    cycle_length_error : float
+        Its error in units of the mean threshold.
+    success : bool
+        Whether the relative error of the force is at most 1e-3.
+    message : str
+        The accuracy reached.
+    positivity_defect : float
+        With the paper's closure of ageing the sum of the negative weights of the table of P_c,
+        without the sign, which the density leaves out.
+    """
+
+    force: float
+    force_error: float
+    holding: float
+    thresholds: Thresholds = field(repr=False)
+    mean_threshold: float
+    cycle_length: float
+    cycle_length_error: float
+    success: bool
+    message: str
+    _held: Callable[[Array], Array] = field(repr=False)
+    positivity_defect: float = 0.0
+
+    def distribution(self, x: npt.ArrayLike) -> Array:
+        """Q_s(x) per length at stretches x (paper, Eq. Q11a), of all contacts; same shape as x."""
+        x = np.asarray(x, dtype=float)
+        held = self._held(x.ravel()) * self.holding / self.cycle_length
+        return held.reshape(x.shape)[()]
 
 
 def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
@@ -39,50 +89,47 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
     """
     check_contacts(contacts, "master.steady_state", LAWS, own_rates=True)
     velocity = positive("velocity", velocity)
+    unit = contacts.mean_threshold
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         from master.paper.q15_steady import paper_steady
 
-        return paper_steady(contacts, velocity)
-    check_finite(contacts)
-    life, births = steady_life(contacts, velocity), reforming_law(contacts)
-    travel = Travel(contacts, life, births, velocity)
-    wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    force, force_error = travel.force(wait)
-    success, message = judged("F_k", force_error / max(abs(force), WELL * unit), WELL)
-    return SteadyState(
-        force=force,
-        force_error=force_error / unit,
-        holding=travel.length / (travel.length + wait),
-        thresholds=contacts.thresholds,
-        mean_threshold=unit,
-        cycle_length=travel.length,
-        cycle_length_error=travel.length_error / unit,
-        success=bool(success),
-        message=message,
-        _held=partial(_held, life, births, velocity),
-    )
+        known = paper_steady(contacts, velocity)
+    else:
+        check_finite(contacts)
+        life, births = steady_life(contacts, velocity), reforming_law(contacts)
+        travel, wait = Travel(contacts, life, births, velocity), velocity * contacts.waiting_time
+        force, force_error = travel.force(wait)
+        known = {
+            "force": force,
+            "force_error": force_error / unit,
+            "holding": travel.length / (travel.length + wait),
+            "thresholds": contacts.thresholds,
+            "mean_threshold": unit,
+            "cycle_length": travel.length,
+            "cycle_length_error": travel.length_error / unit,
+            "_held": partial(_held, life, births, velocity),
+        }
+    relative = known["force_error"] / max(abs(known["force"]) / unit, WELL)
+    success, message = judged("F_k", relative, WELL)
+    return SteadyState(success=bool(success), message=message, **known)
 
 
 def _held(life: Life, births: Start, velocity: float, x: Array) -> Array:
     """Share of all contacts that hold at stretches x (n,) after their birth, averaged over births."""
-    low, high = (float(np.clip(end, -life.reach, life.reach)) for end in births.span)
-    out, reached = np.zeros(x.size), np.flatnonzero(x >= low)
-    at = x[reached, None]
-    if births.is_single:
-        born, weights = np.full((*at.shape, 1), births.mean()), np.ones(1)
-    else:
+    low, high = np.clip(births.span, -life.reach, life.reach)
+    at = x[:, None]
+    born, weights = np.full((x.size, 1, 1), births.mean()), (at >= low)[..., None] * 1.0
+    if not births.is_single:
         # twelve panels, and edges where the survival bends
         even = np.linspace(low, high, 13)
         fixed = np.concatenate([even, births.breakpoints, np.zeros(1), life.bends, -life.bends])
-        cuts = np.append(np.tile(fixed, (at.size, 1)), -np.abs(at), axis=1)
-        cuts = np.sort(np.clip(cuts, low, np.minimum(at, high)), axis=1)
+        cuts = np.append(np.tile(fixed, (x.size, 1)), -np.abs(at), axis=1)
+        cuts = np.sort(np.clip(cuts, low, np.clip(at, low, high)), axis=1)
         born, weights = gauss(cuts[:, :-1], cuts[:, 1:])
-        weights = weights * births.pdf(born) / (births.cdf(high) - births.cdf(low))
-    if reached.size:
-        way, rows = at[:, :, None] - born, (-1, born.shape[-1])
-        far = max(float(way.max()), life.reach)
-        motion = Motion(np.array([0.0, far / velocity]), np.array([0.0, far]))
-        history = motion.history(way.reshape(rows) / velocity, np.zeros((1, 1)))
-        held = life.left(born.reshape(rows), history)[0].reshape(born.shape)
-        out[reached] = (weights * held).sum(axis=(1, 2))
-    return out
+        weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
+    way, rows = np.maximum(at[..., None] - born, 0.0), (-1, born.shape[-1])
+    far = max(float(way.max(initial=0.0)), life.reach)
+    motion = Motion(np.array([0.0, far / velocity]), np.array([0.0, far]))
+    history = motion.history(way.reshape(rows) / velocity, np.zeros((1, 1)))
+    held = life.left(born.reshape(rows), history)[0].reshape(born.shape)
+    return np.asarray((weights * held).sum(axis=(1, 2)))

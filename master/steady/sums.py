@@ -26,8 +26,7 @@ LEAST, MOST = -32.0, 3.65
 OVER = 7.0
 # Panels of 8 nodes in u: of one width above ln e = EVEN, wider and wider ones below, where the
 # weight is an exponential. The relative error of sums is then ROUND_OFF (measured).
-EVEN, WIDTH, WIDER, WIDEST = -1.0, 0.6, 1.3, 4.0
-ROUND_OFF = 2e-12
+EVEN, WIDTH, ROUND_OFF = -1.0, 0.6, 2e-12
 # Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root
 # of the distance in u: the stretch is smooth in this root.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
@@ -78,10 +77,10 @@ class _Breaks:
         self._contacts, self._rates = contacts, contacts.thermal.rates
         self._log_speeds = np.log(speeds)
         slow, fast = float(self._log_speeds.min()), float(self._log_speeds.max())
-        top, bottom, lowest = fast + MOST, slow + EVEN, slow + LEAST
+        top, bottom = fast + MOST, slow + EVEN
         even = np.linspace(bottom, top, 2 + int((top - bottom) / WIDTH))
-        far = bottom - np.cumsum(np.minimum(WIDTH * WIDER ** np.arange(1.0, 80.0), WIDEST))
-        self._edges = np.concatenate([[lowest], far[far > lowest + 0.5 * WIDEST][::-1], even])
+        wider = np.linspace(1.0, 0.0, 13)[:-1] ** 1.5  # the next to the even ones is 0.75 wide
+        self._edges = np.append(bottom - (EVEN - LEAST) * wider, even)
         nodes, weights = gauss(self._edges[:-1], self._edges[1:])
         self._u = nodes.ravel()
         self._weights = weights.ravel()[:, None] * _weight(self._u[:, None] - self._log_speeds)
@@ -91,32 +90,24 @@ class _Breaks:
     def __call__(self, thresholds: Array) -> Array:
         """Shape (2, thresholds, speeds)."""
         stiffness = np.asarray(self._contacts.relative_stiffness(thresholds))
+        given = 0.0, thresholds[:, None], stiffness[:, None]
         ends = self._rates.log_passed(0.0, thresholds, thresholds, stiffness)
         whole = np.searchsorted(self._usable_from, ends, side="right")
         count = NODES * int(whole.max(initial=0))
-        x = self._rates.reached(self._u[:count], 0.0, thresholds[:, None], stiffness[:, None])
+        x = self._rates.reached(self._u[:count], *given)
         x = np.where(np.arange(count) < NODES * whole[:, None], x, 0.0)
         rest = np.exp(-np.exp(np.minimum(ends[:, None] - self._log_speeds, OVER)))
         limit, weights = thresholds[:, None], self._weights[:count]
         out = np.stack([x @ weights + rest * limit, (x * x) @ weights + rest * limit**2])
-        inside = np.flatnonzero((ends > self._edges[0]) & (whole < self._edges.size - 1))
-        if inside.size:
-            some = thresholds[inside], stiffness[inside]
-            out[:, inside] += self._last(self._edges[whole[inside]], ends[inside], *some)
-        out[1] *= stiffness[:, None]
-        return out
-
-    def _last(self, begin: Array, end: Array, threshold: Array, stiffness: Array) -> Array:
-        """Contribution of breaks between the last whole panel and the threshold, (2, n, speeds)."""
-        roots = np.cbrt(end - begin)[:, None] * CUTS
-        nodes, weights = gauss(roots[:, 1:], roots[:, :-1])
-        nodes, weights = (part.reshape(end.size, -1) for part in (nodes, weights))
-        u, weights = end[:, None] - nodes**3, 3.0 * nodes * nodes * weights
-        x = self._rates.reached(u, 0.0, threshold[:, None], stiffness[:, None])
-        moments = np.stack([weights * x, weights * x * x])
-        out = np.zeros((2, end.size, self._log_speeds.size))
+        # from the last whole panel to the threshold
+        end = np.clip(ends, self._edges[0], self._edges[-1])
+        roots = np.cbrt(end - self._edges[whole])[:, None] * CUTS
+        nodes, weights = (part.reshape(end.size, -1) for part in gauss(roots[:, 1:], roots[:, :-1]))
+        u = end[:, None] - nodes**3
+        x = 3.0 * nodes * nodes * weights * self._rates.reached(u, *given) ** [[[1.0]], [[2.0]]]
         for i, log_speed in enumerate(self._log_speeds):
-            out[:, :, i] = np.einsum("nj,knj->kn", _weight(u - log_speed), moments)
+            out[:, :, i] += np.einsum("nj,knj->kn", _weight(u - log_speed), x)
+        out[1] *= stiffness[:, None]
         return out
 
 

@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from master.lives.heat import ThermalLife
 from master.lives.life import Life
-from master.renewal.kernels import SHORTEST as SHORTEST
 from master.renewal.kernels import Straight
 from origins import Contacts, InputError
 from origins.start import Start
@@ -43,12 +42,10 @@ class Travel(Straight):
         v > 0, length per time.
     accuracy : float, optional
         Last coefficients of E, and of K over `scale`, below which a panel is not halved: the error
-        of integrals is then about its square.
+        of integrals is then about its square. Kept as an attribute.
 
     Attributes, beside those of Straight, where lags are ways
     ----------
-    accuracy : float
-        As given.
     atoms : array of shape (n,)
         Ways after which contacts reach exact thresholds together.
     grain : float
@@ -72,13 +69,11 @@ class Travel(Straight):
         """Tabulate E and K over the way since a birth, and integrate them."""
         if accuracy is None:
             accuracy = ACCURACY if born.is_single else OF_MANY
-        if not (born.is_single or life.quick):
-            accuracy = max(accuracy, STEPPED)
-        self.accuracy = accuracy
+        self.accuracy = accuracy if born.is_single or life.quick else max(accuracy, STEPPED)
         longest = life.reach + max(-2.0 * float(born.span[0]), 0.0)
         # panels that follow E more closely than it is known would follow its rounding
-        accuracy = max(accuracy, min(life.error, COARSEST))
-        super().__init__(life, born, velocity, longest, accuracy, steady=True)
+        finest = min(life.error, COARSEST)
+        super().__init__(life, born, velocity, longest, max(self.accuracy, finest), steady=True)
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
         table = self.table
         held, borne = table(table.edges)

@@ -61,16 +61,17 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     # diverge, tolerances below 1e-6 would take long
     asked = max(tolerance, 1e-6) if diverges else 1e-3 * tolerance
     asked *= unit / contacts.mean_threshold
-    march = forward_march(contacts, travel, velocity, horizon, asked)
-    for _ in range(3):
+    solved_to = np.inf
+    for finer in (1.0, 1e-2, 1e-4):
+        march = forward_march(contacts, travel, velocity, horizon, finer * asked)
+        if march.tolerance >= solved_to:  # the finest already
+            break
         solved_to = march.tolerance
         fall, force = _of(march.run(), velocity, travel.typical)
-        if diverges:
-            fall = Largest(np.inf, 0.0, fall.position)
         good = fall.error <= tolerance * (1.0 + fall.value) and force.error <= tolerance * unit
-        march = forward_march(contacts, travel, velocity, horizon, 1e-2 * solved_to)
-        if good or diverges or march.tolerance >= solved_to:
+        if good or diverges:
             break
+    fall = Largest(np.inf, 0.0, fall.position) if diverges else fall
     # F decays to the kinetic force, so that F_s is at least this
     kinetic = travel.area / (travel.length + velocity * contacts.waiting_time)
     force = force._replace(value=max(force.value, kinetic))
@@ -144,21 +145,16 @@ def _of(march: March, velocity: float, typical: float) -> tuple[Largest, Largest
 
 def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Largest:
     """The largest value of all panels' Legendre series, which have these errors."""
-    count = 33  # points; after four zooms the place is known to 1e-6 of a panel
-    z, rows = (
-        np.tile(np.linspace(-1.0, 1.0, count), (series.shape[0], 1)),
-        np.arange(series.shape[0]),
-    )
-    for _ in range(4):
-        at = rule.legendre_sum(series, z).argmax(axis=1)
-        low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, count - 1)]
-        z = np.linspace(low, high, count, axis=1)
-    values = rule.legendre_sum(series, z)
+    low, high, rows = -np.ones(begin.size), np.ones(begin.size), np.arange(begin.size)
+    for _ in range(5):  # then the place is known to 1e-6 of a panel
+        z = np.linspace(low, high, 33, axis=1)
+        values = rule.legendre_sum(series, z)
+        at = values.argmax(axis=1)
+        low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, 32)]
     best = values.max(axis=1)
     k = int(best.argmax())
     error = max(float((best + errors).max() - best[k]), float(best[k] - (best - errors).max()))
-    place = begin[k] + 0.5 * width[k] * (1.0 + z[k, values[k].argmax()])
-    return Largest(float(best[k]), error, float(place))
+    return Largest(float(best[k]), error, float(begin[k] + 0.5 * width[k] * (1.0 + z[k, at[k]])))
 
 
 def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:

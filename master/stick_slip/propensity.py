@@ -152,13 +152,13 @@ def phase_line(
     """
     check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
     tolerance = check_tolerance("tolerance", tolerance)
-    points = Points(contacts, velocity, temperature, rate, delay)
+    asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
+    points = Points(contacts, **asked)
     check_finite(contacts)
-    cases, which = np.unique(points.rows.T, axis=0, return_inverse=True)
+    cases, which = np.unique(points.rows, axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
     for i, (speed, *laws) in enumerate(cases):
-        single = points.contacts(*laws, start=contacts.start)
-        found[:, i] = critical_spring(single, float(speed), tolerance)
+        found[:, i] = critical_spring(points.contacts(*laws), float(speed), tolerance)
     spring, error = found[:, which.ravel()].reshape(2, *points.shape)
     return PhaseLine(
         **points.outcome(*judged("K*", error / (1.0 + spring), tolerance)),

@@ -18,8 +18,9 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
+from master.renewal.kernels import SHORTEST
 from master.renewal.table import Table
-from master.steady.travel import FEW, SHORTEST, Travel
+from master.steady.travel import FEW, Travel
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -134,9 +135,8 @@ class Transform:
             waited, out = np.exp(-s * self.wait), -np.expm1(-s * self.wait) / s
             conserved = held * waited + out
             slope = waited * (held_slope - self.wait * held) + (self.wait * waited - out) / s
-            size = np.abs(waited)
-            error = 1.0 + (1.0 + np.abs(s) * self.wait) * size
-            error = off[0] * size + np.finfo(float).eps * error / np.abs(s)
+            rounded = 1.0 + (1.0 + np.abs(s) * self.wait) * np.abs(waited)
+            error = off[0] * np.abs(waited) + np.finfo(float).eps * rounded / np.abs(s)
             root_error = (np.abs(conserved) + error) / np.abs(slope) + np.spacing(np.abs(s))
         return Values(held, held_slope, off[0], force, off[1], conserved, slope, root_error)
 
@@ -159,18 +159,17 @@ def crowding_rate(travel: Travel, wait: float) -> float:
 
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     # the share that breaks at each is that just before less that just after it
-    before, after = (travel.scaled(ways[:, None] * side)[0, :, 0] for side in (1 - 1e-11, 1 + 1e-11))
+    before, after = (
+        travel.scaled(ways[:, None] * side)[0, :, 0] for side in (1 - 1e-11, 1 + 1e-11)
+    )
     ways, shares = ways[before > after] + wait, (before - after)[before > after]
     if not ways.size:
         return np.inf
     if shares.sum() > 1.0 - 1e-14:
         return 0.0
-    most = -float(np.log(shares.max())) / float(ways.min())
-
-    def held(rate: float) -> float:
-        return float(np.logaddexp.reduce(rate * ways + np.log(shares)))
-
-    return float(brentq(held, 0.0, most, xtol=1e-300, rtol=1e-14))
+    logs = np.log(shares)
+    ends = 0.0, -float(logs.max()) / float(ways.min())
+    return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))
 
 
 def tail_rate(contacts: Contacts) -> tuple[float, float]:
@@ -258,6 +257,8 @@ def _roots_to(transform: Transform, decay: float) -> tuple[Complex, float]:
     size = float(abs(s[1, 1] - s[0, 0]))
     ends, last, moving = begins.copy(), np.zeros(begins.size), np.arange(begins.size)
     for _ in range(40):  # steps of Newton's method, none longer than a cell
+        if not moving.size:
+            break
         found = transform(ends[moving])
         with np.errstate(invalid="ignore"):
             move = np.nan_to_num(found.conserved / found.slope, nan=size, posinf=size, neginf=size)

@@ -47,10 +47,8 @@ class DecoherenceSpectrum:
     ----------
     roots, roots_error : complex, float array
         s_n with Im s_n > 0, per length.
-    period, period_error : array
-        2π/Im s_n, lengths.
-    decay_length, decay_length_error : array
-        -1/Re s_n, lengths.
+    period, period_error, decay_length, decay_length_error : array
+        2π/Im s_n and -1/Re s_n, lengths.
     amplitude, amplitude_error : complex, float array
         c_n (lengths).
     kinetic_force, kinetic_force_error : float
@@ -144,8 +142,7 @@ def decoherence_spectrum(
     # the force of linked contacts comes from a table with this error, in mean stretches
     transform = Transform(travel, wait, 1e-12 if contacts.stiffness == "linked" else 0.0)
     roots, searched = leading_roots(transform, n_roots + 1, limit)
-    s = roots[:n_roots]
-    from_start = transform
+    s, from_start = roots[:n_roots], transform
     if not (start.is_single and start.span == travel.born.span):
         from_start = Transform(Travel(contacts, travel.life, start, velocity), wait)
 
@@ -154,17 +151,17 @@ def decoherence_spectrum(
         late = np.exp(-s * wait) / values.slope
         return 2.0 * values.force * late * (1.0 / s - from_start(s).held)
 
-    values, first = transform(s), from_start(s)
-    amplitude, roots_error = amplitudes(s), values.root_error
+    values, first, amplitude = transform(s), from_start(s), amplitudes(s)
     share = values.force_error / np.abs(values.force) + 1e-14
     share += first.held_error / np.abs(1.0 / s - first.held)
+    moved = np.abs(amplitudes(s + values.root_error) - amplitude)
     kinetic, kinetic_off = travel.force(wait)
     spectrum = DecoherenceSpectrum(
         roots=s,
-        roots_error=roots_error,
+        roots_error=values.root_error,
         amplitude=amplitude,
-        amplitude_error=np.abs(amplitude) * share + np.abs(amplitudes(s + roots_error) - amplitude),
-        decay_length_error=roots_error / s.real**2,
+        amplitude_error=np.abs(amplitude) * share + moved,
+        decay_length_error=values.root_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
         beyond=1.0 / (float(-roots[n_roots].real) if roots.size > n_roots else searched),
