@@ -11,16 +11,16 @@ of earlier legs, are strands that follow the slider leg by leg.
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev
-from scipy.interpolate import BSpline
 
-from master.lives.age.cells import narrowest
+from master.lives.age.cells import TRAVEL_STEP, Cells, narrowest
 from master.lives.age.passage import Passage
-from master.lives.age.strands import TRAVEL_STEP, Followed, Mesh, Strands, StrandSurvival
+from master.lives.age.strands import Followed, Strands, StrandSurvival, over_root
 from master.lives.averages import StretchRule, stretch_rule
 from master.lives.life import Life
 from master.motion.motion import History, Motion
@@ -34,6 +34,8 @@ Array = npt.NDArray[np.float64]
 FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
 # The largest difference at any moment, over the largest at the moments that are compared.
 MARGIN = 2.0
+# Moments on each leg that are compared, even in the root of the time since its beginning.
+MOMENTS = 40
 # Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where
 # survivals have a kink.
@@ -55,17 +57,12 @@ class AgeingLife(Life):
         Aimed-at error of the share that holds; strands take very long for 1e-9 and less.
     until : float
         Reading of time.monotonic() after which no finer resolution is tried.
-
-    Attributes
-    ----------
-    mesh : Mesh
-        Cells and steps that suffice for strands.
     """
 
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
-        """Keep the contacts and the motion; strands are followed when they are first asked for."""
+        """Follow the contacts of the start along the motion, or find how long contacts hold on one leg."""
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final
@@ -73,14 +70,13 @@ class AgeingLife(Life):
         self._accuracy, self._until = accuracy, until
         self.reach = self._furthest = max(float(law.isf(1e-17)) for law in laws)
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
-        self._fastest = float(np.abs(motion.speeds).max())
         self._closed = ageing.normal is not None and contacts.thermal is None
-        self._rules: list[tuple[Start, StretchRule]] = []
+        self._rules: dict[Start, StretchRule] = {}
         self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
-        self._start_on_legs: list[BSpline] = []
         self._errors: dict[str, float] = {}
         if self.has_strands:
-            _ = self.mesh
+            start = self.follow(self.begin(contacts.start), 0)
+            self._start = [over_root(times, left[..., 0]) for times, left in start]
             return
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         last = max(abs(end) for law in births for end in law.span)
@@ -95,33 +91,14 @@ class AgeingLife(Life):
         self._errors[source] = max(self._errors.get(source, 0.0), error)
         self.error = self.left_out = sum(self._errors.values()) + 1e-13
 
-    @cached_property
-    def mesh(self) -> Mesh:
-        """See above."""
-        mesh = Mesh(self.contacts, 1, self._fastest)
-        before, differed = self._trial(mesh)
-        # the difference between two resolutions, before they are extrapolated
-        error = MARGIN * differed
-        while error > self._accuracy and mesh.can_be_finer and clock.monotonic() <= self._until:
-            finer, last = Mesh(self.contacts, mesh.resolution + 1, self._fastest), error
-            now, differed = self._trial(finer)
-            change = float(np.abs(now - before).max())
-            if COARSE * change <= self._accuracy and self.has_strands:
-                error = COARSE * change
-                break
-            mesh, before, error = finer, now, min(FELL * change, MARGIN * differed)
-            if error > HARDLY * last:
-                break
-        self._add_error("strands", error)
-        return mesh
-
     def left(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that hold, and their force per contact born; see Life.left."""
-        motion, start = history.motion, self.contacts.start
+        motion = history.motion
         leg = motion.leg_of_all(history.t)
         # births of the same law as the start are asked for on motions of one leg
-        if born is start and not motion.one_leg and (leg > 0 or not start.is_single):
-            return self._left_of_start(leg, history)
+        if born is self.contacts.start and not motion.one_leg:
+            now = self._start[leg](history.t - motion.times[leg])
+            return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
         # on one leg the speed is the same to the bit, so that its tables are found again
         speed = float((motion if self.has_strands else self.motion).speeds[leg])
         lag = np.maximum(history.t - history.s, 0.0)
@@ -134,18 +111,6 @@ class AgeingLife(Life):
             held = weight * self._table(speed, float(stretch)).survival(lag)
             out += held * np.stack([np.ones(lag.shape), stretch + speed * lag])
         return out
-
-    def _left_of_start(self, leg: int, history: History) -> Array:
-        """Share and force on a leg of the contacts of the start, all of which are one strand."""
-        if not self._start_on_legs:
-            self._start = self.begin(self.contacts.start)
-        while len(self._start_on_legs) <= leg:
-            found = self.follow(self._start, len(self._start_on_legs))
-            self._start_on_legs.append(found.over_root(found.left[..., 0]))
-        spline = self._start_on_legs[leg]
-        root = np.sqrt(np.maximum(history.t - history.motion.times[leg], 0.0))
-        now = np.moveaxis(spline(np.minimum(root, spline.t[-1])), -1, 0)
-        return now + np.zeros((2, *history.now.shape))
 
     def _held(self, speed: float, stretch: Array, lag: Array) -> Array:
         """Share that holds of contacts born at these stretches, arrays of one shape; of many stretches
@@ -177,77 +142,99 @@ class AgeingLife(Life):
                 aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
                 table = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
             else:
-                longest = float(np.ptp(self.motion.times))
-                if speed:
-                    longest = min(longest, LONGEST * (self._furthest - along) / abs(speed))
+                longest = self._until_broken(float(np.ptp(self.motion.times)), speed)
                 table = StrandSurvival(self.begin(SingleStart(along)), abs(speed), longest)
             self._add_error("tables", table.error)
             self._tables[speed, stretch] = table
         return self._tables[speed, stretch]
 
+    def _until_broken(self, duration: float, speed: float) -> float:
+        """The duration, or a shorter time after which hardly any contact holds."""
+        return min(duration, LONGEST * self._furthest / abs(speed)) if speed else duration
+
+    def begin(self, born: Start) -> Strands:
+        """A strand of contacts that are born now at stretches of the law `born`."""
+        return Strands(self.cells, *self._rule(born))
+
+    def follow(self, strands: Strands, first: int) -> Iterator[Followed]:
+        """The strands' shares and forces on one leg after another, from the first on."""
+        durations = np.diff(self.motion.times)
+        for duration, speed in zip(durations[first:], self.motion.speeds[first:], strict=True):
+            yield strands.follow(float(speed), self._until_broken(float(duration), float(speed)))
+
+    @cached_property
+    def cells(self) -> tuple[Cells, Cells]:
+        """Cells of the two resolutions that suffice for strands."""
+        cells, (before, differed) = self._coarse, self._trial(self._coarse)
+        # the difference between two resolutions, before they are extrapolated
+        error = MARGIN * differed
+        while error > self._accuracy and cells[1].can_be_finer and clock.monotonic() <= self._until:
+            finer, last = (cells[1], self._cells_of(cells[1].resolution + 1)), error
+            now, differed = self._trial(finer)
+            change = float(np.abs(now - before).max())
+            if COARSE * change <= self._accuracy and self.has_strands:
+                error = COARSE * change
+                break
+            cells, before, error = finer, now, min(FELL * change, MARGIN * differed)
+            if error > HARDLY * last:
+                break
+        self._add_error("strands", error)
+        return cells
+
+    @cached_property
+    def _coarse(self) -> tuple[Cells, Cells]:
+        """Cells of the two lowest resolutions."""
+        return self._cells_of(0), self._cells_of(1)
+
+    def _cells_of(self, resolution: int) -> Cells:
+        return Cells(self.contacts, resolution, float(np.abs(self.motion.speeds).max()))
+
+    def _trial(self, cells: tuple[Cells, Cells]) -> tuple[Array, float]:
+        """Share that holds, along the whole motion, of the contacts of the start and of some births;
+        and how much the two resolutions differ."""
+        legs = self.motion.speeds.size
+        firsts = np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()
+        births = [(first, StretchRule(np.zeros(1), np.ones(1))) for first in firsts]
+        born = [(0, self._rule(self.contacts.start)), *births]
+        strands = [(Strands(cells, *rule), first) for first, rule in born]
+        shares = [self._shares(*each) for each in strands]
+        return np.concatenate(shares), max(each.error for each, _ in strands)
+
+    def _shares(self, strand: Strands, first: int) -> Array:
+        """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
+        shares = []
+        for leg, (times, left) in enumerate(self.follow(strand, first), first):
+            lasts = float(np.diff(self.motion.times)[leg])
+            lasts = self._until_broken(lasts, float(self.motion.speeds[leg]))
+            held = over_root(times, left[:, 0, 0])
+            shares.append(held(lasts * np.linspace(0.0, 1.0, MOMENTS) ** 2))
+        return np.concatenate(shares)
+
     def _rule(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
-        for known, rule in self._rules:
-            if known is born:
-                return rule
+        if born in self._rules:
+            return self._rules[born]
         most, before, change = self.contacts.thresholds.support()[1], np.zeros(1), np.inf
         for count in COUNTS:
             rule = stretch_rule(born, most, count)
             if rule.stretch.size == 1:
                 change = 0.0
                 break
-            now = self._shares(rule)
+            now = self._shares_of_rule(rule)
             change, before = float(np.abs(now - before).max()), now
             late = count > COUNTS[0] and clock.monotonic() > self._until
             if change <= self._accuracy or late:
                 break
         self._add_error("stretches", change)
-        self._rules.append((born, rule))
+        self._rules[born] = rule
         return rule
 
-    def begin(self, born: Start) -> Strands:
-        """A strand of contacts that are born now at stretches of the law `born`."""
-        return Strands(self.mesh, *self._rule(born))
-
-    def follow(self, strands: Strands, leg: int) -> Followed:
-        """Move strands along a leg; returns their shares and forces on the way."""
-        duration = float(np.diff(self.motion.times)[leg])
-        return strands.follow(float(self.motion.speeds[leg]), duration)
-
-    def _shares(self, rule: StretchRule) -> Array:
+    def _shares_of_rule(self, rule: StretchRule) -> Array:
         """Share that holds of contacts born at the rule's stretches at the motion's beginning; strands
         use few cells, whose errors hardly depend on the rule."""
-        if self._closed and self.motion.one_leg and self._fastest:
-            speed = float(self.motion.speeds[0])
-            lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
-            tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
-            return rule.weight @ np.array([table.survival(lags) for table in tables])
-        return self._followed(Strands(Mesh(self.contacts, 1, self._fastest), *rule), 0)
-
-    def _trial(self, mesh: Mesh) -> tuple[Array, float]:
-        """Share that holds, along the whole motion, of the contacts of the start and of some births;
-        and how much the two resolutions of the mesh differ."""
-        legs = self.motion.speeds.size
-        strands = [Strands(mesh, *self._rule(self.contacts.start))]
-        first = [0, *np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()]
-        strands += [Strands(mesh, np.zeros(1), np.ones(1)) for _ in first[1:]]
-        shares = [self._followed(*each) for each in zip(strands, first, strict=True)]
-        return np.concatenate(shares), max(strand.error for strand in strands)
-
-    def _followed(self, strand: Strands, first: int) -> Array:
-        """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
-        motion, shares, held = self.motion, [], 1.0
-        for leg in range(first, motion.speeds.size):
-            duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
-            if motion.one_leg and speed:  # the same way for any stretches
-                duration = min(duration, 2.0 * self._furthest / abs(speed))
-            looks = 12 + int(abs(speed) * duration / (TRAVEL_STEP * strand.mesh.width))
-            ends = np.linspace(0.0, duration, looks + 1)
-            if leg == first:  # further points right after a birth
-                ends = np.insert(ends, 1, ends[1] * np.array([0.01, 0.1]))
-            for time in np.diff(ends):
-                if held > 1e-9:
-                    strand.advance(speed, time)
-                    held = float(strand.left()[0, 0])
-                shares.append(held)
-        return np.array(shares)
+        speed = float(self.motion.speeds[0])
+        if not self._closed or self.has_strands or not speed:
+            return self._shares(Strands(self._coarse, *rule), 0)
+        lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
+        tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
+        return rule.weight @ np.array([table.survival(lags) for table in tables])

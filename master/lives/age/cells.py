@@ -20,10 +20,19 @@ from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
-# Each resolution divides cells by 2 to this power: errors, of fourth order, fall by 8.
+# Each resolution divides cells by 2 to this power, and steps by 2: errors, of fourth order in the cells and of
+# third order in the steps, fall by 8.
 FINER = 0.75
-# Survival of both laws at which the cells end, and most of them.
-FAR, MOST_CELLS = 1e-16, 4000
+# Survival of both laws at which the cells end, and most of them; most steps of one move, some 30
+# seconds of work; and the finest resolution of strands.
+FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
+# Travel in one step at resolution 0, over the narrowest width of the laws; and the share of fresh
+# contacts that heat breaks in it at most.
+TRAVEL_STEP, HEAT_STEP = 0.25, 0.15
+# Steps after a birth or a change of speed over the time since then, at resolution 0: the edge of the
+# density at |x| changes, first fast and then ever more slowly. The first step over the time in which
+# thresholds spread by the narrowest width.
+AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10
 
 
 class Cells:
@@ -34,7 +43,7 @@ class Cells:
     contacts : Contacts
         With `ageing`, closure "exact".
     resolution : int
-        Each step up divides the errors of the cells by 8.
+        From 0 on; the next one has an eighth of the errors.
     fastest : float
         Largest speed of the slider.
 
@@ -69,7 +78,7 @@ class Cells:
                 "only eq_model.simulate takes it; use one from 0 on that does not end, such as gaussian"
             )
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
-        self._diffusion, self._normal = ageing.rate, ageing.normal
+        self._diffusion, self._normal, self.resolution = ageing.rate, ageing.normal, resolution
         self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
@@ -88,8 +97,25 @@ class Cells:
 
     @property
     def can_be_finer(self) -> bool:
-        """Whether the next resolution does not need too many cells."""
-        return bool(self.edges.size * 2.0**FINER < MOST_CELLS)
+        """Whether the next resolution does not need too many cells or steps."""
+        return bool(self.resolution < FINEST and self.edges.size * 2.0**FINER < MOST_CELLS)
+
+    def steps(self, speed: float, steady_for: float, duration: float) -> Array:
+        """Ends of the steps of a move, times from 0 to `duration`.
+
+        steady_for : time at the beginning since the speed changed, or the birth
+        """
+        fastest = max(self.heat_rate / HEAT_STEP, abs(speed) / self.width / TRAVEL_STEP, 1e-300)
+        shortest, times = FIRST_STEP * self.width**2 / self._diffusion, [0.0]
+        while times[-1] < duration:
+            step = min(AFTER_CHANGE * (steady_for + times[-1]) + shortest, 1.0 / fastest)
+            times.append(times[-1] + step * 2.0**-self.resolution)
+            if len(times) > MOST_STEPS:
+                raise InputError(
+                    f"ageing: a move of {duration:.3g} in time needs more than {MOST_STEPS} steps; "
+                    "use a shorter path, or a larger tolerance"
+                )
+        return duration * (np.array(times) / times[-1])
 
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch| (n,), one row of sum 1 for each."""
