@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.averages import Integrals, integrals_above
-from master.lives.life import MARGIN, SMALLEST, TIE, LawLife, Moves
-from master.motion.motion import Legs
+from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
+from master.motion.motion import History, Legs
 from master.renewal.table import Table
 from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT
@@ -73,16 +73,15 @@ class ThermalLife(LawLife):
         held = np.asarray(self.law.sf(x), dtype=float)
         return np.trapezoid(np.stack([held, held * x]), x, axis=1)
 
-    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
-        out, (displacement, duration, speed) = np.zeros((2, pair.size)), moves.legs
+        out = np.zeros((2, born.size))
         together = 4000  # contacts whose panels are halved together
-        for begin in range(0, pair.size, together):
+        for begin in range(0, born.size, together):
             some = slice(begin, begin + together)
-            legs = Legs(displacement[pair[some]], duration[pair[some]], speed)
-            replay = Replay(self._contacts, born[some], legs)
+            replay = Replay(self._contacts, born[some], history.pick(some).legs())
             out[:, some] = self._held(replay, 1.0 / self.law.sf(np.abs(born[some])), side[some])
-        return np.stack([np.minimum(out[0], 1.0), out[1] * (born + moves.now[pair])])
+        return np.stack([np.minimum(out[0], 1.0), out[1] * (born + history.now)])
 
     def _held(self, replay: Replay, weight: Array, side: Array) -> Array:
         """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n).
@@ -275,13 +274,13 @@ class MeanRateLife(LawLife):
         about = integrals_above(*given, np.inf).value[0]
         return integrals_above(*given, relative * about)
 
-    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
-        displacement, duration, speeds = moves.legs
-        spent, rounded, share = np.zeros(pair.size), np.zeros(pair.size), np.ones(pair.size)
+        displacement, duration, speeds = history.legs()
+        spent, rounded, share = np.zeros(born.size), np.zeros(born.size), np.ones(born.size)
         x, first = born, np.abs(born)  # no threshold lies below |r|
         for leg, speed in enumerate(speeds):
-            lasts, before, x = duration[pair, leg], x, born + displacement[pair, leg + 1]
+            lasts, before, x = duration[:, leg], x, born + displacement[:, leg + 1]
             if speed:
                 grown = self.grown(x) / speed
                 spent += np.abs(grown - self.grown(before) / speed)
