@@ -22,8 +22,8 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
-from master.lives.averages import Pieces, integrals
 from master.renewal import rule
+from master.renewal.table import Table
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
 from origins.thresholds.quadrature import finite_density, panel_edges
@@ -31,11 +31,9 @@ from origins.thresholds.quadrature import finite_density, panel_edges
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Nodes and weights on (0, 1) of the integral over earlier breaks, between two of its cuts.
+# Nodes and weights on (0, 1), of the integral over earlier breaks between two of its cuts.
 _INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
 _SIZE = rule.DEGREE
-# Factor by which the last coefficients of a density enter its integral.
-IN_NUMBER = 1.0 / (2.0 * _SIZE)
 
 
 class _FreeThresholds:
@@ -49,12 +47,11 @@ class _FreeThresholds:
     def __init__(
         self, fresh: Thresholds, mean: float, std: float, diffusion: float, least: float
     ) -> None:
-        self._fresh, self._mean, self._std = fresh, mean, std
-        self.rate = diffusion / std**2
-        self._least, self._held = least, float(fresh.sf(least))
-        values, weights = fresh.atoms
-        self._values, self._weights = values[values > least], weights[values > least]
-        self._edges = np.unique(np.maximum(panel_edges(fresh), least))
+        self._fresh, self._mean, self._std, self.rate = fresh, mean, std, diffusion / std**2
+        above = fresh.atoms[0] > least
+        self._values, self._weights = (part[above] for part in fresh.atoms)
+        self._edges = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
+        self._held = float(fresh.sf(least))
 
     def below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
         """Share now below `level` of thresholds that were, `elapsed` ago, at the level of then, `rise` lower."""
@@ -64,56 +61,47 @@ class _FreeThresholds:
 
     def below_from_fresh(self, time: Array, level: Array) -> Array:
         """Share below `level` of the thresholds that were fresh `time` > 0 ago; all of shape (n,)."""
-        decay, lost = np.exp(-self.rate * time), -np.expm1(-self.rate * time)
-        offset, std = level - self._mean, self._std * np.sqrt(lost * (1.0 + decay))
-        z = (offset[:, None] - (self._values - self._mean) * decay[:, None]) / std[:, None]
-        out = ndtr(z) @ self._weights
-        if self._edges.size > 1:
+        decay, lost = np.exp(-self.rate * time)[:, None], -np.expm1(-self.rate * time)[:, None]
+        offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
 
-            def below(row: Rows, fresh: Array) -> Array:
-                z = (offset[row, None] - (fresh - self._mean) * decay[row, None]) / std[row, None]
-                return (ndtr(z) * finite_density(self._fresh, fresh))[None]
+        def below(values: Array) -> Array:
+            return np.asarray(ndtr((offset - (values - self._mean) * decay) / std))
 
-            # from one to the next of these fresh thresholds, z changes by 1
-            steep = offset[:, None] + std[:, None] * np.arange(-9.0, 9.5)
-            steep = self._mean + steep / np.maximum(decay[:, None], 1e-150)
-            steep = np.clip(steep, self._edges[0], self._edges[-1])
-            fixed = np.tile(self._edges, (time.size, 1))
-            pieces = Pieces.between(np.sort(np.concatenate([fixed, steep], axis=1), axis=1))
-            out = out + integrals(below, pieces, time.size, 1e-8).value[0]
-        return np.asarray(out / self._held)
+        # from one to the next of these fresh thresholds, what `ndtr` takes changes by 1
+        steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
+        steep = np.clip(steep, self._edges[0], self._edges[-1])
+        ends = np.concatenate([np.tile(self._edges, (time.size, 1)), steep], axis=1)
+        ends = np.sort(ends, axis=1)[..., None]
+        width = np.diff(ends, axis=1)
+        values = (ends[:, :-1] + width * _INNER).reshape(time.size, -1)
+        weights = (width * _INNER_WEIGHTS).reshape(values.shape)
+        spread = (weights * finite_density(self._fresh, values) * below(values)).sum(axis=1)
+        return (spread + below(self._values) @ self._weights) / self._held
 
 
 class _Leg:
     """A part of the way on which the level moves from `level`, by `sign` per unit, and its panels.
 
     `edges` are those of the panels in s, the root of the way since `begin`; `series` has the Legendre
-    coefficients of 2 s b on each panel, and `after` the survival at its end.
+    coefficients of 2 s b on each panel.
     """
 
     def __init__(self, begin: float, level: float, sign: float) -> None:
         self.begin, self.level, self.sign = begin, level, sign
         self.edges: list[float] = [0.0]
         self.series: list[Array] = []
-        self.after: list[float] = []
 
     def value(self, s: Array) -> Array:
         """2 s b at points of finished panels, same shape."""
-        return self._on_panels(np.array(self.series).T, s)
-
-    def survival(self, way: Array) -> Array:
-        """E after ways since `begin`, up to the last panel's end."""
-        s = np.sqrt(np.clip(way, 0.0, self.edges[-1] ** 2))
-        share = legendre.legint(np.array(self.series).T, lbnd=1.0) * (-0.5 * np.diff(self.edges))
-        share[0] += self.after
-        return np.clip(self._on_panels(share, s), 0.0, 1.0)
-
-    def _on_panels(self, series: Array, s: Array) -> Array:
-        """Values at points s of Legendre series, of which each panel has a column."""
         edges = np.array(self.edges)
         panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, edges.size - 2)
         z = (2.0 * s - edges[panel] - edges[panel + 1]) / (edges[panel + 1] - edges[panel])
-        return np.asarray(legendre.legval(z, series[:, panel], tensor=False))
+        return np.asarray(legendre.legval(z, np.array(self.series).T[:, panel], tensor=False))
+
+    def table(self) -> Table:
+        """2 s b over s."""
+        given = lambda s: self.value(s)[None], np.array(self.edges), np.inf, 0.0
+        return Table(*given, size=_SIZE)
 
 
 class _Earlier(NamedTuple):
@@ -152,29 +140,23 @@ class Passage:
     """
 
     def __init__(
-        self,
-        fresh: Thresholds,
-        ageing: Ageing,
-        velocity: float,
-        start: float = 0.0,
-        accuracy: float = 1e-13,
+        self, fresh: Thresholds, ageing: Ageing, velocity: float, start: float, accuracy: float
     ) -> None:
-        """Tabulate the flux into the stretch and what it leaves; InputError for a start beyond every threshold."""
+        """Tabulate the breaks along the way; InputError for a start beyond every threshold."""
         normal = ageing.normal
         assert normal is not None and velocity > 0.0
         if not float(fresh.sf(abs(start))) > 0.0:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         # less ageing has no effect in floating point
         diffusion = max(ageing.rate / velocity, 1e-28 * fresh.mean())
-        self.velocity, self._accuracy = velocity, accuracy
+        self._velocity, self._accuracy = velocity, accuracy
         self._free = _FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
         # least way over which the share that is below now changes
         self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._free.rate)
         self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._free.rate, 0.1 * normal.std)))
-        self._legs: list[_Leg] = []
         self._left, self.error = 1.0, 0.0
+        self._legs = [_Leg(0.0, -start, -1.0)] if start < 0.0 else []
         if start < 0.0:
-            self._legs.append(_Leg(0.0, -start, -1.0))
             self._march(self._legs[0], -start)
         leg = _Leg(max(-start, 0.0), max(start, 0.0), 1.0)
         self._legs.append(leg)
@@ -187,13 +169,14 @@ class Passage:
         self._legs = [leg for leg in self._legs if leg.series]
         self.error += max(self._left, 0.0)
         self.reach_lag = (self._legs[-1].begin + self._legs[-1].edges[-1] ** 2) / velocity
+        self._broken = [leg.table() for leg in self._legs]
 
     def survival(self, lag: Array) -> Array:
         """E at times `lag` >= 0 since the birth, same shape."""
-        way, out = np.asarray(lag, dtype=float) * self.velocity, np.ones(np.shape(lag))
-        for leg in self._legs:
-            out = np.where(way < leg.begin, out, leg.survival(way - leg.begin))
-        return np.where(lag < self.reach_lag, out, 0.0)
+        way, out = lag * self._velocity, np.ones(lag.shape)
+        for leg, broken in zip(self._legs, self._broken, strict=True):
+            out -= broken.before(np.sqrt(np.maximum(way - leg.begin, 0.0)))
+        return np.clip(out, 0.0, 1.0) * (lag < self.reach_lag)
 
     def _march(self, leg: _Leg, length: float) -> None:
         """Add panels to the leg until the level has moved by `length` or hardly any contact holds."""
@@ -201,7 +184,8 @@ class Passage:
         while left < last and self._left > 1e-14:  # the size of rounding
             step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
             series = self._panel(leg, left, step)
-            tail = float(np.abs(series[-2:]).max()) * step * IN_NUMBER
+            # the last coefficients, in the integral of the density
+            early, tail = (np.abs(series[-k:]).max() * step / (2.0 * _SIZE) for k in (6, 2))
             if tail > self._accuracy and step > 1e-9 * (left + step):
                 width = 0.5 * step
                 continue
@@ -209,9 +193,7 @@ class Passage:
             leg.edges.append(left)
             leg.series.append(series)
             self._left -= float(series[0]) * step  # the first coefficient is the mean
-            leg.after.append(self._left)
-            self.error += tail
-            early = float(np.abs(series[-6:]).max()) * step * IN_NUMBER
+            self.error += float(tail)
             width = step * (2.0 if early < self._accuracy else 1.0)
             if len(leg.series) > 4000:  # a smooth law takes some 50
                 raise InputError(
@@ -221,11 +203,9 @@ class Passage:
 
     def _panel(self, leg: _Leg, left: float, width: float) -> Array:
         """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
-        s = left + width * rule.NODES
-        t = s * s
-        level = leg.level + leg.sign * t
-        below = self._free.below_from_fresh(t + leg.begin, level)
-        matrix = np.zeros((_SIZE, _SIZE))
+        s, matrix = left + width * rule.NODES, np.zeros((_SIZE, _SIZE))
+        level = leg.level + leg.sign * s * s
+        below = self._free.below_from_fresh(s * s + leg.begin, level)
         for other in self._legs:
             known = self._earlier(other, leg, s, level)
             own = (known.node[:, 0] > left) & (other is leg)
@@ -242,22 +222,18 @@ class Passage:
         Parts end at the panels' edges and get finer towards the latest breaks; nodes are even in the
         root of the distance from these, in which the singular integrand is smooth.
         """
-        present = other is leg
-        top = s if present else np.full(s.size, other.edges[-1])
-        after = np.zeros(s.size) if present else s * s
-        first = np.sqrt(np.minimum(self._finest / (2.0 * s), top))
+        top = s if other is leg else np.full(s.size, other.edges[-1])
+        after = np.zeros(s.size) if other is leg else s * s
         # 40 doublings: from D/v up to any length
-        cut = np.maximum(top[:, None] - np.square(first[:, None] * 2.0 ** np.arange(40)), 0.0)
-        cut = cut[:, : int((cut > 0.0).any(axis=0).sum()) + 1]
-        fixed = np.minimum(np.array(other.edges), top[:, None])
-        ends = np.sort(np.concatenate([fixed, cut, top[:, None]], axis=1), axis=1)
+        doubled = np.sqrt(self._finest / (2.0 * s))[:, None] * 2.0 ** np.arange(40)
+        fixed = np.tile(other.edges, (s.size, 1))
+        ends = np.concatenate([fixed, top[:, None] - doubled**2, top[:, None]], axis=1)
+        ends = np.sort(np.clip(ends, 0.0, top[:, None]), axis=1)
         row, column = np.nonzero(ends[:, 1:] > ends[:, :-1])
-        far = np.sqrt(top[row] - ends[row, column])
-        near = np.sqrt(np.maximum(top[row] - ends[row, column + 1], 0.0))
-
-        root = near[:, None] + (far - near)[:, None] * _INNER
+        far, near = (np.sqrt(top[row] - ends[row, column + k])[:, None] for k in (0, 1))
+        root = near + (far - near) * _INNER
         back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
         rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
         below = self._free.below_from_level(level[row, None], rise, elapsed)
-        weight = (far - near)[:, None] * _INNER_WEIGHTS * 2.0 * root * below
+        weight = (far - near) * _INNER_WEIGHTS * 2.0 * root * below
         return _Earlier(row, top[row, None] - root * root, weight)
