@@ -135,37 +135,31 @@ class Replay:
     def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
         assert contacts.thermal is not None
         self._rates, self._stiffness = contacts.thermal.rates, contacts.relative_stiffness
-        self._stretch = born[:, None] + legs.displacement
-        self._duration = legs.duration
+        self._stretch, self._duration = born[:, None] + legs.displacement, legs.duration
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
         self._offset: Array | None = None
         if self._rates.separable and contacts.stiffness != "linked":
             # A at one threshold gives A at all others
-            furthest, every = self.furthest[:, None], np.arange(born.size)
-            log_rate = self._rates.log_rate(0.0, furthest, 1.0)
-            self._offset = self.log_spent(every, furthest) - log_rate
+            furthest = self.furthest[:, None]
+            spent = self.log_spent(np.arange(born.size), furthest)
+            self._offset = spent - self._rates.log_rate(0.0, furthest, 1.0)
 
     def log_spent(self, row: Rows, threshold: Array) -> Array:
-        """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k); finite."""
+        """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k), which |x| has exceeded
+        at most by rounding; finite."""
+        least = -740.0  # where A = 0 or underflows
         if self._offset is not None:
             level = self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row]
-        else:
-            with np.errstate(divide="ignore"):
-                level = np.log(self.spent(row, threshold))
-        return np.maximum(level, -740.0)  # where A = 0 or underflows
-
-    def spent(self, row: Rows, threshold: Array) -> Array:
-        """A of the contacts `row`, shape (n,), at thresholds of shape (n, k), which |x| has exceeded at
-        most by rounding."""
+            return np.maximum(level, least)
         spent = np.zeros(threshold.shape)
         for leg in range(self._duration.shape[1]):
             some = np.flatnonzero(self._duration[row, leg] > 0.0)
             if some.size:
                 own = row[some]
-                ends = self._stretch[own, leg : leg + 2, None]
-                mean = self._mean_rate(ends[:, 0], ends[:, 1], threshold[some])
+                near, far = (self._stretch[own, leg + k, None] for k in (0, 1))
+                mean = self._mean_rate(near, far, threshold[some])
                 spent[some] += mean * self._duration[own, leg, None]
-        return spent
+        return np.log(np.maximum(spent, np.exp(least)))
 
     def _mean_rate(self, near: Array, far: Array, threshold: Array) -> Array:
         """Mean of h over straight moves, at thresholds of shape (n, k); ends of shape (n, 1)."""

@@ -62,13 +62,13 @@ class AgeingLife(Life):
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
-        """Follow the contacts of the start along the motion, or find how long contacts hold on one leg."""
+        """Follow the contacts of the start where the motion has more than one leg, or fresh ones."""
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final
         self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
         self._accuracy, self._until = accuracy, until
-        self.reach = self._furthest = max(float(law.isf(1e-17)) for law in laws)
+        self.reach = max(float(law.isf(1e-17)) for law in laws)
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
         self._closed = ageing.normal is not None and contacts.thermal is None
         self._rules: dict[Start, StretchRule] = {}
@@ -77,14 +77,10 @@ class AgeingLife(Life):
         if self.has_strands:
             start = self.follow(self.begin(contacts.start), 0)
             self._start = [over_root(times, left[..., 0]) for times, left in start]
-            return
-        births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
-        last = max(abs(end) for law in births for end in law.span)
-        # a millionth of the thresholds beyond the largest stretch at birth counts for the reach
-        last = min(last, float(contacts.thresholds.isf(1e-6)))
-        speed = float(motion.speeds[0])
-        reached = [r + self._table(speed, r).reach_lag * abs(speed) for r in {0.0, last}]
-        self.reach = min(self.reach, max(reached))
+        elif not self._closed:
+            self._table(
+                float(motion.speeds[0]), 0.0
+            )  # so that its error is known from the beginning
 
     def _add_error(self, source: str, error: float) -> None:
         """Count an error of the share that holds: the largest of each source, and 1e-13 by rounding."""
@@ -150,7 +146,7 @@ class AgeingLife(Life):
 
     def _until_broken(self, duration: float, speed: float) -> float:
         """The duration, or a shorter time after which hardly any contact holds."""
-        return min(duration, LONGEST * self._furthest / abs(speed)) if speed else duration
+        return min(duration, LONGEST * self.reach / abs(speed)) if speed else duration
 
     def begin(self, born: Start) -> Strands:
         """A strand of contacts that are born now at stretches of the law `born`."""
