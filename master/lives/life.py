@@ -217,26 +217,16 @@ class ColdLife(LawLife):
         self._linked: Table | None = None
         if contacts.stiffness == "linked":
             shortest = 1e-9 * self._mean
-            self._linked = Table(lambda x: self._smooth(x)[None], self.marks, 1e-12, shortest)
+            self._linked = Table(lambda x: law.sf(x)[None], self.marks, 1e-12, shortest)
 
-    def _smooth(self, m: Array) -> Array:
-        """Survival at m without the exact thresholds."""
-        out = np.asarray(self.law.sf(m), dtype=float)
-        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            out = out - weight * (m < position)
-        return np.maximum(out, 0.0)
-
-    def _borne(self, m: Array, side: Array, held: Array) -> Array:
+    def _borne(self, m: Array, held: Array) -> Array:
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
         if not self._linked:
             return held
-        smooth = self._smooth(m)
         # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
-        most = np.maximum(self.reach - m, 0.0) * smooth
-        out = m * smooth + np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)
-        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            out = out + position * weight * (side < position * (1.0 - TIE))
-        return np.asarray(out / self._mean)
+        most = np.maximum(self.reach - m, 0.0) * held
+        beyond = np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)
+        return np.asarray((m * held + beyond) / self._mean)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
@@ -245,5 +235,5 @@ class ColdLife(LawLife):
         # contacts with m <= quiet all hold: the law need not be evaluated there
         some = m > self.quiet * (1.0 - 2.0 * TIE)
         held[some] = self.held(m[some], side[some])
-        out = np.stack([held, self._borne(m, side, held) * (born + history.now)])
+        out = np.stack([held, self._borne(m, held) * (born + history.now)])
         return np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)

@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 
 from master.lives.age.cells import TRAVEL_STEP, Cells, narrowest
 from master.lives.age.passage import Passage
-from master.lives.age.strands import Followed, Strands, StrandSurvival, over_root
+from master.lives.age.strands import Strands, StrandSurvival, over_root
 from master.lives.averages import StretchRule, stretch_rule
 from master.lives.life import Life
 from master.motion.motion import History, Motion
@@ -152,7 +152,7 @@ class AgeingLife(Life):
         """A strand of contacts that are born now at stretches of the law `born`."""
         return Strands(self.cells, *self._rule(born))
 
-    def follow(self, strands: Strands, first: int) -> Iterator[Followed]:
+    def follow(self, strands: Strands, first: int) -> Iterator[tuple[Array, Array]]:
         """The strands' shares and forces on one leg after another, from the first on."""
         durations = np.diff(self.motion.times)
         for duration, speed in zip(durations[first:], self.motion.speeds[first:], strict=True):

@@ -11,11 +11,13 @@ faces comes from cubics through the four cells around, of fourth order, and weig
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from origins import Contacts, Thresholds
+from origins import Ageing, Contacts, Thresholds
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
@@ -78,7 +80,7 @@ class Cells:
                 "only eq_model.simulate takes it; use one from 0 on that does not end, such as gaussian"
             )
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
-        self._diffusion, self._normal, self.resolution = ageing.rate, ageing.normal, resolution
+        self._diffusion, self.resolution = ageing.rate, resolution
         self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
@@ -93,7 +95,7 @@ class Cells:
             2.0 ** (-FINER * resolution),
         )
         self._face_density, self._face_slope = _at_faces(self.edges)
-        self._final_slope = None if self._normal else _final_slope(ageing.final, self.width)
+        self._drift = _drift(ageing, self.width)
 
     @property
     def can_be_finer(self) -> bool:
@@ -152,18 +154,6 @@ class Cells:
             entering = flow - np.concatenate([tilt[:, :, :1], tilt[:, :, :-1]], axis=2)
         given = leaving, entering, breaking, np.ascontiguousarray(spread)
         return np.asarray(self._kernel.step(weights, *given, self._face_density, self._face_slope))
-
-    def _drift(self, threshold: Array) -> Array:
-        """D U' at thresholds above 0."""
-        if self._normal is not None:
-            return self._diffusion * (threshold - self._normal.mean) / self._normal.std**2
-        assert self._final_slope is not None
-        at = np.log(np.maximum(threshold, 1e-300) / self.width)
-        at = np.clip(at, self._final_slope.x[0], self._final_slope.x[-1])
-        # no threshold is at 0
-        return np.asarray(
-            self._diffusion * self._final_slope(at) / np.where(threshold > 0.0, threshold, np.inf)
-        )
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
         """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope.
@@ -238,12 +228,15 @@ def _at_faces(edges: Array) -> Array:
     return out
 
 
-def _final_slope(final: Thresholds, width: float) -> CubicSpline:
-    """x_s U' of a final law, P_cf ~ e^-U, over ln(x_s/width): smooth and finite also where the law
-    begins as a power, and good to some 1e-11."""
+def _drift(ageing: Ageing, width: float) -> Callable[[Array], Array]:
+    """D U' at thresholds >= 0, P_cf ~ e^-U; where the final law is not normal to some 1e-11 of it."""
+    normal, final = ageing.normal, ageing.final
+    if normal is not None:
+        return lambda threshold: ageing.rate * (threshold - normal.mean) / normal.std**2
     nodes, step = 4096, 2e-3
     furthest = float(np.log(3.0 * final.isf(FAR) / width))
-    # below 1e-8 widths P_cf is treated as a power
+    # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power; below 1e-8
+    # widths P_cf is treated as one
     at = np.linspace(min(-furthest, float(np.log(1e-8))), furthest, nodes)
     logs = [final.logpdf(width * np.exp(at + k * step)) for k in (-2, -1, 1, 2)]
     slope = (8.0 * logs[1] - logs[0] - 8.0 * logs[2] + logs[3]) / (12.0 * step)
@@ -252,4 +245,11 @@ def _final_slope(final: Thresholds, width: float) -> CubicSpline:
             "ageing: the final law has no finite density where thresholds age to; use a law "
             "without gaps, such as gaussian(mean=1.0, std=0.05)"
         )
-    return CubicSpline(at, slope)
+    spline = CubicSpline(at, ageing.rate * slope)
+
+    def drift(threshold: Array) -> Array:
+        log = np.clip(np.log(np.maximum(threshold, 1e-300) / width), at[0], at[-1])
+        # no threshold is at 0
+        return np.asarray(spline(log) / np.where(threshold > 0.0, threshold, np.inf))
+
+    return drift

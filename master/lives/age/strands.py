@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,14 +16,6 @@ Array = npt.NDArray[np.float64]
 
 # Survival below which strands are not followed any more, and the degree of splines in time.
 SPENT, DEGREE = 1e-12, 5
-
-
-class Followed(NamedTuple):
-    """Strands along a leg: times since its beginning, shape (n,), and the share that holds and the
-    force of each strand, shape (n, 2, strands)."""
-
-    times: Array
-    left: Array
 
 
 class Strands:
@@ -71,8 +62,11 @@ class Strands:
         self.stretch = self.stretch + speed * duration
         self._steady_for += duration
 
-    def follow(self, speed: float, duration: float) -> Followed:
-        """Advance along a leg, until hardly any contact holds."""
+    def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
+        """Advance along a leg, until hardly any contact holds.
+
+        Returns times since its beginning, shape (n,), and what is `left` then, shape (n, 2, strands).
+        """
         # where a leg begins thresholds may have gathered right above |x|
         self._speed, self._steady_for = speed, 0.0
         times, shares = self._cells[0].steps(speed, 0.0, duration), [self.left()]
@@ -81,7 +75,7 @@ class Strands:
                 break
             self.advance(speed, float(time))
             shares.append(self.left())
-        return Followed(times[: len(shares)], np.array(shares))
+        return times[: len(shares)], np.array(shares)
 
     def left(self) -> Array:
         """Share of each strand that holds, and its force per contact born, shape (2, strands)."""
