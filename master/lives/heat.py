@@ -241,11 +241,6 @@ class MeanRateLife(LawLife):
         """L, the integral of H from 0 to x, of either sign; same shape."""
         return np.sign(x) * self._table.before(np.abs(x))
 
-    def mean(self, near: Array, far: Array) -> Array:
-        """Mean of H over short ways from near to far on one side of 0, by Simpson's rule; same shape."""
-        near, far = np.abs(near), np.abs(far)
-        return (self.rate(near) + 4.0 * self.rate(0.5 * (near + far)) + self.rate(far)) / 6.0
-
     def mean_rate(self, x: Array) -> Array:
         """H at stretches x >= 0, shape (n,), by its definition (paper, Eq. temper3)."""
         out = self._above(x).value[0]

@@ -70,6 +70,9 @@ class AgeingLife(Life):
         self._accuracy, self._until = accuracy, until
         self.reach = max(float(law.isf(1e-17)) for law in laws)
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
+        longest = LONGEST * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
+        # of each leg the time until it ends or hardly any contact holds
+        self._lasts = np.minimum(np.diff(motion.times), longest)
         self._closed = ageing.normal is not None and contacts.thermal is None
         self._rules: dict[Start, StretchRule] = {}
         self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
@@ -78,9 +81,8 @@ class AgeingLife(Life):
             start = self.follow(self.begin(contacts.start), 0)
             self._start = [over_root(times, left[..., 0]) for times, left in start]
         elif not self._closed:
-            self._table(
-                float(motion.speeds[0]), 0.0
-            )  # so that its error is known from the beginning
+            # so that its error is known from the beginning
+            self._table(float(motion.speeds[0]), 0.0)
 
     def _add_error(self, source: str, error: float) -> None:
         """Count an error of the share that holds: the largest of each source, and 1e-13 by rounding."""
@@ -95,36 +97,35 @@ class AgeingLife(Life):
         if born is self.contacts.start and not motion.one_leg:
             now = self._start[leg](history.t - motion.times[leg])
             return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
+        if isinstance(born, Start):
+            rule = self._rule(born)
+            each = [self.left(np.full((1, 1), stretch), history) for stretch in rule.stretch]
+            return np.asarray(np.tensordot(rule.weight, each, 1))
         # on one leg the speed is the same to the bit, so that its tables are found again
         speed = float((motion if self.has_strands else self.motion).speeds[leg])
         lag = np.maximum(history.t - history.s, 0.0)
-        if not isinstance(born, Start):
-            share = self._held(speed, np.broadcast_to(born, lag.shape), lag)
-            return np.stack([share, share * (born + speed * lag)])
-        out = np.zeros((2, *lag.shape))
-        rule = self._rule(born)
-        for stretch, weight in zip(rule.stretch, rule.weight, strict=True):
-            held = weight * self._table(speed, float(stretch)).survival(lag)
-            out += held * np.stack([np.ones(lag.shape), stretch + speed * lag])
-        return out
+        share = self._held(speed, born, lag)
+        return np.stack([share, share * (born + speed * lag)])
 
-    def _held(self, speed: float, stretch: Array, lag: Array) -> Array:
-        """Share that holds of contacts born at these stretches, arrays of one shape; of many stretches
-        a polynomial on either side of 0."""
-        places = np.unique(stretch)
+    def _held(self, speed: float, born: Array, lag: Array) -> Array:
+        """Share that holds of contacts born at these stretches; of many stretches a polynomial on either
+        side of 0."""
+        places, out = np.unique(born), np.zeros(lag.shape)
         if places.size <= BETWEEN:
-            parts = [self._table(speed, float(x)).survival(lag) * (stretch == x) for x in places]
-            return sum(parts, np.zeros(lag.shape))
-        out, nodes = np.zeros(lag.shape), np.cos(np.pi * (np.arange(BETWEEN) + 0.5) / BETWEEN)
+            parts = [self._table(speed, float(x)).survival(lag) * (born == x) for x in places]
+            return sum(parts, out)
+        stretch = np.broadcast_to(born, lag.shape)
+        nodes = chebyshev.chebpts1(BETWEEN)
+        to_series = np.linalg.inv(chebyshev.chebvander(nodes, BETWEEN - 1))
         for here in (stretch < 0.0, stretch >= 0.0):
             if here.any():
-                low, high = float(stretch[here].min()), float(stretch[here].max())
-                middle, half = 0.5 * (low + high), max(0.5 * (high - low), 1e-12 * self.reach)
-                tables = [self._table(speed, float(x)) for x in middle + half * nodes]
-                known = [table.survival(lag[here]) for table in tables]
-                series = np.linalg.solve(chebyshev.chebvander(nodes, BETWEEN - 1), np.array(known))
-                z = (stretch[here] - middle) / half
-                out[here] = np.clip(chebyshev.chebval(z, series, tensor=False), 0.0, 1.0)
+                low = float(stretch[here].min())
+                way = max(float(np.ptp(stretch[here])), 1e-12 * self.reach)
+                tables = [self._table(speed, float(low + 0.5 * way * (1.0 + x))) for x in nodes]
+                known = np.array([table.survival(lag[here]) for table in tables])
+                z = 2.0 * (stretch[here] - low) / way - 1.0
+                held = chebyshev.chebval(z, to_series @ known, tensor=False)
+                out[here] = np.clip(held, 0.0, 1.0)
         return out
 
     def _table(self, speed: float, stretch: float) -> Passage | StrandSurvival:
@@ -138,15 +139,12 @@ class AgeingLife(Life):
                 aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
                 table = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
             else:
-                longest = self._until_broken(float(np.ptp(self.motion.times)), speed)
+                longest = float(np.ptp(self.motion.times))
+                longest = min(longest, LONGEST * self.reach / abs(speed)) if speed else longest
                 table = StrandSurvival(self.begin(SingleStart(along)), abs(speed), longest)
             self._add_error("tables", table.error)
             self._tables[speed, stretch] = table
         return self._tables[speed, stretch]
-
-    def _until_broken(self, duration: float, speed: float) -> float:
-        """The duration, or a shorter time after which hardly any contact holds."""
-        return min(duration, LONGEST * self.reach / abs(speed)) if speed else duration
 
     def begin(self, born: Start) -> Strands:
         """A strand of contacts that are born now at stretches of the law `born`."""
@@ -154,9 +152,8 @@ class AgeingLife(Life):
 
     def follow(self, strands: Strands, first: int) -> Iterator[tuple[Array, Array]]:
         """The strands' shares and forces on one leg after another, from the first on."""
-        durations = np.diff(self.motion.times)
-        for duration, speed in zip(durations[first:], self.motion.speeds[first:], strict=True):
-            yield strands.follow(float(speed), self._until_broken(float(duration), float(speed)))
+        for speed, lasts in zip(self.motion.speeds[first:], self._lasts[first:], strict=True):
+            yield strands.follow(float(speed), float(lasts))
 
     @cached_property
     def cells(self) -> tuple[Cells, Cells]:
@@ -198,12 +195,11 @@ class AgeingLife(Life):
 
     def _shares(self, strand: Strands, first: int) -> Array:
         """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
-        shares = []
-        for leg, (times, left) in enumerate(self.follow(strand, first), first):
-            lasts = float(np.diff(self.motion.times)[leg])
-            lasts = self._until_broken(lasts, float(self.motion.speeds[leg]))
-            held = over_root(times, left[:, 0, 0])
-            shares.append(held(lasts * np.linspace(0.0, 1.0, MOMENTS) ** 2))
+        moments, shares = np.linspace(0.0, 1.0, MOMENTS) ** 2, []
+        for (times, left), lasts in zip(
+            self.follow(strand, first), self._lasts[first:], strict=True
+        ):
+            shares.append(over_root(times, left[:, 0, 0])(lasts * moments))
         return np.concatenate(shares)
 
     def _rule(self, born: Start) -> StretchRule:
@@ -213,7 +209,7 @@ class AgeingLife(Life):
         most, before, change = self.contacts.thresholds.support()[1], np.zeros(1), np.inf
         for count in COUNTS:
             rule = stretch_rule(born, most, count)
-            if rule.stretch.size == 1:
+            if born.is_single:
                 change = 0.0
                 break
             now = self._shares_of_rule(rule)
