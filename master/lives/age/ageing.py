@@ -227,6 +227,6 @@ class AgeingLife(Life):
         speed = float(self.motion.speeds[0])
         if not self._closed or self.has_strands or not speed:
             return self._shares(Strands(self._coarse, *rule), 0)
-        lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
+        lags = np.linspace(0.0, self._lasts[0], 150)
         tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
         return rule.weight @ np.array([table.survival(lags) for table in tables])

@@ -9,7 +9,8 @@ unit of the way t,
 
 That is number conservation again, and both probabilities are known in closed form, as free
 thresholds are an Ornstein-Uhlenbeck process. It is solved panel by panel; on each 2 s b is a Legendre
-series in s = t^(1/2), in which b is smooth from the start. (With the shares above in place of those
+series in s = t^(1/2), in which b is smooth from the start. A stretch that begins below 0 turns at 0,
+where a panel ends. (With the shares above in place of those
 below, b would be lost in rounding where thresholds move away from |stretch|.)
 """
 
@@ -79,31 +80,6 @@ class _FreeThresholds:
         return (spread + below(self._values) @ self._weights) / self._held
 
 
-class _Leg:
-    """A part of the way on which the level moves from `level`, by `sign` per unit, and its panels.
-
-    `edges` are those of the panels in s, the root of the way since `begin`; `series` has the Legendre
-    coefficients of 2 s b on each panel.
-    """
-
-    def __init__(self, begin: float, level: float, sign: float) -> None:
-        self.begin, self.level, self.sign = begin, level, sign
-        self.edges: list[float] = [0.0]
-        self.series: list[Array] = []
-
-    def value(self, s: Array) -> Array:
-        """2 s b at points of finished panels, same shape."""
-        edges = np.array(self.edges)
-        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, edges.size - 2)
-        z = (2.0 * s - edges[panel] - edges[panel + 1]) / (edges[panel + 1] - edges[panel])
-        return np.asarray(legendre.legval(z, np.array(self.series).T[:, panel], tensor=False))
-
-    def table(self) -> Table:
-        """2 s b over s."""
-        given = lambda s: self.value(s)[None], np.array(self.edges), np.inf, 0.0
-        return Table(*given, size=_SIZE)
-
-
 class _Earlier(NamedTuple):
     """Nodes s of integrals over earlier breaks, a row for each part between two cuts, and their
     weights times the share that is below now; `row` (n,) is the number of the integral."""
@@ -131,8 +107,6 @@ class Passage:
 
     Attributes
     ----------
-    reach_lag : float
-        Time after which none holds.
     error : float
         Estimate of the largest error of the survival, without that by rounding.
 
@@ -149,91 +123,94 @@ class Passage:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         # less ageing has no effect in floating point
         diffusion = max(ageing.rate / velocity, 1e-28 * fresh.mean())
-        self._velocity, self._accuracy = velocity, accuracy
+        self._velocity, self._start, self._accuracy = velocity, start, accuracy
+        self._turn = max(-start, 0.0)  # way after which |stretch| turns at 0
         self._free = _FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
         # least way over which the share that is below now changes
         self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._free.rate)
         self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._free.rate, 0.1 * normal.std)))
+        # ends of the panels in s, and Legendre coefficients of 2 s b
+        self._edges, self._series = [0.0], list[Array]()
         self._left, self.error = 1.0, 0.0
-        self._legs = [_Leg(0.0, -start, -1.0)] if start < 0.0 else []
-        if start < 0.0:
-            self._march(self._legs[0], -start)
-        leg = _Leg(max(-start, 0.0), max(start, 0.0), 1.0)
-        self._legs.append(leg)
         # the march ends at the latest where no threshold has ever been
         furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
         # for thresholds that hardly age b jumps at breakpoints and exact values of the fresh law
-        corners = np.concatenate([[-start, furthest], fresh.breakpoints, fresh.atoms[0]])
-        for corner in np.unique(corners[(corners > leg.level) & (corners <= furthest)]):
-            self._march(leg, float(corner - leg.level))
-        self._legs = [leg for leg in self._legs if leg.series]
+        corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], [furthest]])
+        corners = corners[(corners > max(start, 0.0)) & (corners <= furthest)] - start
+        for corner in np.unique(np.append(corners, self._turn)):
+            self._march(float(corner))
         self.error += max(self._left, 0.0)
-        self.reach_lag = (self._legs[-1].begin + self._legs[-1].edges[-1] ** 2) / velocity
-        self._broken = [leg.table() for leg in self._legs]
+        given = lambda s: self._density(s)[None], np.array(self._edges), np.inf, 0.0
+        self._broken = Table(*given, size=_SIZE)
 
     def survival(self, lag: Array) -> Array:
         """E at times `lag` >= 0 since the birth, same shape."""
-        way, out = lag * self._velocity, np.ones(lag.shape)
-        for leg, broken in zip(self._legs, self._broken, strict=True):
-            out -= broken.before(np.sqrt(np.maximum(way - leg.begin, 0.0)))
-        return np.clip(out, 0.0, 1.0) * (lag < self.reach_lag)
+        s = np.sqrt(lag * self._velocity)
+        return np.clip(1.0 - self._broken.before(s), 0.0, 1.0) * (s < self._edges[-1])
 
-    def _march(self, leg: _Leg, length: float) -> None:
-        """Add panels to the leg until the level has moved by `length` or hardly any contact holds."""
-        last, width, left = float(np.sqrt(length)), self._first, leg.edges[-1]
+    def _march(self, way: float) -> None:
+        """Add panels up to this way, or until hardly any contact holds."""
+        last, left = float(np.sqrt(way)), self._edges[-1]
+        # behind a corner of |stretch| b is a series in the root of the way since
+        width = min(self._first, self._finest / (2.0 * left)) if left else self._first
         while left < last and self._left > 1e-14:  # the size of rounding
             step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
-            series = self._panel(leg, left, step)
+            series = self._panel(left, step)
             # the last coefficients, in the integral of the density
             early, tail = (np.abs(series[-k:]).max() * step / (2.0 * _SIZE) for k in (6, 2))
             if tail > self._accuracy and step > 1e-9 * (left + step):
                 width = 0.5 * step
                 continue
             left += step
-            leg.edges.append(left)
-            leg.series.append(series)
+            self._edges.append(left)
+            self._series.append(series)
             self._left -= float(series[0]) * step  # the first coefficient is the mean
             self.error += float(tail)
             width = step * (2.0 if early < self._accuracy else 1.0)
-            if len(leg.series) > 4000:  # a smooth law takes some 50
+            if len(self._series) > 4000:  # a smooth law takes some 50
                 raise InputError(
                     "ageing: the first passage needs more than 4000 panels; use a smoother law of "
                     "fresh thresholds"
                 )
 
-    def _panel(self, leg: _Leg, left: float, width: float) -> Array:
+    def _density(self, s: Array) -> Array:
+        """2 s b at points of finished panels, same shape."""
+        edges = np.array(self._edges)
+        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, edges.size - 2)
+        z = (2.0 * s - edges[panel] - edges[panel + 1]) / (edges[panel + 1] - edges[panel])
+        return np.asarray(legendre.legval(z, np.array(self._series).T[:, panel], tensor=False))
+
+    def _panel(self, left: float, width: float) -> Array:
         """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
         s, matrix = left + width * rule.NODES, np.zeros((_SIZE, _SIZE))
-        level = leg.level + leg.sign * s * s
-        below = self._free.below_from_fresh(s * s + leg.begin, level)
-        for other in self._legs:
-            known = self._earlier(other, leg, s, level)
-            own = (known.node[:, 0] > left) & (other is leg)
-            if not own.all():
-                met = (known.weight[~own] * other.value(known.node[~own])).sum(axis=-1)
-                below -= np.bincount(known.row[~own], weights=met, minlength=_SIZE)
-            basis = legendre.legvander((2.0 / width) * (known.node[own] - left) - 1.0, _SIZE - 1)
-            np.add.at(matrix, known.row[own], np.einsum("nq,nqk->nk", known.weight[own], basis))
+        level = np.abs(self._start + s * s)
+        below = self._free.below_from_fresh(s * s, level)
+        row, node, weight = self._earlier(s, level)
+        own = node[:, 0] > left
+        if not own.all():
+            met = (weight[~own] * self._density(node[~own])).sum(axis=-1)
+            below -= np.bincount(row[~own], weights=met, minlength=_SIZE)
+        basis = legendre.legvander((2.0 / width) * (node[own] - left) - 1.0, _SIZE - 1)
+        np.add.at(matrix, row[own], np.einsum("nq,nqk->nk", weight[own], basis))
         return np.asarray(np.linalg.solve(matrix, below), dtype=float)
 
-    def _earlier(self, other: _Leg, leg: _Leg, s: Array, level: Array) -> _Earlier:
-        """Nodes for the breaks on a leg, up to s (n,) on the present one, where the level is now.
+    def _earlier(self, s: Array, level: Array) -> _Earlier:
+        """Nodes for the breaks up to s (n,), where the level is now.
 
-        Parts end at the panels' edges and get finer towards the latest breaks; nodes are even in the
-        root of the distance from these, in which the singular integrand is smooth.
+        Parts end at the panels' edges and get finer towards s; nodes are even in the root of the
+        distance from s, in which the singular integrand is smooth.
         """
-        top = s if other is leg else np.full(s.size, other.edges[-1])
-        after = np.zeros(s.size) if other is leg else s * s
         # 40 doublings: from D/v up to any length
         doubled = np.sqrt(self._finest / (2.0 * s))[:, None] * 2.0 ** np.arange(40)
-        fixed = np.tile(other.edges, (s.size, 1))
-        ends = np.concatenate([fixed, top[:, None] - doubled**2, top[:, None]], axis=1)
-        ends = np.sort(np.clip(ends, 0.0, top[:, None]), axis=1)
+        fixed = np.tile(self._edges, (s.size, 1))
+        ends = np.concatenate([fixed, s[:, None] - doubled**2, s[:, None]], axis=1)
+        ends = np.sort(np.clip(ends, 0.0, s[:, None]), axis=1)
         row, column = np.nonzero(ends[:, 1:] > ends[:, :-1])
-        far, near = (np.sqrt(top[row] - ends[row, column + k])[:, None] for k in (0, 1))
+        top = s[row, None]
+        far, near = (np.sqrt(top - ends[row, column + k, None]) for k in (0, 1))
         root = near + (far - near) * _INNER
-        back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
-        rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
+        elapsed = root * root * (2.0 * top - root * root)
+        rise = np.minimum(elapsed, 2.0 * np.maximum(top * top - self._turn, 0.0) - elapsed)
         below = self._free.below_from_level(level[row, None], rise, elapsed)
         weight = (far - near) * _INNER_WEIGHTS * 2.0 * root * below
-        return _Earlier(row, top[row, None] - root * root, weight)
+        return _Earlier(row, top - root * root, weight)

@@ -118,10 +118,8 @@ class StrandSurvival:
 
     Attributes
     ----------
-    reach_lag : float
-        Time after which hardly any contact holds, or `longest`.
     error : float
-        The share that is taken as 0 from then on; beside it is the error of the strand.
+        The share that is taken as 0 in the end; beside it is the error of the strand.
     """
 
     def __init__(self, strands: Strands, speed: float, longest: float) -> None:
@@ -131,7 +129,7 @@ class StrandSurvival:
         for begin, end in pairwise(np.unique([0.0, np.clip(turn, 0.0, longest), longest]).tolist()):
             times, left = strands.follow(speed, end - begin)
             self._tables.append((begin, over_root(times, left[:, 0, 0])))
-            self.reach_lag, share = begin + float(times[-1]), float(left[-1, 0, 0])
+            self._lasts, share = begin + float(times[-1]), float(left[-1, 0, 0])
             if share < SPENT:
                 break
         self.error = share if share < SPENT else 0.0
@@ -140,6 +138,6 @@ class StrandSurvival:
         """Share at times `lag` >= 0 since the birth, same shape."""
         out = np.zeros(lag.shape)
         for begin, table in self._tables:
-            here = (lag >= begin) & (lag <= self.reach_lag)
+            here = (lag >= begin) & (lag <= self._lasts)
             out[here] = np.clip(table(lag[here] - begin), 0.0, 1.0)
         return out
