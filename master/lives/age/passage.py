@@ -37,49 +37,6 @@ _INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0
 _SIZE = rule.DEGREE
 
 
-class _FreeThresholds:
-    """The share of thresholds below a level, if they continue to age after they meet it.
-
-    The way of the slider takes the place of time. The law `fresh` at time 0 is conditional on being
-    above `least`, the |x| of the contacts then; `mean` and `std` are those of the final normal law, not
-    cut at 0, and `diffusion` is D/v > 0 (all lengths).
-    """
-
-    def __init__(
-        self, fresh: Thresholds, mean: float, std: float, diffusion: float, least: float
-    ) -> None:
-        self._fresh, self._mean, self._std, self.rate = fresh, mean, std, diffusion / std**2
-        above = fresh.atoms[0] > least
-        self._values, self._weights = (part[above] for part in fresh.atoms)
-        self._edges = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
-        self._held = float(fresh.sf(least))
-
-    def below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
-        """Share now below `level` of thresholds that were, `elapsed` ago, at the level of then, `rise` lower."""
-        decay, lost = np.exp(-self.rate * elapsed), -np.expm1(-self.rate * elapsed)
-        distance = (level - self._mean) * lost + rise * decay
-        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
-
-    def below_from_fresh(self, time: Array, level: Array) -> Array:
-        """Share below `level` of the thresholds that were fresh `time` > 0 ago; all of shape (n,)."""
-        decay, lost = np.exp(-self.rate * time)[:, None], -np.expm1(-self.rate * time)[:, None]
-        offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
-
-        def below(values: Array) -> Array:
-            return np.asarray(ndtr((offset - (values - self._mean) * decay) / std))
-
-        # from one to the next of these fresh thresholds, what `ndtr` takes changes by 1
-        steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
-        steep = np.clip(steep, self._edges[0], self._edges[-1])
-        ends = np.concatenate([np.tile(self._edges, (time.size, 1)), steep], axis=1)
-        ends = np.sort(ends, axis=1)[..., None]
-        width = np.diff(ends, axis=1)
-        values = (ends[:, :-1] + width * _INNER).reshape(time.size, -1)
-        weights = (width * _INNER_WEIGHTS).reshape(values.shape)
-        spread = (weights * finite_density(self._fresh, values) * below(values)).sum(axis=1)
-        return (spread + below(self._values) @ self._weights) / self._held
-
-
 class _Earlier(NamedTuple):
     """Nodes s of integrals over earlier breaks, a row for each part between two cuts, and their
     weights times the share that is below now; `row` (n,) is the number of the integral."""
@@ -119,16 +76,21 @@ class Passage:
         """Tabulate the breaks along the way; InputError for a start beyond every threshold."""
         normal = ageing.normal
         assert normal is not None and velocity > 0.0
-        if not float(fresh.sf(abs(start))) > 0.0:
+        least = abs(start)
+        if not float(fresh.sf(least)) > 0.0:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         # less ageing has no effect in floating point
         diffusion = max(ageing.rate / velocity, 1e-28 * fresh.mean())
+        self._mean, self._std, self._rate = normal.mean, normal.std, diffusion / normal.std**2
         self._velocity, self._start, self._accuracy = velocity, start, accuracy
         self._turn = max(-start, 0.0)  # way after which |stretch| turns at 0
-        self._free = _FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
+        # the fresh thresholds of contacts that hold at first: exact values, and edges of the others
+        self._fresh, self._held, above = fresh, float(fresh.sf(least)), fresh.atoms[0] > least
+        self._values, self._weights = (part[above] for part in fresh.atoms)
+        self._pieces = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
         # least way over which the share that is below now changes
-        self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._free.rate)
-        self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._free.rate, 0.1 * normal.std)))
+        self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._rate)
+        self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._rate, 0.1 * normal.std)))
         # ends of the panels in s, and Legendre coefficients of 2 s b
         self._edges, self._series = [0.0], list[Array]()
         self._left, self.error = 1.0, 0.0
@@ -184,7 +146,7 @@ class Passage:
         """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
         s, matrix = left + width * rule.NODES, np.zeros((_SIZE, _SIZE))
         level = np.abs(self._start + s * s)
-        below = self._free.below_from_fresh(s * s, level)
+        below = self._below_from_fresh(s * s, level)
         row, node, weight = self._earlier(s, level)
         own = node[:, 0] > left
         if not own.all():
@@ -211,6 +173,33 @@ class Passage:
         root = near + (far - near) * _INNER
         elapsed = root * root * (2.0 * top - root * root)
         rise = np.minimum(elapsed, 2.0 * np.maximum(top * top - self._turn, 0.0) - elapsed)
-        below = self._free.below_from_level(level[row, None], rise, elapsed)
+        below = self._below_from_level(level[row, None], rise, elapsed)
         weight = (far - near) * _INNER_WEIGHTS * 2.0 * root * below
         return _Earlier(row, top - root * root, weight)
+
+    def _below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
+        """Share now below `level`, a length, of thresholds that were, a way `elapsed` ago, at the level of
+        then, `rise` lower; if they went on ageing."""
+        decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
+        distance = (level - self._mean) * lost + rise * decay
+        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
+
+    def _below_from_fresh(self, time: Array, level: Array) -> Array:
+        """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,); if
+        they went on ageing."""
+        decay, lost = np.exp(-self._rate * time)[:, None], -np.expm1(-self._rate * time)[:, None]
+        offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
+
+        def below(values: Array) -> Array:
+            return np.asarray(ndtr((offset - (values - self._mean) * decay) / std))
+
+        # from one to the next of these fresh thresholds, what `ndtr` takes changes by 1
+        steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
+        steep = np.clip(steep, self._pieces[0], self._pieces[-1])
+        ends = np.concatenate([np.tile(self._pieces, (time.size, 1)), steep], axis=1)
+        ends = np.sort(ends, axis=1)[..., None]
+        width = np.diff(ends, axis=1)
+        values = (ends[:, :-1] + width * _INNER).reshape(time.size, -1)
+        weights = (width * _INNER_WEIGHTS).reshape(values.shape)
+        spread = (weights * finite_density(self._fresh, values) * below(values)).sum(axis=1)
+        return (spread + below(self._values) @ self._weights) / self._held
