@@ -11,7 +11,7 @@ of earlier legs, are strands that follow the slider leg by leg.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 
 from master.lives.age.cells import TRAVEL_STEP, Cells, narrowest
 from master.lives.age.passage import Passage
-from master.lives.age.strands import Strands, StrandSurvival, over_root
+from master.lives.age.strands import Strands, over_root, survival_at
 from master.lives.averages import StretchRule, stretch_rule
 from master.lives.life import Life
 from master.motion.motion import History, Motion
@@ -75,7 +75,7 @@ class AgeingLife(Life):
         self._lasts = np.minimum(np.diff(motion.times), longest)
         self._closed = ageing.normal is not None and contacts.thermal is None
         self._rules: dict[Start, StretchRule] = {}
-        self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
+        self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
         self._errors: dict[str, float] = {}
         if self.has_strands:
             start = self.follow(self.begin(contacts.start), 0)
@@ -112,7 +112,7 @@ class AgeingLife(Life):
         side of 0."""
         places, out = np.unique(born), np.zeros(lag.shape)
         if places.size <= BETWEEN:
-            parts = [self._table(speed, float(x)).survival(lag) * (born == x) for x in places]
+            parts = [self._table(speed, float(x))(lag) * (born == x) for x in places]
             return sum(parts, out)
         stretch = np.broadcast_to(born, lag.shape)
         nodes = chebyshev.chebpts1(BETWEEN)
@@ -122,28 +122,28 @@ class AgeingLife(Life):
                 low = float(stretch[here].min())
                 way = max(float(np.ptp(stretch[here])), 1e-12 * self.reach)
                 tables = [self._table(speed, float(low + 0.5 * way * (1.0 + x))) for x in nodes]
-                known = np.array([table.survival(lag[here]) for table in tables])
+                known = np.array([table(lag[here]) for table in tables])
                 z = 2.0 * (stretch[here] - low) / way - 1.0
                 held = chebyshev.chebval(z, to_series @ known, tensor=False)
                 out[here] = np.clip(held, 0.0, 1.0)
         return out
 
-    def _table(self, speed: float, stretch: float) -> Passage | StrandSurvival:
-        """Survival of contacts born at this stretch on a slider that keeps this speed."""
+    def _table(self, speed: float, stretch: float) -> Callable[[Array], Array]:
+        """Survival over the time of contacts born at this stretch on a slider that keeps this speed."""
         if (speed, stretch) not in self._tables:
             # |x| does not change when speed and stretch change sign
             along, contacts = -stretch if speed < 0.0 else stretch, self.contacts
-            table: Passage | StrandSurvival
             if self._closed and speed:
                 assert contacts.ageing is not None
                 aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
-                table = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
+                found = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
+                self._add_error("passages", found.error)
+                self._tables[speed, stretch] = found.survival
             else:
                 longest = float(np.ptp(self.motion.times))
                 longest = min(longest, LONGEST * self.reach / abs(speed)) if speed else longest
-                table = StrandSurvival(self.begin(SingleStart(along)), abs(speed), longest)
-            self._add_error("tables", table.error)
-            self._tables[speed, stretch] = table
+                born = self.begin(SingleStart(along))
+                self._tables[speed, stretch] = survival_at(born, abs(speed), longest)
         return self._tables[speed, stretch]
 
     def begin(self, born: Start) -> Strands:
@@ -229,4 +229,4 @@ class AgeingLife(Life):
             return self._shares(Strands(self._coarse, *rule), 0)
         lags = np.linspace(0.0, self._lasts[0], 150)
         tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
-        return rule.weight @ np.array([table.survival(lags) for table in tables])
+        return rule.weight @ np.array([table(lags) for table in tables])

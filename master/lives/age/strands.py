@@ -71,10 +71,10 @@ class Strands:
         self._speed, self._steady_for = speed, 0.0
         times, shares = self._cells[0].steps(speed, 0.0, duration), [self.left()]
         for time in np.diff(times):
-            if (shares[-1][0] < SPENT).all():
-                break
             self.advance(speed, float(time))
             shares.append(self.left())
+            if (shares[-1][0] < SPENT).all():
+                break
         return times[: len(shares)], np.array(shares)
 
     def left(self) -> Array:
@@ -105,39 +105,23 @@ def over_root(times: Array, values: Array) -> Callable[[Array], Array]:
     return lambda t: np.asarray(spline(np.sqrt(np.clip(t, 0.0, times[-1]))))
 
 
-class StrandSurvival:
-    """Survival of contacts born at one stretch that age at one speed >= 0, followed by a strand.
+def survival_at(strands: Strands, speed: float, longest: float) -> Callable[[Array], Array]:
+    """Share that holds over the time since a birth, 0 where it is below SPENT, at one speed >= 0.
 
-    Parameters
-    ----------
-    strands : Strands
-        One, of one part, right after its birth.
-    speed : float
-    longest : float
-        Time after which no survival is asked.
-
-    Attributes
-    ----------
-    error : float
-        The share that is taken as 0 in the end; beside it is the error of the strand.
+    strands : one, of one part, right after its birth
+    longest : time up to which it is followed
     """
+    turn = -float(strands.stretch[0, 0]) / speed if speed > 0.0 else 0.0
+    begins = np.unique([0.0, np.clip(turn, 0.0, longest), longest])
+    # another table begins where |x| turns at 0
+    legs = [strands.follow(speed, float(duration)) for duration in np.diff(begins)]
+    tables = [over_root(times, left[:, 0, 0]) for times, left in legs]
 
-    def __init__(self, strands: Strands, speed: float, longest: float) -> None:
-        turn = -float(strands.stretch[0, 0]) / speed if speed > 0.0 else 0.0
-        self._tables: list[tuple[float, Callable[[Array], Array]]] = []
-        # a table ends where |x| turns at 0
-        for begin, end in pairwise(np.unique([0.0, np.clip(turn, 0.0, longest), longest]).tolist()):
-            times, left = strands.follow(speed, end - begin)
-            self._tables.append((begin, over_root(times, left[:, 0, 0])))
-            self._lasts, share = begin + float(times[-1]), float(left[-1, 0, 0])
-            if share < SPENT:
-                break
-        self.error = share if share < SPENT else 0.0
-
-    def survival(self, lag: Array) -> Array:
-        """Share at times `lag` >= 0 since the birth, same shape."""
+    def survival(lag: Array) -> Array:
         out = np.zeros(lag.shape)
-        for begin, table in self._tables:
-            here = (lag >= begin) & (lag <= self._lasts)
-            out[here] = np.clip(table(lag[here] - begin), 0.0, 1.0)
-        return out
+        for begin, table in zip(begins, tables, strict=False):
+            here = lag >= begin
+            out[here] = table(lag[here] - begin)
+        return np.where(out < SPENT, 0.0, np.minimum(out, 1.0))
+
+    return survival
