@@ -81,19 +81,17 @@ class Cells:
             )
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
         self._diffusion, self.resolution = ageing.rate, resolution
-        self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
+        laws = law, ageing.final
+        self.width, self.heat_rate = min(map(narrowest, laws)), 0.0
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
             self.heat_rate = float(self._thermal.plain_rate(np.zeros(1), thresholds).mean())
         # the edge of the density at |x| is D/v thick; thinner ones contain too few thresholds to matter
         layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
-        self.edges = _cell_edges(
-            max(float(law.isf(FAR)), float(ageing.final.isf(FAR))),
-            self.width,
-            float(np.clip(layer, 2e-6 * self.width, 0.1 * self.width)),
-            max(float(law.isf(1e-4)), float(ageing.final.isf(1e-4))),
-            2.0 ** (-FINER * resolution),
-        )
+        thinnest = float(np.clip(layer, 2e-6 * self.width, 0.1 * self.width))
+        far, bulk = (max(float(each.isf(q)) for each in laws) for q in (FAR, 1e-4))
+        share = 2.0 ** (-FINER * resolution)
+        self.edges = _cell_edges(far, self.width, thinnest, bulk, share)
         self._face_density, self._face_slope = _at_faces(self.edges)
         self._drift = _drift(ageing, self.width)
 
