@@ -195,23 +195,19 @@ class AgeingLife(Life):
 
     def _shares(self, strand: Strands, first: int) -> Array:
         """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
-        moments, shares = np.linspace(0.0, 1.0, MOMENTS) ** 2, []
-        for (times, left), lasts in zip(
-            self.follow(strand, first), self._lasts[first:], strict=True
-        ):
-            shares.append(over_root(times, left[:, 0, 0])(lasts * moments))
-        return np.concatenate(shares)
+        held = [over_root(times, left[:, 0, 0]) for times, left in self.follow(strand, first)]
+        moments = self._lasts[first:, None] * np.linspace(0.0, 1.0, MOMENTS) ** 2
+        return np.concatenate([share(t) for share, t in zip(held, moments, strict=True)])
 
     def _rule(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
+        if born.is_single:
+            return StretchRule(np.array([born.mean()]), np.ones(1))
         if born in self._rules:
             return self._rules[born]
-        most, before, change = self.contacts.thresholds.support()[1], np.zeros(1), np.inf
+        most, before = self.contacts.thresholds.support()[1], np.zeros(1)
         for count in COUNTS:
             rule = stretch_rule(born, most, count)
-            if born.is_single:
-                change = 0.0
-                break
             now = self._shares_of_rule(rule)
             change, before = float(np.abs(now - before).max()), now
             late = count > COUNTS[0] and clock.monotonic() > self._until
