@@ -32,7 +32,7 @@ Array = npt.NDArray[np.float64]
 # Error of the finer and of the coarser of two resolutions, over the change between them; a finer
 # resolution is tried as long as the error falls below HARDLY times the one before.
 FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
-# The largest difference at any moment, over the largest at the moments that are compared.
+# Factor on an estimated error that no change between resolutions confirms.
 MARGIN = 2.0
 # Moments on each leg that are compared, even in the root of the time since its beginning.
 MOMENTS = 40
@@ -159,7 +159,7 @@ class AgeingLife(Life):
     def cells(self) -> tuple[Cells, Cells]:
         """Cells of the two resolutions that suffice for strands."""
         cells, (before, differed) = self._coarse, self._trial(self._coarse)
-        # the difference between two resolutions, before they are extrapolated
+        # the largest difference of the two resolutions at any moment, before they are extrapolated
         error = MARGIN * differed
         while error > self._accuracy and cells[1].can_be_finer and clock.monotonic() <= self._until:
             finer, last = (cells[1], self._cells_of(cells[1].resolution + 1)), error
@@ -168,7 +168,7 @@ class AgeingLife(Life):
             if COARSE * change <= self._accuracy and self.has_strands:
                 error = COARSE * change
                 break
-            cells, before, error = finer, now, min(FELL * change, MARGIN * differed)
+            cells, before, error = finer, now, min(FELL * change, differed)
             if error > HARDLY * last:
                 break
         self._add_error("strands", error)
