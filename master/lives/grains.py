@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.averages import integrals_above
-from master.lives.life import MARGIN, Life, Moves
+from master.lives.life import MARGIN, Life
 from master.motion.motion import History
 from origins import Contacts, GrainContact
 from origins.start import Start
@@ -74,10 +74,10 @@ class GrainLife(Life):
         self._began = born is self.start if isinstance(born, Start) else bool(np.any(born))
         return super().left(born, history)
 
-    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
-        displacement, duration, speed = moves.legs
-        lived, stretch = duration[pair], born[:, None] + displacement[pair]
+        displacement, lived, speed = history.legs()
+        stretch = born[:, None] + displacement
         since = np.cumsum(np.insert(lived, 0, self.start_since * self._began, axis=1), axis=1)
         hazards = self.grains.hazard_at(stretch, self.grains.growth.excess_after(since))
         worst = hazards.max(axis=1)

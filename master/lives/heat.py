@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.averages import Integrals, integrals_above
-from master.lives.life import MARGIN, SMALLEST, TIE, LawLife, Moves
-from master.motion.motion import Legs
+from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
+from master.motion.motion import History, Legs
 from master.renewal.table import Table
 from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT
@@ -73,16 +73,15 @@ class ThermalLife(LawLife):
         held = np.asarray(self.law.sf(x), dtype=float)
         return np.trapezoid(np.stack([held, held * x]), x, axis=1)
 
-    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
-        out, (displacement, duration, speed) = np.zeros((2, pair.size)), moves.legs
+        out = np.zeros((2, born.size))
         together = 4000  # contacts whose panels are halved together
-        for begin in range(0, pair.size, together):
+        for begin in range(0, born.size, together):
             some = slice(begin, begin + together)
-            legs = Legs(displacement[pair[some]], duration[pair[some]], speed)
-            replay = Replay(self._contacts, born[some], legs)
+            replay = Replay(self._contacts, born[some], history.pick(some).legs())
             out[:, some] = self._held(replay, 1.0 / self.law.sf(np.abs(born[some])), side[some])
-        return np.stack([np.minimum(out[0], 1.0), out[1] * (born + moves.now[pair])])
+        return np.stack([np.minimum(out[0], 1.0), out[1] * (born + history.now)])
 
     def _held(self, replay: Replay, weight: Array, side: Array) -> Array:
         """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n).
@@ -136,37 +135,31 @@ class Replay:
     def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
         assert contacts.thermal is not None
         self._rates, self._stiffness = contacts.thermal.rates, contacts.relative_stiffness
-        self._stretch = born[:, None] + legs.displacement
-        self._duration = legs.duration
+        self._stretch, self._duration = born[:, None] + legs.displacement, legs.duration
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
         self._offset: Array | None = None
         if self._rates.separable and contacts.stiffness != "linked":
             # A at one threshold gives A at all others
-            furthest, every = self.furthest[:, None], np.arange(born.size)
-            log_rate = self._rates.log_rate(0.0, furthest, 1.0)
-            self._offset = self.log_spent(every, furthest) - log_rate
+            furthest = self.furthest[:, None]
+            spent = self.log_spent(np.arange(born.size), furthest)
+            self._offset = spent - self._rates.log_rate(0.0, furthest, 1.0)
 
     def log_spent(self, row: Rows, threshold: Array) -> Array:
-        """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k); finite."""
+        """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k), which |x| has exceeded
+        at most by rounding; finite."""
+        least = -740.0  # where A = 0 or underflows
         if self._offset is not None:
             level = self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row]
-        else:
-            with np.errstate(divide="ignore"):
-                level = np.log(self.spent(row, threshold))
-        return np.maximum(level, -740.0)  # where A = 0 or underflows
-
-    def spent(self, row: Rows, threshold: Array) -> Array:
-        """A of the contacts `row`, shape (n,), at thresholds of shape (n, k), which |x| has exceeded at
-        most by rounding."""
+            return np.maximum(level, least)
         spent = np.zeros(threshold.shape)
         for leg in range(self._duration.shape[1]):
             some = np.flatnonzero(self._duration[row, leg] > 0.0)
             if some.size:
                 own = row[some]
-                ends = self._stretch[own, leg : leg + 2, None]
-                mean = self._mean_rate(ends[:, 0], ends[:, 1], threshold[some])
+                near, far = (self._stretch[own, leg + k, None] for k in (0, 1))
+                mean = self._mean_rate(near, far, threshold[some])
                 spent[some] += mean * self._duration[own, leg, None]
-        return spent
+        return np.log(np.maximum(spent, np.exp(least)))
 
     def _mean_rate(self, near: Array, far: Array, threshold: Array) -> Array:
         """Mean of h over straight moves, at thresholds of shape (n, k); ends of shape (n, 1)."""
@@ -248,11 +241,6 @@ class MeanRateLife(LawLife):
         """L, the integral of H from 0 to x, of either sign; same shape."""
         return np.sign(x) * self._table.before(np.abs(x))
 
-    def mean(self, near: Array, far: Array) -> Array:
-        """Mean of H over short ways from near to far on one side of 0, by Simpson's rule; same shape."""
-        near, far = np.abs(near), np.abs(far)
-        return (self.rate(near) + 4.0 * self.rate(0.5 * (near + far)) + self.rate(far)) / 6.0
-
     def mean_rate(self, x: Array) -> Array:
         """H at stretches x >= 0, shape (n,), by its definition (paper, Eq. temper3)."""
         out = self._above(x).value[0]
@@ -275,13 +263,13 @@ class MeanRateLife(LawLife):
         about = integrals_above(*given, np.inf).value[0]
         return integrals_above(*given, relative * about)
 
-    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
-        displacement, duration, speeds = moves.legs
-        spent, rounded, share = np.zeros(pair.size), np.zeros(pair.size), np.ones(pair.size)
+        displacement, duration, speeds = history.legs()
+        spent, rounded, share = np.zeros(born.size), np.zeros(born.size), np.ones(born.size)
         x, first = born, np.abs(born)  # no threshold lies below |r|
         for leg, speed in enumerate(speeds):
-            lasts, before, x = duration[pair, leg], x, born + displacement[pair, leg + 1]
+            lasts, before, x = duration[:, leg], x, born + displacement[:, leg + 1]
             if speed:
                 grown = self.grown(x) / speed
                 spent += np.abs(grown - self.grown(before) / speed)

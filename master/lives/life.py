@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 import numpy.typing as npt
 
 from master.lives.averages import Pieces, integrals
-from master.motion.motion import History, Legs
+from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
 from origins.start import Start
@@ -29,36 +27,6 @@ MARGIN = 4.0
 SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
 # Thresholds below this many mean thresholds underflow in sums.
 LOWEST = 1e-290
-
-
-class Moves:
-    """The slider's moves between birth and a later moment of n contacts, a history's rows and columns.
-
-    Attributes
-    ----------
-    now, high, low : arrays of shape (n,)
-        The slider's displacement, its largest and its smallest value.
-    """
-
-    def __init__(self, history: History) -> None:
-        self._history = history
-        self.now, self.high, self.low = (
-            history.now.ravel(),
-            history.high.ravel(),
-            history.low.ravel(),
-        )
-
-    @cached_property
-    def legs(self) -> Legs:
-        """The same moves leg by leg."""
-        displacement, duration, speed = self._history.legs()
-        count = speed.size
-        return Legs(displacement.reshape(-1, count + 1), duration.reshape(-1, count), speed)
-
-    def largest(self, pair: Rows, born: Array) -> Array:
-        """Largest |x| of contacts with these moves, born at stretches of the same shape (n,)."""
-        highest, lowest = born + self.high[pair], born + self.low[pair]
-        return np.maximum(np.abs(born), np.maximum(highest, -lowest))
 
 
 class Life:
@@ -126,24 +94,25 @@ class Life:
         Returns an array of shape (2, rows, columns): the share, between 0 and 1, and the force in
         units of <k>, a length.
         """
-        moves, shape = Moves(history), history.now.shape
+        shape = history.now.shape
         if isinstance(born, Start) and not born.is_single:
-            return self._averaged(born, moves).reshape(2, *shape)
+            return self._averaged(born, history.pick(slice(None))).reshape(2, *shape)
         single = born.mean() if isinstance(born, Start) else born
-        stretch, every = np.broadcast_to(single, shape).ravel(), np.arange(moves.now.size)
+        stretch, every = np.broadcast_to(single, shape).ravel(), np.arange(history.now.size)
         middle = every // shape[1] * shape[1] + shape[1] // 2
-        side = moves.largest(middle, stretch)
-        return self.survivors(every, stretch, side, moves).reshape(2, *shape)
+        side = history.pick(middle).largest(stretch)
+        return self.survivors(stretch, side, history.pick(every)).reshape(2, *shape)
 
-    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
-        """Share and force of contacts with the moves `pair`, born at these stretches; shape (2, n).
+    def survivors(self, born: Array, side: Array, history: History) -> Array:
+        """Share and force of contacts born at these stretches; shape (2, n).
 
         side : array of shape (n,), the largest |x| that decides which exact thresholds are passed
+        history : of shape (n,), the moves of these contacts
         """
         raise NotImplementedError
 
-    def _averaged(self, law: Start, moves: Moves) -> Array:
-        """Share and force averaged over the law's stretches, shape (2, pairs).
+    def _averaged(self, law: Start, history: History) -> Array:
+        """Share and force averaged over the law's stretches, of moves of shape (n,); shape (2, n).
 
         Pieces of the law end where x is 0, and where the largest |x| changes sides or meets a bend.
         """
@@ -153,20 +122,21 @@ class Life:
         # survivals that take long are smoother, too
         even = np.linspace(first, last, 17 if self.quick else 5)
         fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
-        now, high, low = (part[:, None] for part in (moves.now, moves.high, moves.low))
+        now, high, low = (part[:, None] for part in (history.now, history.high, history.low))
         moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
         cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
         edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
         # pieces narrower than 1e-13 of the span are left out
         pieces = Pieces.between(edges, 1e-13 * (last - first))
         middle = 0.5 * (pieces.low + pieces.high)
-        pieces = pieces.pick(moves.largest(pieces.owner, middle) < reach)
+        pieces = pieces.pick(history.pick(pieces.owner).largest(middle) < reach)
         kept = law.cdf(self.birth_reach) - law.cdf(-self.birth_reach)
 
-        def weighed(pair: Rows, born: Array) -> Array:
+        def weighed(row: Rows, born: Array) -> Array:
             nodes = born.shape[1]
-            side = np.repeat(moves.largest(pair, born[:, nodes // 2]), nodes)
-            found = self.survivors(np.repeat(pair, nodes), born.ravel(), side, moves)
+            side = history.pick(row).largest(born[:, nodes // 2])
+            moves = history.pick(np.repeat(row, nodes))
+            found = self.survivors(born.ravel(), np.repeat(side, nodes), moves)
             return found.reshape(2, *born.shape) * (finite_density(law, born) / kept)
 
         found = integrals(weighed, pieces, now.size, self.resolved)
@@ -247,33 +217,23 @@ class ColdLife(LawLife):
         self._linked: Table | None = None
         if contacts.stiffness == "linked":
             shortest = 1e-9 * self._mean
-            self._linked = Table(lambda x: self._smooth(x)[None], self.marks, 1e-12, shortest)
+            self._linked = Table(lambda x: law.sf(x)[None], self.marks, 1e-12, shortest)
 
-    def _smooth(self, m: Array) -> Array:
-        """Survival at m without the exact thresholds."""
-        out = np.asarray(self.law.sf(m), dtype=float)
-        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            out = out - weight * (m < position)
-        return np.maximum(out, 0.0)
-
-    def _borne(self, m: Array, side: Array, held: Array) -> Array:
+    def _borne(self, m: Array, held: Array) -> Array:
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
         if not self._linked:
             return held
-        smooth = self._smooth(m)
         # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
-        most = np.maximum(self.reach - m, 0.0) * smooth
-        out = m * smooth + np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)
-        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            out = out + position * weight * (side < position * (1.0 - TIE))
-        return np.asarray(out / self._mean)
+        most = np.maximum(self.reach - m, 0.0) * held
+        beyond = np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)
+        return np.asarray((m * held + beyond) / self._mean)
 
-    def survivors(self, pair: Rows, born: Array, side: Array, moves: Moves) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
-        first, m = np.abs(born), moves.largest(pair, born)
+        first, m = np.abs(born), history.largest(born)
         whole, held = self.held(first, first), np.ones(m.shape)
         # contacts with m <= quiet all hold: the law need not be evaluated there
         some = m > self.quiet * (1.0 - 2.0 * TIE)
         held[some] = self.held(m[some], side[some])
-        out = np.stack([held, self._borne(m, side, held) * (born + moves.now[pair])])
+        out = np.stack([held, self._borne(m, held) * (born + history.now)])
         return np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)

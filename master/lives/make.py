@@ -63,10 +63,7 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
         while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - behind:
             longest *= 1.5
     elif ageing is not None:
-        from master.lives.age.ageing import LONGEST
-
-        laws = contacts.thresholds, ageing.final
-        longest = LONGEST * max(float(law.isf(1e-17)) for law in laws) / velocity
+        longest = 1e9 * contacts.mean_threshold / velocity  # they are followed as long as any holds
         if ageing.normal is None or contacts.thermal is not None:
             tolerance = 5e-7  # where strands are followed, smaller errors take too long
     else:

@@ -136,6 +136,17 @@ class History:
         self.high = np.maximum(np.maximum(self.now, highest[:, None] - born), 0.0)
         self.low = np.minimum(np.minimum(self.now, lowest[:, None] - born), 0.0)
 
+    def pick(self, which: slice | npt.NDArray[np.intp]) -> History:
+        """Moves of n contacts: all arrays have the shape (n,); `which` counts row after row."""
+        other, shape = copy(self), self.now.shape
+        for name in ("t", "s", "now", "high", "low"):
+            setattr(other, name, np.broadcast_to(getattr(self, name), shape).ravel()[which])
+        return other
+
+    def largest(self, born: Array) -> Array:
+        """Largest |x| of contacts with these moves, born at stretches of the same shape."""
+        return np.maximum(np.abs(born), np.maximum(born + self.high, -(born + self.low)))
+
     def legs(self) -> Legs:
         """The moves leg by leg, for contacts whose rate of breaking depends on each."""
         motion, legs = self.motion, slice(self._first, self._last + 1)

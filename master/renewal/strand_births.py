@@ -10,12 +10,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
-from scipy.interpolate import BSpline
 
 from master.lives.age.ageing import MARGIN, AgeingLife
+from master.lives.age.strands import over_root
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, moments
+from master.renewal.table import basis_of
 
 Array = npt.NDArray[np.float64]
 
@@ -23,9 +24,6 @@ Array = npt.NDArray[np.float64]
 SIZE = 8
 # Fewest pieces of a leg; they are as wide as the narrowest width of the thresholds at most.
 LEAST = 8
-
-_NODES = legendre.leggauss(SIZE)[0]
-_TO_LEGENDRE = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
 
 
 class StrandBirths:
@@ -45,18 +43,18 @@ class StrandBirths:
     def __init__(self, births: Births, leg: int, since: Array, width: Array, breaks: Array) -> None:
         life, motion = births.life, births.motion
         assert isinstance(life, AgeingLife)
-        self._life, self._seen, self.missed = life, leg, 0.0
+        self._seen, self.missed = leg, 0.0
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
-        count = np.ptp(ends) * abs(speed) / life.mesh.width
+        count = np.ptp(ends) * abs(speed) / life.cells[0].width
         edges = np.linspace(ends[0], ends[-1], max(LEAST, int(np.ceil(count))) + 1)
-        left, right = edges[:-1], edges[1:]
-        nodes = 0.5 * (left + right)[:, None] + 0.5 * (right - left)[:, None] * _NODES
+        left, right, basis = edges[:-1], edges[1:], basis_of(SIZE)
+        nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
         self._strands = life.begin(births.law).aged(speed, ages)
+        self._legs = life.follow(self._strands, leg + 1)
         found = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
         # weights of the pieces' nodes in a sum over all births
-        self._weight = found @ _TO_LEGENDRE.T
-        self._splines: BSpline | None = None
+        self._weight = found @ basis.to_legendre.T
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Follow the strands to the end of the present leg, which begins at t = 0 of this motion.
@@ -68,18 +66,15 @@ class StrandBirths:
             self._seen += 1
             if not np.abs(self._weight).ravel() @ self._strands.left()[0] > negligible:
                 return False
-            found = self._life.follow(self._strands, self._seen)
-            told = found.left.reshape(*found.left.shape[:-1], -1, SIZE)
+            times, left = next(self._legs)
+            told = left.reshape(*left.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(told[:, 0], self._weight).sum()))
-            self._splines = found.over_root(np.einsum("jkpi,pi->jk", told, self._weight))
-            self._longest = float(found.times[-1])
+            self._sums = over_root(times, np.einsum("jkpi,pi->jk", told, self._weight))
         return True
 
     def sums(self, t: Array) -> Array:
         """Number and force at times t, shape (n,), since the leg's beginning; shape (2, n)."""
-        if self._splines is None:
-            return np.zeros((2, t.size))
-        return np.moveaxis(self._splines(np.sqrt(np.minimum(t, self._longest))), -1, 0)
+        return np.moveaxis(self._sums(t), -1, 0)
 
 
 def _missed(told: Array, weight: Array) -> Array:
@@ -90,11 +85,11 @@ def _missed(told: Array, weight: Array) -> Array:
     constant. The contribution of the last coefficients to the sums underestimates it up to 20
     times. The geometric mean of both is about right.
     """
-    series = told @ _TO_LEGENDRE
-    size = np.abs(series)
+    basis = basis_of(SIZE)
+    size = np.abs(told @ basis.to_legendre)
     last, before = size[..., -2:].max(axis=-1), size[..., -4:-2].max(axis=-1)
     fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
     alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)
-    moments_of_births = weight @ legendre.legvander(_NODES, SIZE - 1)
-    changed = (size[..., -2:] * np.abs(moments_of_births[:, -2:])).sum(axis=-1).max(axis=0)
+    moments_of_births = np.abs(weight @ legendre.legvander(2.0 * basis.nodes - 1.0, SIZE - 1))
+    changed = (size[..., -2:] * moments_of_births[:, -2:]).sum(axis=-1).max(axis=0)
     return np.asarray(MARGIN * np.sqrt(alone * changed))

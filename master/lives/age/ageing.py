@@ -11,16 +11,16 @@ of earlier legs, are strands that follow the slider leg by leg.
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Callable, Iterator
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev
-from scipy.interpolate import BSpline
 
-from master.lives.age.cells import narrowest
+from master.lives.age.cells import TRAVEL_STEP, Cells, narrowest
 from master.lives.age.passage import Passage
-from master.lives.age.strands import TRAVEL_STEP, Followed, Mesh, Strands, StrandSurvival
+from master.lives.age.strands import Strands, over_root, survival_at
 from master.lives.averages import StretchRule, stretch_rule
 from master.lives.life import Life
 from master.motion.motion import History, Motion
@@ -32,8 +32,10 @@ Array = npt.NDArray[np.float64]
 # Error of the finer and of the coarser of two resolutions, over the change between them; a finer
 # resolution is tried as long as the error falls below HARDLY times the one before.
 FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
-# The largest difference at any moment, over the largest at the moments that are compared.
+# Factor on an estimated error that no change between resolutions confirms.
 MARGIN = 2.0
+# Moments on each leg that are compared, even in the root of the time since its beginning.
+MOMENTS = 40
 # Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where
 # survivals have a kink.
@@ -55,199 +57,172 @@ class AgeingLife(Life):
         Aimed-at error of the share that holds; strands take very long for 1e-9 and less.
     until : float
         Reading of time.monotonic() after which no finer resolution is tried.
-
-    Attributes
-    ----------
-    mesh : Mesh
-        Cells and steps that suffice for strands.
     """
 
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
-        """Keep the contacts and the motion; strands are followed when they are first asked for."""
+        """Follow the contacts of the start where the motion has more than one leg, or fresh ones."""
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final
         self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
         self._accuracy, self._until = accuracy, until
-        self.reach = self._furthest = max(float(law.isf(1e-17)) for law in laws)
+        self.reach = max(float(law.isf(1e-17)) for law in laws)
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
-        self._fastest = float(np.abs(motion.speeds).max())
+        longest = LONGEST * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
+        # of each leg the time until it ends or hardly any contact holds
+        self._lasts = np.minimum(np.diff(motion.times), longest)
         self._closed = ageing.normal is not None and contacts.thermal is None
-        self._rules: list[tuple[Start, StretchRule]] = []
-        self._tables: dict[tuple[float, float], Passage | StrandSurvival] = {}
-        self._start_on_legs: list[BSpline] = []
+        self._rules: dict[Start, StretchRule] = {}
+        self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
         self._errors: dict[str, float] = {}
         if self.has_strands:
-            _ = self.mesh
-            return
-        births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
-        last = max(abs(end) for law in births for end in law.span)
-        # a millionth of the thresholds beyond the largest stretch at birth counts for the reach
-        last = min(last, float(contacts.thresholds.isf(1e-6)))
-        speed = float(motion.speeds[0])
-        reached = [r + self._table(speed, r).reach_lag * abs(speed) for r in {0.0, last}]
-        self.reach = min(self.reach, max(reached))
+            start = self.follow(self.begin(contacts.start), 0)
+            self._start = [over_root(times, left[..., 0]) for times, left in start]
+        elif not self._closed:
+            # so that its error is known from the beginning
+            self._table(float(motion.speeds[0]), 0.0)
 
     def _add_error(self, source: str, error: float) -> None:
         """Count an error of the share that holds: the largest of each source, and 1e-13 by rounding."""
         self._errors[source] = max(self._errors.get(source, 0.0), error)
         self.error = self.left_out = sum(self._errors.values()) + 1e-13
 
+    def left(self, born: Start | Array, history: History) -> Array:
+        """Share of contacts that hold, and their force per contact born; see Life.left."""
+        motion = history.motion
+        leg = motion.leg_of_all(history.t)
+        # births of the same law as the start are asked for on motions of one leg
+        if born is self.contacts.start and not motion.one_leg:
+            now = self._start[leg](history.t - motion.times[leg])
+            return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
+        if isinstance(born, Start):
+            rule = self._rule(born)
+            each = [self.left(np.full((1, 1), stretch), history) for stretch in rule.stretch]
+            return np.asarray(np.tensordot(rule.weight, each, 1))
+        # on one leg the speed is the same to the bit, so that its tables are found again
+        speed = float((motion if self.has_strands else self.motion).speeds[leg])
+        lag = np.maximum(history.t - history.s, 0.0)
+        share = self._held(speed, born, lag)
+        return np.stack([share, share * (born + speed * lag)])
+
+    def _held(self, speed: float, born: Array, lag: Array) -> Array:
+        """Share that holds of contacts born at these stretches; of many stretches a polynomial on either
+        side of 0."""
+        places, out = np.unique(born), np.zeros(lag.shape)
+        if places.size <= BETWEEN:
+            parts = [self._table(speed, float(x))(lag) * (born == x) for x in places]
+            return sum(parts, out)
+        stretch = np.broadcast_to(born, lag.shape)
+        nodes = chebyshev.chebpts1(BETWEEN)
+        to_series = np.linalg.inv(chebyshev.chebvander(nodes, BETWEEN - 1))
+        for here in (stretch < 0.0, stretch >= 0.0):
+            if here.any():
+                low = float(stretch[here].min())
+                way = max(float(np.ptp(stretch[here])), 1e-12 * self.reach)
+                tables = [self._table(speed, float(low + 0.5 * way * (1.0 + x))) for x in nodes]
+                known = np.array([table(lag[here]) for table in tables])
+                z = 2.0 * (stretch[here] - low) / way - 1.0
+                held = chebyshev.chebval(z, to_series @ known, tensor=False)
+                out[here] = np.clip(held, 0.0, 1.0)
+        return out
+
+    def _table(self, speed: float, stretch: float) -> Callable[[Array], Array]:
+        """Survival over the time of contacts born at this stretch on a slider that keeps this speed."""
+        if (speed, stretch) not in self._tables:
+            # |x| does not change when speed and stretch change sign
+            along, contacts = -stretch if speed < 0.0 else stretch, self.contacts
+            if self._closed and speed:
+                assert contacts.ageing is not None
+                aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
+                found = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
+                self._add_error("passages", found.error)
+                self._tables[speed, stretch] = found.survival
+            else:
+                longest = float(np.ptp(self.motion.times))
+                longest = min(longest, LONGEST * self.reach / abs(speed)) if speed else longest
+                born = self.begin(SingleStart(along))
+                self._tables[speed, stretch] = survival_at(born, abs(speed), longest)
+        return self._tables[speed, stretch]
+
+    def begin(self, born: Start) -> Strands:
+        """A strand of contacts that are born now at stretches of the law `born`."""
+        return Strands(self.cells, *self._rule(born))
+
+    def follow(self, strands: Strands, first: int) -> Iterator[tuple[Array, Array]]:
+        """The strands' shares and forces on one leg after another, from the first on."""
+        for speed, lasts in zip(self.motion.speeds[first:], self._lasts[first:], strict=True):
+            yield strands.follow(float(speed), float(lasts))
+
     @cached_property
-    def mesh(self) -> Mesh:
-        """See above."""
-        mesh = Mesh(self.contacts, 1, self._fastest)
-        before, differed = self._trial(mesh)
-        # the difference between two resolutions, before they are extrapolated
+    def cells(self) -> tuple[Cells, Cells]:
+        """Cells of the two resolutions that suffice for strands."""
+        cells, (before, differed) = self._coarse, self._trial(self._coarse)
+        # the largest difference of the two resolutions at any moment, before they are extrapolated
         error = MARGIN * differed
-        while error > self._accuracy and mesh.can_be_finer and clock.monotonic() <= self._until:
-            finer, last = Mesh(self.contacts, mesh.resolution + 1, self._fastest), error
+        while error > self._accuracy and cells[1].can_be_finer and clock.monotonic() <= self._until:
+            finer, last = (cells[1], self._cells_of(cells[1].resolution + 1)), error
             now, differed = self._trial(finer)
             change = float(np.abs(now - before).max())
             if COARSE * change <= self._accuracy and self.has_strands:
                 error = COARSE * change
                 break
-            mesh, before, error = finer, now, min(FELL * change, MARGIN * differed)
+            cells, before, error = finer, now, min(FELL * change, differed)
             if error > HARDLY * last:
                 break
         self._add_error("strands", error)
-        return mesh
+        return cells
 
-    def left(self, born: Start | Array, history: History) -> Array:
-        """Share of contacts that hold, and their force per contact born; see Life.left."""
-        motion, start = history.motion, self.contacts.start
-        leg = motion.leg_of_all(history.t)
-        # births of the same law as the start are asked for on motions of one leg
-        if born is start and not motion.one_leg and (leg > 0 or not start.is_single):
-            return self._left_of_start(leg, history)
-        # on one leg the speed is the same to the bit, so that its tables are found again
-        speed = float((motion if self.has_strands else self.motion).speeds[leg])
-        lag = np.maximum(history.t - history.s, 0.0)
-        if not isinstance(born, Start):
-            share = self._held(speed, np.broadcast_to(born, lag.shape), lag)
-            return np.stack([share, share * (born + speed * lag)])
-        out = np.zeros((2, *lag.shape))
-        rule = self._rule(born)
-        for stretch, weight in zip(rule.stretch, rule.weight, strict=True):
-            held = weight * self._table(speed, float(stretch)).survival(lag)
-            out += held * np.stack([np.ones(lag.shape), stretch + speed * lag])
-        return out
+    @cached_property
+    def _coarse(self) -> tuple[Cells, Cells]:
+        """Cells of the two lowest resolutions."""
+        return self._cells_of(0), self._cells_of(1)
 
-    def _left_of_start(self, leg: int, history: History) -> Array:
-        """Share and force on a leg of the contacts of the start, all of which are one strand."""
-        if not self._start_on_legs:
-            self._start = self.begin(self.contacts.start)
-        while len(self._start_on_legs) <= leg:
-            found = self.follow(self._start, len(self._start_on_legs))
-            self._start_on_legs.append(found.over_root(found.left[..., 0]))
-        spline = self._start_on_legs[leg]
-        root = np.sqrt(np.maximum(history.t - history.motion.times[leg], 0.0))
-        now = np.moveaxis(spline(np.minimum(root, spline.t[-1])), -1, 0)
-        return now + np.zeros((2, *history.now.shape))
+    def _cells_of(self, resolution: int) -> Cells:
+        return Cells(self.contacts, resolution, float(np.abs(self.motion.speeds).max()))
 
-    def _held(self, speed: float, stretch: Array, lag: Array) -> Array:
-        """Share that holds of contacts born at these stretches, arrays of one shape; of many stretches
-        a polynomial on either side of 0."""
-        places = np.unique(stretch)
-        if places.size <= BETWEEN:
-            parts = [self._table(speed, float(x)).survival(lag) * (stretch == x) for x in places]
-            return sum(parts, np.zeros(lag.shape))
-        out, nodes = np.zeros(lag.shape), np.cos(np.pi * (np.arange(BETWEEN) + 0.5) / BETWEEN)
-        for here in (stretch < 0.0, stretch >= 0.0):
-            if here.any():
-                low, high = float(stretch[here].min()), float(stretch[here].max())
-                middle, half = 0.5 * (low + high), max(0.5 * (high - low), 1e-12 * self.reach)
-                tables = [self._table(speed, float(x)) for x in middle + half * nodes]
-                known = [table.survival(lag[here]) for table in tables]
-                series = np.linalg.solve(chebyshev.chebvander(nodes, BETWEEN - 1), np.array(known))
-                z = (stretch[here] - middle) / half
-                out[here] = np.clip(chebyshev.chebval(z, series, tensor=False), 0.0, 1.0)
-        return out
+    def _trial(self, cells: tuple[Cells, Cells]) -> tuple[Array, float]:
+        """Share that holds, along the whole motion, of the contacts of the start and of some births;
+        and how much the two resolutions differ."""
+        legs = self.motion.speeds.size
+        firsts = np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()
+        births = [(first, StretchRule(np.zeros(1), np.ones(1))) for first in firsts]
+        born = [(0, self._rule(self.contacts.start)), *births]
+        strands = [(Strands(cells, *rule), first) for first, rule in born]
+        shares = [self._shares(*each) for each in strands]
+        return np.concatenate(shares), max(each.error for each, _ in strands)
 
-    def _table(self, speed: float, stretch: float) -> Passage | StrandSurvival:
-        """Survival of contacts born at this stretch on a slider that keeps this speed."""
-        if (speed, stretch) not in self._tables:
-            # |x| does not change when speed and stretch change sign
-            along, contacts = -stretch if speed < 0.0 else stretch, self.contacts
-            table: Passage | StrandSurvival
-            if self._closed and speed:
-                assert contacts.ageing is not None
-                aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
-                table = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
-            else:
-                longest = float(np.ptp(self.motion.times))
-                if speed:
-                    longest = min(longest, LONGEST * (self._furthest - along) / abs(speed))
-                table = StrandSurvival(self.begin(SingleStart(along)), abs(speed), longest)
-            self._add_error("tables", table.error)
-            self._tables[speed, stretch] = table
-        return self._tables[speed, stretch]
+    def _shares(self, strand: Strands, first: int) -> Array:
+        """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
+        held = [over_root(times, left[:, 0, 0]) for times, left in self.follow(strand, first)]
+        moments = self._lasts[first:, None] * np.linspace(0.0, 1.0, MOMENTS) ** 2
+        return np.concatenate([share(t) for share, t in zip(held, moments, strict=True)])
 
     def _rule(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
-        for known, rule in self._rules:
-            if known is born:
-                return rule
-        most, before, change = self.contacts.thresholds.support()[1], np.zeros(1), np.inf
+        if born.is_single:
+            return StretchRule(np.array([born.mean()]), np.ones(1))
+        if born in self._rules:
+            return self._rules[born]
+        most, before = self.contacts.thresholds.support()[1], np.zeros(1)
         for count in COUNTS:
             rule = stretch_rule(born, most, count)
-            if rule.stretch.size == 1:
-                change = 0.0
-                break
-            now = self._shares(rule)
+            now = self._shares_of_rule(rule)
             change, before = float(np.abs(now - before).max()), now
             late = count > COUNTS[0] and clock.monotonic() > self._until
             if change <= self._accuracy or late:
                 break
         self._add_error("stretches", change)
-        self._rules.append((born, rule))
+        self._rules[born] = rule
         return rule
 
-    def begin(self, born: Start) -> Strands:
-        """A strand of contacts that are born now at stretches of the law `born`."""
-        return Strands(self.mesh, *self._rule(born))
-
-    def follow(self, strands: Strands, leg: int) -> Followed:
-        """Move strands along a leg; returns their shares and forces on the way."""
-        duration = float(np.diff(self.motion.times)[leg])
-        return strands.follow(float(self.motion.speeds[leg]), duration)
-
-    def _shares(self, rule: StretchRule) -> Array:
+    def _shares_of_rule(self, rule: StretchRule) -> Array:
         """Share that holds of contacts born at the rule's stretches at the motion's beginning; strands
         use few cells, whose errors hardly depend on the rule."""
-        if self._closed and self.motion.one_leg and self._fastest:
-            speed = float(self.motion.speeds[0])
-            lags = np.linspace(0.0, 2.0 * self._table(speed, 0.0).reach_lag, 100)
-            tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
-            return rule.weight @ np.array([table.survival(lags) for table in tables])
-        return self._followed(Strands(Mesh(self.contacts, 1, self._fastest), *rule), 0)
-
-    def _trial(self, mesh: Mesh) -> tuple[Array, float]:
-        """Share that holds, along the whole motion, of the contacts of the start and of some births;
-        and how much the two resolutions of the mesh differ."""
-        legs = self.motion.speeds.size
-        strands = [Strands(mesh, *self._rule(self.contacts.start))]
-        first = [0, *np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()]
-        strands += [Strands(mesh, np.zeros(1), np.ones(1)) for _ in first[1:]]
-        shares = [self._followed(*each) for each in zip(strands, first, strict=True)]
-        return np.concatenate(shares), max(strand.error for strand in strands)
-
-    def _followed(self, strand: Strands, first: int) -> Array:
-        """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
-        motion, shares, held = self.motion, [], 1.0
-        for leg in range(first, motion.speeds.size):
-            duration, speed = motion.times[leg + 1] - motion.times[leg], motion.speeds[leg]
-            if motion.one_leg and speed:  # the same way for any stretches
-                duration = min(duration, 2.0 * self._furthest / abs(speed))
-            looks = 12 + int(abs(speed) * duration / (TRAVEL_STEP * strand.mesh.width))
-            ends = np.linspace(0.0, duration, looks + 1)
-            if leg == first:  # further points right after a birth
-                ends = np.insert(ends, 1, ends[1] * np.array([0.01, 0.1]))
-            for time in np.diff(ends):
-                if held > 1e-9:
-                    strand.advance(speed, time)
-                    held = float(strand.left()[0, 0])
-                shares.append(held)
-        return np.array(shares)
+        speed = float(self.motion.speeds[0])
+        if not self._closed or self.has_strands or not speed:
+            return self._shares(Strands(self._coarse, *rule), 0)
+        lags = np.linspace(0.0, self._lasts[0], 150)
+        tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
+        return rule.weight @ np.array([table(lags) for table in tables])

@@ -11,19 +11,30 @@ faces comes from cubics through the four cells around, of fourth order, and weig
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from origins import Contacts, Thresholds
+from origins import Ageing, Contacts, Thresholds
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
-# Each resolution divides cells by 2 to this power: errors, of fourth order, fall by 8.
+# Each resolution divides cells by 2 to this power, and steps by 2: errors, of fourth order in the cells and of
+# third order in the steps, fall by 8.
 FINER = 0.75
-# Survival of both laws at which the cells end, and most of them.
-FAR, MOST_CELLS = 1e-16, 4000
+# Survival of both laws at which the cells end, and most of them; most steps of one move, some 30
+# seconds of work; and the finest resolution of strands.
+FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
+# Travel in one step at resolution 0, over the narrowest width of the laws; and the share of fresh
+# contacts that heat breaks in it at most.
+TRAVEL_STEP, HEAT_STEP = 0.25, 0.15
+# Steps after a birth or a change of speed over the time since then, at resolution 0: the edge of the
+# density at |x| changes, first fast and then ever more slowly. The first step over the time in which
+# thresholds spread by the narrowest width.
+AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10
 
 
 class Cells:
@@ -34,7 +45,7 @@ class Cells:
     contacts : Contacts
         With `ageing`, closure "exact".
     resolution : int
-        Each step up divides the errors of the cells by 8.
+        From 0 on; the next one has an eighth of the errors.
     fastest : float
         Largest speed of the slider.
 
@@ -69,27 +80,42 @@ class Cells:
                 "only eq_model.simulate takes it; use one from 0 on that does not end, such as gaussian"
             )
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
-        self._diffusion, self._normal = ageing.rate, ageing.normal
-        self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
+        self._diffusion, self.resolution = ageing.rate, resolution
+        laws = law, ageing.final
+        self.width, self.heat_rate = min(map(narrowest, laws)), 0.0
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
             self.heat_rate = float(self._thermal.plain_rate(np.zeros(1), thresholds).mean())
         # the edge of the density at |x| is D/v thick; thinner ones contain too few thresholds to matter
         layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
-        self.edges = _cell_edges(
-            max(float(law.isf(FAR)), float(ageing.final.isf(FAR))),
-            self.width,
-            float(np.clip(layer, 2e-6 * self.width, 0.1 * self.width)),
-            max(float(law.isf(1e-4)), float(ageing.final.isf(1e-4))),
-            2.0 ** (-FINER * resolution),
-        )
+        thinnest = float(np.clip(layer, 2e-6 * self.width, 0.1 * self.width))
+        far, bulk = (max(float(each.isf(q)) for each in laws) for q in (FAR, 1e-4))
+        share = 2.0 ** (-FINER * resolution)
+        self.edges = _cell_edges(far, self.width, thinnest, bulk, share)
         self._face_density, self._face_slope = _at_faces(self.edges)
-        self._final_slope = None if self._normal else _final_slope(ageing.final, self.width)
+        self._drift = _drift(ageing, self.width)
 
     @property
     def can_be_finer(self) -> bool:
-        """Whether the next resolution does not need too many cells."""
-        return bool(self.edges.size * 2.0**FINER < MOST_CELLS)
+        """Whether the next resolution does not need too many cells or steps."""
+        return bool(self.resolution < FINEST and self.edges.size * 2.0**FINER < MOST_CELLS)
+
+    def steps(self, speed: float, steady_for: float, duration: float) -> Array:
+        """Ends of the steps of a move, times from 0 to `duration`.
+
+        steady_for : time at the beginning since the speed changed, or the birth
+        """
+        fastest = max(self.heat_rate / HEAT_STEP, abs(speed) / self.width / TRAVEL_STEP, 1e-300)
+        shortest, times = FIRST_STEP * self.width**2 / self._diffusion, [0.0]
+        while times[-1] < duration:
+            step = min(AFTER_CHANGE * (steady_for + times[-1]) + shortest, 1.0 / fastest)
+            times.append(times[-1] + step * 2.0**-self.resolution)
+            if len(times) > MOST_STEPS:
+                raise InputError(
+                    f"ageing: a move of {duration:.3g} in time needs more than {MOST_STEPS} steps; "
+                    "use a shorter path, or a larger tolerance"
+                )
+        return duration * (np.array(times) / times[-1])
 
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch| (n,), one row of sum 1 for each."""
@@ -126,18 +152,6 @@ class Cells:
             entering = flow - np.concatenate([tilt[:, :, :1], tilt[:, :, :-1]], axis=2)
         given = leaving, entering, breaking, np.ascontiguousarray(spread)
         return np.asarray(self._kernel.step(weights, *given, self._face_density, self._face_slope))
-
-    def _drift(self, threshold: Array) -> Array:
-        """D U' at thresholds above 0."""
-        if self._normal is not None:
-            return self._diffusion * (threshold - self._normal.mean) / self._normal.std**2
-        assert self._final_slope is not None
-        at = np.log(np.maximum(threshold, 1e-300) / self.width)
-        at = np.clip(at, self._final_slope.x[0], self._final_slope.x[-1])
-        # no threshold is at 0
-        return np.asarray(
-            self._diffusion * self._final_slope(at) / np.where(threshold > 0.0, threshold, np.inf)
-        )
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
         """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope.
@@ -212,12 +226,15 @@ def _at_faces(edges: Array) -> Array:
     return out
 
 
-def _final_slope(final: Thresholds, width: float) -> CubicSpline:
-    """x_s U' of a final law, P_cf ~ e^-U, over ln(x_s/width): smooth and finite also where the law
-    begins as a power, and good to some 1e-11."""
+def _drift(ageing: Ageing, width: float) -> Callable[[Array], Array]:
+    """D U' at thresholds >= 0, P_cf ~ e^-U; where the final law is not normal to some 1e-11 of it."""
+    normal, final = ageing.normal, ageing.final
+    if normal is not None:
+        return lambda threshold: ageing.rate * (threshold - normal.mean) / normal.std**2
     nodes, step = 4096, 2e-3
     furthest = float(np.log(3.0 * final.isf(FAR) / width))
-    # below 1e-8 widths P_cf is treated as a power
+    # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power; below 1e-8
+    # widths P_cf is treated as one
     at = np.linspace(min(-furthest, float(np.log(1e-8))), furthest, nodes)
     logs = [final.logpdf(width * np.exp(at + k * step)) for k in (-2, -1, 1, 2)]
     slope = (8.0 * logs[1] - logs[0] - 8.0 * logs[2] + logs[3]) / (12.0 * step)
@@ -226,4 +243,11 @@ def _final_slope(final: Thresholds, width: float) -> CubicSpline:
             "ageing: the final law has no finite density where thresholds age to; use a law "
             "without gaps, such as gaussian(mean=1.0, std=0.05)"
         )
-    return CubicSpline(at, slope)
+    spline = CubicSpline(at, ageing.rate * slope)
+
+    def drift(threshold: Array) -> Array:
+        log = np.clip(np.log(np.maximum(threshold, 1e-300) / width), at[0], at[-1])
+        # no threshold is at 0
+        return np.asarray(spline(log) / np.where(threshold > 0.0, threshold, np.inf))
+
+    return drift

@@ -9,7 +9,8 @@ unit of the way t,
 
 That is number conservation again, and both probabilities are known in closed form, as free
 thresholds are an Ornstein-Uhlenbeck process. It is solved panel by panel; on each 2 s b is a Legendre
-series in s = t^(1/2), in which b is smooth from the start. (With the shares above in place of those
+series in s = t^(1/2), in which b is smooth from the start. A stretch that begins below 0 turns at 0,
+where a panel ends. (With the shares above in place of those
 below, b would be lost in rounding where thresholds move away from |stretch|.)
 """
 
@@ -22,8 +23,8 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
-from master.lives.averages import Pieces, integrals
 from master.renewal import rule
+from master.renewal.table import Table
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
 from origins.thresholds.quadrature import finite_density, panel_edges
@@ -31,89 +32,9 @@ from origins.thresholds.quadrature import finite_density, panel_edges
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Nodes and weights on (0, 1) of the integral over earlier breaks, between two of its cuts.
+# Nodes and weights on (0, 1), of the integral over earlier breaks between two of its cuts.
 _INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
 _SIZE = rule.DEGREE
-# Factor by which the last coefficients of a density enter its integral.
-IN_NUMBER = 1.0 / (2.0 * _SIZE)
-
-
-class _FreeThresholds:
-    """The share of thresholds below a level, if they continue to age after they meet it.
-
-    The way of the slider takes the place of time. The law `fresh` at time 0 is conditional on being
-    above `least`, the |x| of the contacts then; `mean` and `std` are those of the final normal law, not
-    cut at 0, and `diffusion` is D/v > 0 (all lengths).
-    """
-
-    def __init__(
-        self, fresh: Thresholds, mean: float, std: float, diffusion: float, least: float
-    ) -> None:
-        self._fresh, self._mean, self._std = fresh, mean, std
-        self.rate = diffusion / std**2
-        self._least, self._held = least, float(fresh.sf(least))
-        values, weights = fresh.atoms
-        self._values, self._weights = values[values > least], weights[values > least]
-        self._edges = np.unique(np.maximum(panel_edges(fresh), least))
-
-    def below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
-        """Share now below `level` of thresholds that were, `elapsed` ago, at the level of then, `rise` lower."""
-        decay, lost = np.exp(-self.rate * elapsed), -np.expm1(-self.rate * elapsed)
-        distance = (level - self._mean) * lost + rise * decay
-        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
-
-    def below_from_fresh(self, time: Array, level: Array) -> Array:
-        """Share below `level` of the thresholds that were fresh `time` > 0 ago; all of shape (n,)."""
-        decay, lost = np.exp(-self.rate * time), -np.expm1(-self.rate * time)
-        offset, std = level - self._mean, self._std * np.sqrt(lost * (1.0 + decay))
-        z = (offset[:, None] - (self._values - self._mean) * decay[:, None]) / std[:, None]
-        out = ndtr(z) @ self._weights
-        if self._edges.size > 1:
-
-            def below(row: Rows, fresh: Array) -> Array:
-                z = (offset[row, None] - (fresh - self._mean) * decay[row, None]) / std[row, None]
-                return (ndtr(z) * finite_density(self._fresh, fresh))[None]
-
-            # from one to the next of these fresh thresholds, z changes by 1
-            steep = offset[:, None] + std[:, None] * np.arange(-9.0, 9.5)
-            steep = self._mean + steep / np.maximum(decay[:, None], 1e-150)
-            steep = np.clip(steep, self._edges[0], self._edges[-1])
-            fixed = np.tile(self._edges, (time.size, 1))
-            pieces = Pieces.between(np.sort(np.concatenate([fixed, steep], axis=1), axis=1))
-            out = out + integrals(below, pieces, time.size, 1e-8).value[0]
-        return np.asarray(out / self._held)
-
-
-class _Leg:
-    """A part of the way on which the level moves from `level`, by `sign` per unit, and its panels.
-
-    `edges` are those of the panels in s, the root of the way since `begin`; `series` has the Legendre
-    coefficients of 2 s b on each panel, and `after` the survival at its end.
-    """
-
-    def __init__(self, begin: float, level: float, sign: float) -> None:
-        self.begin, self.level, self.sign = begin, level, sign
-        self.edges: list[float] = [0.0]
-        self.series: list[Array] = []
-        self.after: list[float] = []
-
-    def value(self, s: Array) -> Array:
-        """2 s b at points of finished panels, same shape."""
-        return self._on_panels(np.array(self.series).T, s)
-
-    def survival(self, way: Array) -> Array:
-        """E after ways since `begin`, up to the last panel's end."""
-        s = np.sqrt(np.clip(way, 0.0, self.edges[-1] ** 2))
-        share = legendre.legint(np.array(self.series).T, lbnd=1.0) * (-0.5 * np.diff(self.edges))
-        share[0] += self.after
-        return np.clip(self._on_panels(share, s), 0.0, 1.0)
-
-    def _on_panels(self, series: Array, s: Array) -> Array:
-        """Values at points s of Legendre series, of which each panel has a column."""
-        edges = np.array(self.edges)
-        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, edges.size - 2)
-        z = (2.0 * s - edges[panel] - edges[panel + 1]) / (edges[panel + 1] - edges[panel])
-        return np.asarray(legendre.legval(z, series[:, panel], tensor=False))
 
 
 class _Earlier(NamedTuple):
@@ -143,8 +64,6 @@ class Passage:
 
     Attributes
     ----------
-    reach_lag : float
-        Time after which none holds.
     error : float
         Estimate of the largest error of the survival, without that by rounding.
 
@@ -152,112 +71,135 @@ class Passage:
     """
 
     def __init__(
-        self,
-        fresh: Thresholds,
-        ageing: Ageing,
-        velocity: float,
-        start: float = 0.0,
-        accuracy: float = 1e-13,
+        self, fresh: Thresholds, ageing: Ageing, velocity: float, start: float, accuracy: float
     ) -> None:
-        """Tabulate the flux into the stretch and what it leaves; InputError for a start beyond every threshold."""
+        """Tabulate the breaks along the way; InputError for a start beyond every threshold."""
         normal = ageing.normal
         assert normal is not None and velocity > 0.0
-        if not float(fresh.sf(abs(start))) > 0.0:
+        least = abs(start)
+        if not float(fresh.sf(least)) > 0.0:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         # less ageing has no effect in floating point
         diffusion = max(ageing.rate / velocity, 1e-28 * fresh.mean())
-        self.velocity, self._accuracy = velocity, accuracy
-        self._free = _FreeThresholds(fresh, normal.mean, normal.std, diffusion, abs(start))
+        self._mean, self._std, self._rate = normal.mean, normal.std, diffusion / normal.std**2
+        self._velocity, self._start, self._accuracy = velocity, start, accuracy
+        self._turn = max(-start, 0.0)  # way after which |stretch| turns at 0
+        # the fresh thresholds of contacts that hold at first: exact values, and edges of the others
+        self._fresh, self._held, above = fresh, float(fresh.sf(least)), fresh.atoms[0] > least
+        self._values, self._weights = (part[above] for part in fresh.atoms)
+        self._pieces = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
         # least way over which the share that is below now changes
-        self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._free.rate)
-        self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._free.rate, 0.1 * normal.std)))
-        self._legs: list[_Leg] = []
+        self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._rate)
+        self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._rate, 0.1 * normal.std)))
+        # ends of the panels in s, and Legendre coefficients of 2 s b
+        self._edges, self._series = [0.0], list[Array]()
         self._left, self.error = 1.0, 0.0
-        if start < 0.0:
-            self._legs.append(_Leg(0.0, -start, -1.0))
-            self._march(self._legs[0], -start)
-        leg = _Leg(max(-start, 0.0), max(start, 0.0), 1.0)
-        self._legs.append(leg)
         # the march ends at the latest where no threshold has ever been
         furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
         # for thresholds that hardly age b jumps at breakpoints and exact values of the fresh law
-        corners = np.concatenate([[-start, furthest], fresh.breakpoints, fresh.atoms[0]])
-        for corner in np.unique(corners[(corners > leg.level) & (corners <= furthest)]):
-            self._march(leg, float(corner - leg.level))
-        self._legs = [leg for leg in self._legs if leg.series]
+        corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], [furthest]])
+        corners = corners[(corners > max(start, 0.0)) & (corners <= furthest)] - start
+        for corner in np.unique(np.append(corners, self._turn)):
+            self._march(float(corner))
         self.error += max(self._left, 0.0)
-        self.reach_lag = (self._legs[-1].begin + self._legs[-1].edges[-1] ** 2) / velocity
+        given = lambda s: self._density(s)[None], np.array(self._edges), np.inf, 0.0
+        self._broken = Table(*given, size=_SIZE)
 
     def survival(self, lag: Array) -> Array:
         """E at times `lag` >= 0 since the birth, same shape."""
-        way, out = np.asarray(lag, dtype=float) * self.velocity, np.ones(np.shape(lag))
-        for leg in self._legs:
-            out = np.where(way < leg.begin, out, leg.survival(way - leg.begin))
-        return np.where(lag < self.reach_lag, out, 0.0)
+        s = np.sqrt(lag * self._velocity)
+        return np.clip(1.0 - self._broken.before(s), 0.0, 1.0) * (s < self._edges[-1])
 
-    def _march(self, leg: _Leg, length: float) -> None:
-        """Add panels to the leg until the level has moved by `length` or hardly any contact holds."""
-        last, width, left = float(np.sqrt(length)), self._first, leg.edges[-1]
+    def _march(self, way: float) -> None:
+        """Add panels up to this way, or until hardly any contact holds."""
+        last, left = float(np.sqrt(way)), self._edges[-1]
+        # behind a corner of |stretch| b is a series in the root of the way since
+        width = min(self._first, self._finest / (2.0 * left)) if left else self._first
         while left < last and self._left > 1e-14:  # the size of rounding
             step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
-            series = self._panel(leg, left, step)
-            tail = float(np.abs(series[-2:]).max()) * step * IN_NUMBER
+            series = self._panel(left, step)
+            # the last coefficients, in the integral of the density
+            early, tail = (np.abs(series[-k:]).max() * step / (2.0 * _SIZE) for k in (6, 2))
             if tail > self._accuracy and step > 1e-9 * (left + step):
                 width = 0.5 * step
                 continue
             left += step
-            leg.edges.append(left)
-            leg.series.append(series)
+            self._edges.append(left)
+            self._series.append(series)
             self._left -= float(series[0]) * step  # the first coefficient is the mean
-            leg.after.append(self._left)
-            self.error += tail
-            early = float(np.abs(series[-6:]).max()) * step * IN_NUMBER
+            self.error += float(tail)
             width = step * (2.0 if early < self._accuracy else 1.0)
-            if len(leg.series) > 4000:  # a smooth law takes some 50
+            if len(self._series) > 4000:  # a smooth law takes some 50
                 raise InputError(
                     "ageing: the first passage needs more than 4000 panels; use a smoother law of "
                     "fresh thresholds"
                 )
 
-    def _panel(self, leg: _Leg, left: float, width: float) -> Array:
+    def _density(self, s: Array) -> Array:
+        """2 s b at points of finished panels, same shape."""
+        edges = np.array(self._edges)
+        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, edges.size - 2)
+        z = (2.0 * s - edges[panel] - edges[panel + 1]) / (edges[panel + 1] - edges[panel])
+        return np.asarray(legendre.legval(z, np.array(self._series).T[:, panel], tensor=False))
+
+    def _panel(self, left: float, width: float) -> Array:
         """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
-        s = left + width * rule.NODES
-        t = s * s
-        level = leg.level + leg.sign * t
-        below = self._free.below_from_fresh(t + leg.begin, level)
-        matrix = np.zeros((_SIZE, _SIZE))
-        for other in self._legs:
-            known = self._earlier(other, leg, s, level)
-            own = (known.node[:, 0] > left) & (other is leg)
-            if not own.all():
-                met = (known.weight[~own] * other.value(known.node[~own])).sum(axis=-1)
-                below -= np.bincount(known.row[~own], weights=met, minlength=_SIZE)
-            basis = legendre.legvander((2.0 / width) * (known.node[own] - left) - 1.0, _SIZE - 1)
-            np.add.at(matrix, known.row[own], np.einsum("nq,nqk->nk", known.weight[own], basis))
+        s, matrix = left + width * rule.NODES, np.zeros((_SIZE, _SIZE))
+        level = np.abs(self._start + s * s)
+        below = self._below_from_fresh(s * s, level)
+        row, node, weight = self._earlier(s, level)
+        own = node[:, 0] > left
+        if not own.all():
+            met = (weight[~own] * self._density(node[~own])).sum(axis=-1)
+            below -= np.bincount(row[~own], weights=met, minlength=_SIZE)
+        basis = legendre.legvander((2.0 / width) * (node[own] - left) - 1.0, _SIZE - 1)
+        np.add.at(matrix, row[own], np.einsum("nq,nqk->nk", weight[own], basis))
         return np.asarray(np.linalg.solve(matrix, below), dtype=float)
 
-    def _earlier(self, other: _Leg, leg: _Leg, s: Array, level: Array) -> _Earlier:
-        """Nodes for the breaks on a leg, up to s (n,) on the present one, where the level is now.
+    def _earlier(self, s: Array, level: Array) -> _Earlier:
+        """Nodes for the breaks up to s (n,), where the level is now.
 
-        Parts end at the panels' edges and get finer towards the latest breaks; nodes are even in the
-        root of the distance from these, in which the singular integrand is smooth.
+        Parts end at the panels' edges and get finer towards s; nodes are even in the root of the
+        distance from s, in which the singular integrand is smooth.
         """
-        present = other is leg
-        top = s if present else np.full(s.size, other.edges[-1])
-        after = np.zeros(s.size) if present else s * s
-        first = np.sqrt(np.minimum(self._finest / (2.0 * s), top))
         # 40 doublings: from D/v up to any length
-        cut = np.maximum(top[:, None] - np.square(first[:, None] * 2.0 ** np.arange(40)), 0.0)
-        cut = cut[:, : int((cut > 0.0).any(axis=0).sum()) + 1]
-        fixed = np.minimum(np.array(other.edges), top[:, None])
-        ends = np.sort(np.concatenate([fixed, cut, top[:, None]], axis=1), axis=1)
+        doubled = np.sqrt(self._finest / (2.0 * s))[:, None] * 2.0 ** np.arange(40)
+        fixed = np.tile(self._edges, (s.size, 1))
+        ends = np.concatenate([fixed, s[:, None] - doubled**2, s[:, None]], axis=1)
+        ends = np.sort(np.clip(ends, 0.0, s[:, None]), axis=1)
         row, column = np.nonzero(ends[:, 1:] > ends[:, :-1])
-        far = np.sqrt(top[row] - ends[row, column])
-        near = np.sqrt(np.maximum(top[row] - ends[row, column + 1], 0.0))
+        top = s[row, None]
+        far, near = (np.sqrt(top - ends[row, column + k, None]) for k in (0, 1))
+        root = near + (far - near) * _INNER
+        elapsed = root * root * (2.0 * top - root * root)
+        rise = np.minimum(elapsed, 2.0 * np.maximum(top * top - self._turn, 0.0) - elapsed)
+        below = self._below_from_level(level[row, None], rise, elapsed)
+        weight = (far - near) * _INNER_WEIGHTS * 2.0 * root * below
+        return _Earlier(row, top - root * root, weight)
 
-        root = near[:, None] + (far - near)[:, None] * _INNER
-        back = root * root * (2.0 * top[row, None] - root * root)  # way since, up to the top
-        rise, elapsed = after[row, None] + other.sign * back, after[row, None] + back
-        below = self._free.below_from_level(level[row, None], rise, elapsed)
-        weight = (far - near)[:, None] * _INNER_WEIGHTS * 2.0 * root * below
-        return _Earlier(row, top[row, None] - root * root, weight)
+    def _below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
+        """Share now below `level`, a length, of thresholds that were, a way `elapsed` ago, at the level of
+        then, `rise` lower; if they went on ageing."""
+        decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
+        distance = (level - self._mean) * lost + rise * decay
+        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
+
+    def _below_from_fresh(self, time: Array, level: Array) -> Array:
+        """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,); if
+        they went on ageing."""
+        decay, lost = np.exp(-self._rate * time)[:, None], -np.expm1(-self._rate * time)[:, None]
+        offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
+
+        def below(values: Array) -> Array:
+            return np.asarray(ndtr((offset - (values - self._mean) * decay) / std))
+
+        # from one to the next of these fresh thresholds, what `ndtr` takes changes by 1
+        steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
+        steep = np.clip(steep, self._pieces[0], self._pieces[-1])
+        ends = np.concatenate([np.tile(self._pieces, (time.size, 1)), steep], axis=1)
+        ends = np.sort(ends, axis=1)[..., None]
+        width = np.diff(ends, axis=1)
+        values = (ends[:, :-1] + width * _INNER).reshape(time.size, -1)
+        weights = (width * _INNER_WEIGHTS).reshape(values.shape)
+        spread = (weights * finite_density(self._fresh, values) * below(values)).sum(axis=1)
+        return (spread + below(self._values) @ self._weights) / self._held

@@ -190,9 +190,9 @@ class MeanRateMemory(Memory):
         log_share = record[:, 0] + np.minimum(survival, 0.0)
         if leg.duration:
             way = np.abs(leg.end - leg.begin)
-            moved = way > 1e-3 * (first + last)
+            moved = way > 1e-6 * (first + last)
             grown = np.abs(self._table.grown(leg.end) - self._table.grown(leg.begin))
-            mean = self._table.mean(leg.begin, leg.end)
+            mean = self._table.rate(0.5 * (first + last))
             mean = np.where(moved, grown / np.where(moved, way, 1.0), mean)
             log_share = log_share - mean * leg.duration
         return np.stack([np.maximum(log_share, NONE_LEFT), born], axis=1)
