@@ -14,7 +14,7 @@ from origins.grains.contact import GrainContact
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
-from origins.laws.thermal import RATE_LAWS, GivenRates, Thermal, as_thermal
+from origins.laws.thermal import RATE_LAWS, BreakingRate, Thermal, as_thermal
 from origins.start import Births, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
@@ -95,7 +95,7 @@ class Contacts:
         self,
         thresholds: object,
         start: object = None,
-        thermal: Thermal | GivenRates | RateLaw | None = None,
+        thermal: BreakingRate | RateLaw | None = None,
         ageing: Ageing | None = None,
         delay: Delay | None = None,
         reforming: object = None,
@@ -209,9 +209,9 @@ def check_contacts(
         value = " = 'linked'" if name == "stiffness" else ""
         rule = f"does not take it yet; leave {name} out of the contacts"
         raise InputError(f"contacts.{name}{value}: {solver} {rule}")
-    if isinstance(contacts.thermal, GivenRates) and not own_rates:
+    if not (own_rates or isinstance(contacts.thermal, Thermal | None)):
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
-        rule = f'does not take the rate law "{contacts.thermal.law}" yet; use {known}'
+        rule = f'does not take the rate law "{contacts.thermal.rates.name}" yet; use {known}'
         raise InputError(f"contacts.thermal: {solver} {rule}")
 
 

@@ -39,15 +39,9 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 
 @cache
-def of_formulas(kind: Any) -> tuple[Any, Any, Any]:
-    """rate, passed and reached from the methods of a class of rates, for a `law` with the attributes that they use."""
-    return _of_logarithms(
-        kind.log_rate.__wrapped__, kind.log_passed.__wrapped__, kind.reached.__wrapped__
-    )
-
-
-def _of_logarithms(*methods: Callable[..., float]) -> tuple[Any, Any, Any]:
-    """rate, passed and reached of CompiledRates from three methods as a RateLaw has them."""
+def of_logarithms(*methods: Callable[..., Any]) -> tuple[Any, Any, Any]:
+    """rate, passed and reached of CompiledRates from a RateLaw's log_rate, log_passed and reached, as functions of
+    `law` and numbers."""
     log_rate, log_passed, reached_from = map(inlined, methods)
 
     def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
@@ -62,11 +56,9 @@ def _of_logarithms(*methods: Callable[..., float]) -> tuple[Any, Any, Any]:
     return rate, passed, reached
 
 
+@cache
 def called(rates: Any) -> CompiledRates:
-    """For a RateLaw without compiled functions: calls of its methods, some microseconds each.
-
-    The bound of its rate is its scale. Each method is called once before, as kernels cannot pass on an error.
-    """
+    """For a RateLaw without compiled functions: calls of its methods, some microseconds each; its scale is `most`."""
     from ctypes import CFUNCTYPE, c_double
 
     # a separate class for each law, so that no two laws share compiled code
@@ -77,11 +69,11 @@ def called(rates: Any) -> CompiledRates:
         callback = CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(method(*given)))
         return lambda law, *given: callback(*given)
 
-    rates.log_rate(0.0, 1.0, 1.0)
-    rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
-    methods = number(rates.log_rate, 3), number(rates.log_passed, 4), number(rates.reached, 4)
-
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return law.scale
 
-    return CompiledRates(Called(float(rates.scale)), *_of_logarithms(*methods), most)
+    # kernels cannot pass on errors of the methods, so they show here
+    rates.log_rate(0.0, 1.0, 1.0)
+    rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
+    methods = number(rates.log_rate, 3), number(rates.log_passed, 4), number(rates.reached, 4)
+    return CompiledRates(Called(float(rates.scale)), *of_logarithms(*methods), most)

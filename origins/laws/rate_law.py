@@ -34,13 +34,10 @@ class RateLaw(Protocol):
     origins.Contacts as `thermal`. For the ensemble it may define `compiled()`, which returns an
     origins.laws.compiled.CompiledRates: without it each break takes some microseconds.
 
-    vanishes_at_threshold : whether h falls to 0 at the threshold as a root of x_s - x does, as of stiff contacts. Such
-        a rate is not smooth at x = x_s, and at fixed x it does not always fall as x_s grows.
     separable : whether ln h, at one stiffness, is a function of x plus one of the threshold. The integrals of two
         contacts with the same history then have the same ratio for every history.
     """
 
-    vanishes_at_threshold: ClassVar[bool] = False
     separable: ClassVar[bool] = False
 
     @property

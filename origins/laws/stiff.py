@@ -7,11 +7,11 @@ integral of h is (2 ω x_s/3c) (e^(-c u_far) - e^(-c u_near)). Compiled loops ov
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from origins.laws.compiled import CompiledRates, of_formulas
+from origins.laws.compiled import CompiledRates, of_logarithms
 from origins.laws.rate_law import ActivatedRates, Array, Numbers, quiet
 
 
@@ -30,7 +30,6 @@ class StiffRates(ActivatedRates):
     """
 
     name: ClassVar[Literal["stiff"]] = "stiff"
-    vanishes_at_threshold: ClassVar[bool] = True
 
     @quiet
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
@@ -74,7 +73,9 @@ class StiffRates(ActivatedRates):
 
     def compiled(self) -> CompiledRates:
         """The same for compiled loops."""
-        return CompiledRates(StiffLaw(self.spring, self.scale), *of_formulas(StiffRates), _most)
+        methods: Any = StiffRates.log_rate, StiffRates.log_passed, StiffRates.reached
+        formulas = of_logarithms(*(method.__wrapped__ for method in methods))
+        return CompiledRates(StiffLaw(self.spring, self.scale), *formulas, _most)
 
 
 def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
