@@ -157,14 +157,13 @@ class Contacts:
     def each_by_itself(self) -> Contacts:
         """These contacts with both closures "exact", so that each breaks at its own rate and ages by itself; `self`
         where both are exact already."""
-        if all(law is None or law.closure == "exact" for law in (self.thermal, self.ageing)):
-            return self
-        thermal, ageing = self.thermal, self.ageing
-        if isinstance(thermal, Thermal):
-            thermal = dataclasses.replace(thermal, closure="exact")
-        if ageing is not None and ageing.closure != "exact":
-            ageing = Ageing(ageing.final, ageing.rate) if ageing.rate > 0.0 else None
-        return self.replace(thermal=thermal, ageing=ageing)
+        laws: dict[str, Any] = {"thermal": self.thermal, "ageing": self.ageing}
+        exact = {
+            name: dataclasses.replace(law, closure="exact")
+            for name, law in laws.items()
+            if law is not None and law.closure == "paper"
+        }
+        return self.replace(**exact) if exact else self
 
     def _check_laws(self) -> None:
         """InputError for arguments that are no laws, and for laws that cannot be combined."""
@@ -174,15 +173,15 @@ class Contacts:
                 refuse("thermal.temperature", temperature, rule)
             if warning := too_hot(temperature, self.thresholds):
                 warnings.warn(warning, TooHot, stacklevel=3)
-        if self.ageing is not None and not isinstance(self.ageing, Ageing):
+        if not isinstance(self.ageing, Ageing | None):
             such = "Ageing(gaussian(1.0, 0.02), rate=5e-4)"
             refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")
-        if self.delay is not None and not isinstance(self.delay, Delay):
+        if not isinstance(self.delay, Delay | None):
             refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
         one_of("stiffness", self.stiffness, ("independent", "linked"))
-        if self.ageing is not None and self.ageing.rate == 0.0 and self.ageing.closure == "exact":
+        if self.ageing and self.ageing.rate == 0.0 and self.ageing.closure == "exact":
             self.ageing = None
-        if self.delay is not None and self.delay.time == 0.0:
+        if self.delay and self.delay.time == 0.0:
             self.delay = None
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
@@ -233,13 +232,10 @@ def too_hot(temperature: float, thresholds: Thresholds) -> str:
 
 def too_cold(temperature: float, thresholds: Thresholds) -> str:
     """Why a temperature k_BT/<k> (a length squared) is too low for these thresholds; "" where it is high enough."""
-    mean, least = thresholds.mean(), 1e-20
+    mean, least, unit = thresholds.mean(), 1e-20, ""
     if not temperature < least * mean**2:
         return ""
-    unit = ""
     if thresholds.interface is not None:
         unit = f" are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
-    return (
-        f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit} below {least:g} of it contacts "
-        "break at their thresholds: leave thermal out"
-    )
+    share = f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit}"
+    return f"{share} below {least:g} of it contacts break at their thresholds: leave thermal out"

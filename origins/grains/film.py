@@ -77,7 +77,7 @@ class GrainGrowth:
     B : float
         Of a grain's threshold, 2r/d = (1 + B x²)^(1/2), in length^-2.
 
-    Raises InputError for a value not above zero.
+    Methods take times as numbers or arrays and return their shape. Raises InputError for a value not above zero.
     """
 
     alpha: float
@@ -101,15 +101,15 @@ class GrainGrowth:
         return np.asarray(np.expm1(np.log1p(np.asarray(later) / self.first_pinning_time) / 3.0))
 
     def rho(self, time: npt.ArrayLike) -> Array:
-        """Mean grain diameter over film thickness, shape as time. InputError for times not above zero."""
+        """Mean grain diameter over film thickness."""
         return self.alpha * np.cbrt(self._times(time))
 
     def number(self, time: npt.ArrayLike) -> Array:
-        """N(time)/N(tau_m) = tau_m/time: all grains, pinning or not. InputError for times not above zero."""
+        """N(time)/N(tau_m) = tau_m/time: all grains, pinning or not."""
         return self.first_pinning_time / self._times(time)
 
     def pinned_fraction(self, time: npt.ArrayLike) -> Array:
-        """Fraction of the grains at `time` that span the film; 0 up to tau_m. InputError for times not above zero."""
+        """Fraction of the grains at `time` that span the film; 0 up to tau_m."""
         with np.errstate(divide="ignore"):
             q = np.minimum(1.0 / self.excess(self._times(time)), 1e300)
         return np.exp(-hazard_beyond(np.atleast_1d(q))).reshape(q.shape)[()]
@@ -117,7 +117,7 @@ class GrainGrowth:
     def pinning_number(self, time: npt.ArrayLike) -> Array:
         """Grains that span the film, over the number of all grains at tau_m: largest at rho = 1, finally ~ 1/time.
 
-        The contact density of the film over N(tau_m). InputError for times not above zero.
+        The contact density of the film over N(tau_m).
         """
         return self.number(time) * self.pinned_fraction(time)
 
@@ -129,8 +129,8 @@ class GrainGrowth:
 
     def _times(self, time: npt.ArrayLike) -> Array:
         times = np.asarray(time, dtype=float)
-        if (bad := ~((times > 0.0) & np.isfinite(times))).any():
-            refuse("time", times[bad].flat[0], "must be finite and above zero")
+        for bad in times[~((times > 0.0) & np.isfinite(times))]:
+            refuse("time", bad, "must be finite and above zero")
         return times
 
 
@@ -158,15 +158,14 @@ def film_growth(
 
     Raises InputError for a value not above zero, and where neither or both of the last two are given.
     """
+    thickness = positive("film_thickness", film_thickness)
+    strength = positive("shear_strength", shear_strength)
     if (force_coefficient is None) == (shear_modulus is None):
         rule = "give either force_coefficient or shear_modulus, in Pa"
         refuse("force_coefficient", force_coefficient, rule)
-    thickness = positive("film_thickness", film_thickness)
-    strength = positive("shear_strength", shear_strength)
-    if shear_modulus is None:
-        coefficient = positive("force_coefficient", force_coefficient)
-    else:
-        coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
+    if shear_modulus is not None:
+        force_coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
+    coefficient = positive("force_coefficient", force_coefficient)
     alpha = 2.0 * np.cbrt(positive("coarsening_rate", coarsening_rate)) / thickness
     return GrainGrowth(alpha, 4.0 * coefficient / (np.pi * strength * thickness**2))
 

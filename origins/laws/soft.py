@@ -31,7 +31,7 @@ class SoftRates(ActivatedRates):
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """ln h."""
         barrier = self.spring * stiffness * (threshold - x) * (threshold + x)
-        return np.asarray(np.log(self.scale) - barrier)
+        return np.asarray(self.log_scale - barrier)
 
     @quiet
     def log_passed(
@@ -56,7 +56,7 @@ class SoftRates(ActivatedRates):
     ) -> Array:
         """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         spring = self.spring * np.asarray(stiffness)
-        level = log_amount - np.log(self.scale) + 0.5 * np.log(spring)
+        level = log_amount - self.log_scale + 0.5 * np.log(spring)
         level = level + spring * threshold * threshold
         if np.any(near):
             y = np.sqrt(spring) * near
@@ -66,7 +66,7 @@ class SoftRates(ActivatedRates):
 
     def compiled(self) -> CompiledRates:
         """The same for compiled loops, from tables."""
-        return CompiledRates(SoftLaw(self.spring, self.scale, *_tables()), *_formulas())
+        return CompiledRates(SoftLaw(self.spring, self.log_scale, *_tables()), *_formulas())
 
 
 @quiet
@@ -88,11 +88,11 @@ def inverse_log_growth(level: npt.ArrayLike) -> Array:
 
 
 class SoftLaw(NamedTuple):
-    """b = k/2k_BT at mean stiffness, per length squared; ω, per time; tables of D(y) and of the inverse of
+    """b = k/2k_BT at mean stiffness, per length squared; ln of ω, per time; tables of D(y) and of the inverse of
     y² + ln D(y), values and slopes per step, shapes (n, 2)."""
 
     spring: float
-    scale: float
+    log_scale: float
     dawson: Array
     inverse: Array
 
@@ -115,7 +115,7 @@ def _tables() -> tuple[Array, Array]:
 
 @cache
 def _formulas() -> tuple[Any, ...]:
-    """rate, passed, reached and most of CompiledRates."""
+    """log_rate, log_passed, reached and most of CompiledRates."""
 
     @inlined
     def cubic(place, table):  # type: ignore[no-untyped-def]
@@ -140,21 +140,21 @@ def _formulas() -> tuple[Any, ...]:
         slope = dawson(np.sqrt(square), law)
         return np.sqrt(square) - (square + np.log(slope) - level) * slope
 
-    def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return law.scale * np.exp(-law.spring * stiffness * (threshold - x) * (threshold + x))
+    @inlined
+    def log_rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return law.log_scale - law.spring * stiffness * (threshold - x) * (threshold + x)
 
-    def passed(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+    def log_passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
         spring = law.spring * stiffness
-        hazard = law.scale * np.exp(-spring * (threshold - x) * (threshold + x))
-        return hazard * dawson(np.sqrt(spring) * x, law) / np.sqrt(spring)
+        length = np.log(dawson(np.sqrt(spring) * far, law)) - 0.5 * np.log(spring)
+        return length + law.log_scale - spring * (threshold - far) * (threshold + far)
 
-    def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
+    def reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
         spring = law.spring * stiffness
-        level = log_amount + np.log(np.sqrt(spring) / law.scale) + spring * threshold * threshold
+        level = log_amount + (0.5 * np.log(spring) - law.log_scale) + spring * threshold * threshold
         return min(inverse(level, law) / np.sqrt(spring), threshold)
 
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-        apart = (least_y - largest_x) * (least_y + largest_x)
-        return law.scale * np.exp(min(-law.spring * stiffness * apart, 0.0))
+        return np.exp(log_rate(law, min(largest_x, least_y), least_y, stiffness))
 
-    return rate, passed, reached, most
+    return log_rate.py_func, log_passed, reached, most
