@@ -28,15 +28,11 @@ _LINKED = "stiffness = 'linked': not defined with"
 _EXACT = 'use closure = "exact"'
 _APART = {
     "stiffness, mean rate": f'{_LINKED} thermal closure = "paper", one mean rate for all contacts; {_EXACT}',
-    "stiffness, ageing": f"{_LINKED} ageing: nothing says whether k_i follows a threshold that changes; "
-    'use "independent"',
+    "stiffness, ageing": f'{_LINKED} ageing: nothing says whether k_i follows the threshold; use "independent"',
     "stiffness, grains": f'{_LINKED} thresholds that grow: <x_s> at birth is 0; use "independent"',
-    "grains, mean rate": 'thermal: closure = "paper" averages the rate over one P_c for all contacts, and '
-    f"thresholds that grow have another at each age; {_EXACT}",
-    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own; leave one "
-    "of them out",
-    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are 0: "
-    "none exceeds |r|; leave it out",
+    "grains, mean rate": f'thermal: closure = "paper" averages over one P_c, and each age has another; {_EXACT}',
+    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own; leave one out",
+    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are 0; leave it out",
 }
 
 
@@ -106,18 +102,7 @@ class Contacts:
         self.thresholds = as_thresholds(thresholds if self.grains is None else self.grains.at_start)
         self.interface = self.thresholds.interface
         self.start = as_start(start)
-        positions, weights = self.thresholds.atoms
-        if (loose := float(weights[positions <= 0.0].sum())) > 0.0:
-            rule = "such contacts never hold, so leave them out and count them apart"
-            raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
-        self.mean_threshold = self.thresholds.mean()
-        if not 1e-150 < self.mean_threshold < 1e150:
-            rule = "powers of it are beyond floating point; choose another unit of length"
-            if not np.isfinite(self.mean_threshold):
-                rule = "with an infinite mean contacts never reach a steady state"
-            raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {rule}")
-        # a family whose survival is invalid is refused here, by name, and not in the middle of a solution
-        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
+        self.mean_threshold = _checked_mean(self.thresholds)
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         again = Births("reforming", as_start(reforming, "reforming"), self.thresholds)
         self.reforming = None if again.law.span == (0.0, 0.0) else again
@@ -191,6 +176,24 @@ class Contacts:
                 raise InputError(reason)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
+
+
+def _checked_mean(thresholds: Thresholds) -> float:
+    """<x_s>; InputError where it is beyond all powers of floating point, for a weight at 0 and an invalid survival."""
+    positions, weights = thresholds.atoms
+    if (loose := float(weights[positions <= 0.0].sum())) > 0.0:
+        rule = "such contacts never hold, so leave them out and count them apart"
+        raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
+    if not 1e-150 < (mean := thresholds.mean()) < 1e150:
+        unit = "powers of it are beyond floating point; choose another unit of length"
+        rule = (
+            "with an infinite mean contacts never reach a steady state"
+            if not np.isfinite(mean)
+            else unit
+        )
+        raise InputError(f"thresholds: the mean is {mean:.3g}: {rule}")
+    thresholds.sf(mean * np.linspace(0.05, 3.0, 60))  # refuses an invalid one, by its name
+    return mean
 
 
 def check_contacts(

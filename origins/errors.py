@@ -5,10 +5,7 @@ from typing import NoReturn
 
 import numpy as np
 
-TEMPERATURE = (
-    "k_BT/<k>, a length squared in the unit of the thresholds; for T = 0 leave the law out"
-)
-_TOLERANCE = "such as 1e-8"
+TEMPERATURE = "k_BT/<k>, a length squared in the thresholds' unit; for T = 0 leave the law out"
 
 
 class InputError(ValueError):

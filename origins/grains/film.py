@@ -50,20 +50,10 @@ def grains(
         refuse("rho", rho, "is alpha time^(1/3): give rho, such as 2.0, or alpha and time")
     # without rounding: near rho = 2/3 all thresholds depend on this difference
     excess = float(Fraction(positive("rho", rho)) * 3 / 2 - 1)
-    first = "the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
-    return _law("rho", rho, excess, B, jacobian, first)
-
-
-def _law(
-    name: str, value: float, excess: float, B: float, jacobian: str, first: str
-) -> PinningGrains:
-    """P_c where the largest grain's diameter is the film's thickness times 1 + `excess`; InputError for `name` where
-    none pins yet, `first` saying when the first does."""
-    one_of("jacobian", jacobian, ("exact", "paper"))
-    if not 0.0 < excess < 1.5 * _LARGEST:
-        late = f"must keep rho at most {_LARGEST:g}"
-        refuse(name, value, late if excess > 0.0 else f"no grain pins yet: {first}")
-    return PinningGrains(excess, positive("B", B), jacobian == "paper")
+    if excess <= 0.0:
+        rule = "the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
+        refuse("rho", rho, f"no grain pins yet: {rule}")
+    return PinningGrains(excess, B, jacobian)
 
 
 @dataclass(frozen=True)
@@ -123,9 +113,10 @@ class GrainGrowth:
 
     def thresholds(self, time: float, jacobian: Literal["exact", "paper"] = "exact") -> Thresholds:
         """P_c of the grains that pin at `time`; see grains. InputError for times up to tau_m, when none pins."""
-        excess = float(self.excess(positive("time", time)))
-        first = f"the first does at (2/(3 alpha))³ = {self.first_pinning_time:.12g}"
-        return _law("time", time, excess, self.B, jacobian, first)
+        if (excess := float(self.excess(positive("time", time)))) <= 0.0:
+            first = f"the first does at (2/(3 alpha))³ = {self.first_pinning_time:.12g}"
+            refuse("time", time, f"no grain pins yet: {first}")
+        return PinningGrains(excess, self.B, jacobian)
 
     def _times(self, time: npt.ArrayLike) -> Array:
         times = np.asarray(time, dtype=float)
@@ -176,11 +167,13 @@ class PinningGrains(Thresholds):
     P_c = P_LS(u(x)) du/dx, or without the Jacobian as the paper prints it.
     """
 
-    def __init__(self, excess: float, B: float, printed: bool) -> None:
-        self._root_b, self._largest, self._printed = float(np.sqrt(B)), 1.0 + excess, printed
+    def __init__(self, excess: float, B: float, jacobian: str) -> None:
+        between("rho", 2.0 / 3.0 * (1.0 + excess), 0.0, _LARGEST)
+        self._printed = one_of("jacobian", jacobian, ("exact", "paper")) == "paper"
+        self._root_b, self._largest = float(np.sqrt(positive("B", B))), 1.0 + excess
         self._upper = float(np.sqrt(excess) * np.sqrt(excess + 2.0) / self._root_b)
         self._free = excess / self._largest
-        self.onset_power = 0.0 if printed else 1.0
+        self.onset_power = 0.0 if self._printed else 1.0
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper

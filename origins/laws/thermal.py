@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -129,11 +129,11 @@ class Thermal(BreakingRate):
         object.__setattr__(self, "rates", rates)
 
 
-def as_thermal(law: object) -> BreakingRate | None:
+def as_thermal(law: Any) -> BreakingRate | None:
     """The argument `thermal` of origins.Contacts: None, a Thermal, or any RateLaw; else raises InputError."""
     if law is None or isinstance(law, BreakingRate):
         return law
-    if isinstance(law, SoftRates | StiffRates) and type(law) in RATE_LAWS.values():
+    if type(law) in RATE_LAWS.values():
         return Thermal(law.name, law.temperature, law.attempt_frequency)
     if isinstance(law, RateLaw) and not isinstance(law, type):
         return BreakingRate(law)
