@@ -95,8 +95,8 @@ RATES: dict[type, CompiledRates] = {}
 break_of = by_law(BREAKS.__getitem__)
 # aged_threshold(law, contact, way, moment): its threshold at a later moment; below 0 if `break_of` counts it itself
 aged_threshold = by_law(AGED.__getitem__)
-rate = by_law(lambda law: RATES[law].rate)
-passed = by_law(lambda law: RATES[law].passed)
+log_rate = by_law(lambda law: RATES[law].log_rate)
+log_passed = by_law(lambda law: RATES[law].log_passed)
 reached = by_law(lambda law: RATES[law].reached)
 most = by_law(lambda law: RATES[law].most)
 
@@ -105,7 +105,7 @@ most = by_law(lambda law: RATES[law].most)
 def rate_at(x, y, law, k):  # type: ignore[no-untyped-def]
     """The rate of breaking at the stretch x >= 0 and threshold y (units), of which 0 counts as a tiny one."""
     y = max(y, 1e-9)
-    return rate(law.rates, min(x, y) * law.unit, y * law.unit, k)
+    return np.exp(log_rate(law.rates, min(x, y) * law.unit, y * law.unit, k))
 
 
 @inlined
@@ -199,17 +199,18 @@ def _integral(law, x, threshold, k):  # type: ignore[no-untyped-def]
     """The integral of the rate over the stretch from 0 to x (whole units), an odd function; threshold : a length."""
     if x == 0:
         return 0.0
-    return np.copysign(passed(law.rates, min(abs(real(x)) * law.unit, threshold), threshold, k), x)
+    far = min(abs(real(x)) * law.unit, threshold)
+    return np.copysign(np.exp(log_passed(law.rates, 0.0, far, threshold, k)), x)
 
 
 @inlined
-def _break_at(law, x, begun, log_amount, threshold, k):  # type: ignore[no-untyped-def]
-    """The stretch >= x at which the integral of the rate, `begun` at x, is e^log_amount larger in forward motion."""
+def _break_at(law, x, begun, amount, log_amount, threshold, k):  # type: ignore[no-untyped-def]
+    """The stretch >= x at which the integral of the rate, `begun` at x, is `amount` larger in forward motion."""
     sign = 1.0
     if x != 0:
-        goal = begun + np.exp(log_amount)
+        goal = begun + amount
         log_amount, sign = np.log(max(abs(goal), 1e-300)), np.copysign(1.0, goal)
-    far = sign * min(reached(law.rates, log_amount, threshold, k), threshold)
+    far = sign * min(reached(law.rates, log_amount, 0.0, threshold, k), threshold)
     return max(whole(np.floor(far * (1.0 / law.unit) + 0.5)), x)
 
 
@@ -217,24 +218,24 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact, where the integral of its rate over time reaches e^exposure."""
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
     legs, threshold = way.directions.size, real(contact.threshold) * law.unit
-    log_remaining, here = contact.log_exposure, _integral(law, x, threshold, k)
+    remaining, here = np.exp(contact.log_exposure), _integral(law, x, threshold, k)
     while leg < legs:
         room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
         if d == 0:
             hazard = rate_at(abs(real(x)), real(contact.threshold), law, k) * pace
-            spent, remaining = hazard * room, np.exp(log_remaining)
+            spent = hazard * room
             if spent >= remaining:
                 return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn, True)
         else:
-            log_amount = log_remaining - law.log_slow[leg]
-            moved = _break_at(law, d * x, d * here, log_amount, threshold, k) - d * x
+            amount = remaining * law.unit / pace
+            moved = _break_at(law, d * x, d * here, amount, np.log(amount), threshold, k) - d * x
             # on the last leg no test is made, as its branch could not be predicted
             if leg + 1 == legs or moved <= room:
                 return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
             x += d * room
             there = _integral(law, x, threshold, k)
-            spent, here = d * (there - here) * np.exp(law.log_slow[leg]), there
-        log_remaining = np.log(max(np.exp(log_remaining) - spent, 1e-300))
+            spent, here = d * (there - here) * (pace / law.unit), there
+        remaining = max(remaining - spent, 1e-300)
         leg += 1
         clock = way.begins[leg]
     return Break(clock + 1, leg, contact.drawn, True)
@@ -246,7 +247,7 @@ def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
     for i in range(unsigned(n)):
         threshold, log_amount = real(x[i]) * law.unit, real(e[i]) * LEVEL_UNIT - log_slow
         begun = _integral(law, r[i], threshold, 1.0)
-        x[i] = _break_at(law, r[i], begun, log_amount, threshold, 1.0)
+        x[i] = _break_at(law, r[i], begun, np.exp(log_amount), log_amount, threshold, 1.0)
 
 
 BREAKS |= {Cold: _at_threshold, Warm: _by_rate}

@@ -1,6 +1,5 @@
 """The law by which contacts break, as settings for the lane loop; their largest stretches; the time they take."""
 
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,6 @@ from origins import Contacts, Drive, Thermal
 from origins.errors import InputError
 from origins.laws.compiled import CompiledRates, called
 
-called_once = cache(called)
-
 
 def law_of(contacts: Contacts, way: WholeDrive, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
@@ -20,7 +17,7 @@ def law_of(contacts: Contacts, way: WholeDrive, tie: int) -> Any:
 
     # without a thermal law, the rates of any law stand in: kernels do not use them then
     rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
-    found: CompiledRates = getattr(rates, "compiled", lambda: called_once(rates))()
+    found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
     contact.RATES.setdefault(type(found.law), found)
     heat = contacts.thermal is not None, found.law, way.unit
     grains, ageing = contacts.grains, contacts.ageing
@@ -87,7 +84,7 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
         distance = float(law_of_x.isf(0.5 * law_of_x.sf(stretch))) - stretch
         breaks = moved.sum() / max(distance, 1e-300)
     if thermal is not None and total > 0.0:
-        often = thermal.attempt_frequency * total
+        often = thermal.rates.scale * total
         if contacts.grains is None:
             thresholds = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
             stiffness = contacts.relative_stiffness(thresholds)

@@ -14,7 +14,7 @@ from origins.grains.contact import GrainContact
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
-from origins.laws.thermal import RATE_LAWS, GivenRates, Thermal, as_thermal
+from origins.laws.thermal import RATE_LAWS, BreakingRate, Thermal, as_thermal
 from origins.start import Births, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
@@ -28,15 +28,11 @@ _LINKED = "stiffness = 'linked': not defined with"
 _EXACT = 'use closure = "exact"'
 _APART = {
     "stiffness, mean rate": f'{_LINKED} thermal closure = "paper", one mean rate for all contacts; {_EXACT}',
-    "stiffness, ageing": f"{_LINKED} ageing: nothing says whether k_i follows a threshold that changes; "
-    'use "independent"',
+    "stiffness, ageing": f'{_LINKED} ageing: nothing says whether k_i follows the threshold; use "independent"',
     "stiffness, grains": f'{_LINKED} thresholds that grow: <x_s> at birth is 0; use "independent"',
-    "grains, mean rate": 'thermal: closure = "paper" averages the rate over one P_c for all contacts, and '
-    f"thresholds that grow have another at each age; {_EXACT}",
-    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own; leave one "
-    "of them out",
-    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are 0: "
-    "none exceeds |r|; leave it out",
+    "grains, mean rate": f'thermal: closure = "paper" averages over one P_c, and each age has another; {_EXACT}',
+    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own; leave one out",
+    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are 0; leave it out",
 }
 
 
@@ -95,7 +91,7 @@ class Contacts:
         self,
         thresholds: object,
         start: object = None,
-        thermal: Thermal | GivenRates | RateLaw | None = None,
+        thermal: BreakingRate | RateLaw | None = None,
         ageing: Ageing | None = None,
         delay: Delay | None = None,
         reforming: object = None,
@@ -106,18 +102,7 @@ class Contacts:
         self.thresholds = as_thresholds(thresholds if self.grains is None else self.grains.at_start)
         self.interface = self.thresholds.interface
         self.start = as_start(start)
-        positions, weights = self.thresholds.atoms
-        if (loose := float(weights[positions <= 0.0].sum())) > 0.0:
-            rule = "such contacts never hold, so leave them out and count them apart"
-            raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
-        self.mean_threshold = self.thresholds.mean()
-        if not 1e-150 < self.mean_threshold < 1e150:
-            rule = "powers of it are beyond floating point; choose another unit of length"
-            if not np.isfinite(self.mean_threshold):
-                rule = "with an infinite mean contacts never reach a steady state"
-            raise InputError(f"thresholds: the mean is {self.mean_threshold:.3g}: {rule}")
-        # a family whose survival is invalid is refused here, by name, and not in the middle of a solution
-        self.thresholds.sf(self.mean_threshold * np.linspace(0.05, 3.0, 60))
+        self.mean_threshold = _checked_mean(self.thresholds)
         self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
         again = Births("reforming", as_start(reforming, "reforming"), self.thresholds)
         self.reforming = None if again.law.span == (0.0, 0.0) else again
@@ -157,14 +142,13 @@ class Contacts:
     def each_by_itself(self) -> Contacts:
         """These contacts with both closures "exact", so that each breaks at its own rate and ages by itself; `self`
         where both are exact already."""
-        if all(law is None or law.closure == "exact" for law in (self.thermal, self.ageing)):
-            return self
-        thermal, ageing = self.thermal, self.ageing
-        if isinstance(thermal, Thermal):
-            thermal = dataclasses.replace(thermal, closure="exact")
-        if ageing is not None and ageing.closure != "exact":
-            ageing = Ageing(ageing.final, ageing.rate) if ageing.rate > 0.0 else None
-        return self.replace(thermal=thermal, ageing=ageing)
+        laws: dict[str, Any] = {"thermal": self.thermal, "ageing": self.ageing}
+        exact = {
+            name: dataclasses.replace(law, closure="exact")
+            for name, law in laws.items()
+            if law is not None and law.closure == "paper"
+        }
+        return self.replace(**exact) if exact else self
 
     def _check_laws(self) -> None:
         """InputError for arguments that are no laws, and for laws that cannot be combined."""
@@ -174,15 +158,15 @@ class Contacts:
                 refuse("thermal.temperature", temperature, rule)
             if warning := too_hot(temperature, self.thresholds):
                 warnings.warn(warning, TooHot, stacklevel=3)
-        if self.ageing is not None and not isinstance(self.ageing, Ageing):
+        if not isinstance(self.ageing, Ageing | None):
             such = "Ageing(gaussian(1.0, 0.02), rate=5e-4)"
             refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")
-        if self.delay is not None and not isinstance(self.delay, Delay):
+        if not isinstance(self.delay, Delay | None):
             refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
         one_of("stiffness", self.stiffness, ("independent", "linked"))
-        if self.ageing is not None and self.ageing.rate == 0.0 and self.ageing.closure == "exact":
+        if self.ageing and self.ageing.rate == 0.0 and self.ageing.closure == "exact":
             self.ageing = None
-        if self.delay is not None and self.delay.time == 0.0:
+        if self.delay and self.delay.time == 0.0:
             self.delay = None
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
@@ -192,6 +176,24 @@ class Contacts:
                 raise InputError(reason)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
+
+
+def _checked_mean(thresholds: Thresholds) -> float:
+    """<x_s>; InputError where it is beyond all powers of floating point, for a weight at 0 and an invalid survival."""
+    positions, weights = thresholds.atoms
+    if (loose := float(weights[positions <= 0.0].sum())) > 0.0:
+        rule = "such contacts never hold, so leave them out and count them apart"
+        raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
+    if not 1e-150 < (mean := thresholds.mean()) < 1e150:
+        unit = "powers of it are beyond floating point; choose another unit of length"
+        rule = (
+            "with an infinite mean contacts never reach a steady state"
+            if not np.isfinite(mean)
+            else unit
+        )
+        raise InputError(f"thresholds: the mean is {mean:.3g}: {rule}")
+    thresholds.sf(mean * np.linspace(0.05, 3.0, 60))  # refuses an invalid one, by its name
+    return mean
 
 
 def check_contacts(
@@ -209,9 +211,9 @@ def check_contacts(
         value = " = 'linked'" if name == "stiffness" else ""
         rule = f"does not take it yet; leave {name} out of the contacts"
         raise InputError(f"contacts.{name}{value}: {solver} {rule}")
-    if isinstance(contacts.thermal, GivenRates) and not own_rates:
+    if not (own_rates or isinstance(contacts.thermal, Thermal | None)):
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
-        rule = f'does not take the rate law "{contacts.thermal.law}" yet; use {known}'
+        rule = f'does not take the rate law "{contacts.thermal.rates.name}" yet; use {known}'
         raise InputError(f"contacts.thermal: {solver} {rule}")
 
 
@@ -233,13 +235,10 @@ def too_hot(temperature: float, thresholds: Thresholds) -> str:
 
 def too_cold(temperature: float, thresholds: Thresholds) -> str:
     """Why a temperature k_BT/<k> (a length squared) is too low for these thresholds; "" where it is high enough."""
-    mean, least = thresholds.mean(), 1e-20
+    mean, least, unit = thresholds.mean(), 1e-20, ""
     if not temperature < least * mean**2:
         return ""
-    unit = ""
     if thresholds.interface is not None:
         unit = f" are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
-    return (
-        f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit} below {least:g} of it contacts "
-        "break at their thresholds: leave thermal out"
-    )
+    share = f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit}"
+    return f"{share} below {least:g} of it contacts break at their thresholds: leave thermal out"

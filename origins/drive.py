@@ -63,8 +63,7 @@ class Drive:
         """`self` for a rigid slider that moves forward; else InputError, which says that `solver` takes only that."""
         if self.spring is not None:
             refuse("spring", self.spring, f"{solver} takes a rigid slider; leave it out")
-        if self._back.size:
-            at = int(self._back[0])
+        for at in self._back.tolist():
             ahead = f"path[{at - 1}] = {self.path[at - 1]:g}" if at else "X = 0"
             rule = f"lies behind {ahead}; {solver} takes a path that does not turn round"
             refuse(f"path[{at}]", self.path[at], rule)
@@ -82,9 +81,8 @@ def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
     if times[0] < 0.0:
         refuse("time[0]", times[0], "must be at least 0, when the slider is at X = 0")
     earlier = _before(times)
-    bad = np.flatnonzero((times < earlier) | ((times == earlier) & (path != _before(path))))
-    if bad.size:
-        at = int(bad[0])
+    moves = path != _before(path)
+    for at in np.flatnonzero((times < earlier) | ((times == earlier) & moves)).tolist():
         rule = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
         if times[at] == earlier[at]:
             rule = "leaves no time to get there; the path moves, so must the time"

@@ -5,10 +5,7 @@ from typing import NoReturn
 
 import numpy as np
 
-TEMPERATURE = (
-    "k_BT/<k>, a length squared in the unit of the thresholds; for T = 0 leave the law out"
-)
-_TOLERANCE = "such as 1e-8"
+TEMPERATURE = "k_BT/<k>, a length squared in the thresholds' unit; for T = 0 leave the law out"
 
 
 class InputError(ValueError):
@@ -49,10 +46,9 @@ def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
 def positive(name: str, value: object, instead: str = "") -> float:
     """`value` as a finite float above zero; else InputError, whose message ends in what to write `instead`, for
     example "such as 1e-8"."""
-    ending = f", {instead}" if instead else ""
     number = finite(name, value, instead or "such as 1.0")
     if number <= 0.0:
-        refuse(name, value, f"must be above zero{ending}")
+        refuse(name, value, ", ".join(filter(None, ["must be above zero", instead])))
     return number
 
 
@@ -68,9 +64,10 @@ def between(
 
 def check_tolerance(name: str, value: object) -> float:
     """`value` as a tolerance in mean thresholds: a finite float above zero and below 1, the size of a force."""
-    number = positive(name, value, _TOLERANCE)
+    such = "such as 1e-8"
+    number = positive(name, value, such)
     if number >= 1.0:
-        refuse(name, value, f"must be below 1, in mean thresholds, {_TOLERANCE}")
+        refuse(name, value, f"must be below 1, in mean thresholds, {such}")
     return number
 
 
@@ -85,13 +82,11 @@ def non_negative(name: str, value: object) -> float:
 def whole(name: str, value: object, least: int) -> int:
     """`value` as an int of at least `least`."""
     rule = f"must be a whole number of at least {least}"
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
-        if isinstance(value, float | np.floating) and least <= value < 1e16 and value % 1 == 0:
-            rule += f"; write {int(value)}"  # 100000 for 1e5
-        refuse(name, value, rule)
-    if int(value) < least:
-        refuse(name, value, rule)
-    return int(value)
+    if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
+        return int(value)
+    if isinstance(value, float) and least <= value < 1e16 and value % 1 == 0:
+        rule += f"; write {int(value)}"  # 100000 for 1e5
+    refuse(name, value, rule)
 
 
 def finite_array(name: str, value: object) -> np.ndarray:

@@ -57,12 +57,11 @@ class GaussianStart(Start):
     def __init__(self, mean: float, std: float) -> None:
         reach = 8.3 * std  # beyond which lie 1e-16 of the weight
         super().__init__(mean, (mean - reach, mean + reach))
-
-        def z(x: npt.ArrayLike) -> Array:
-            return (np.asarray(x, dtype=float) - mean) / std
-
-        self.pdf = lambda x: np.exp(-0.5 * z(x) ** 2) / (std * np.sqrt(2.0 * np.pi))
-        self.cdf, self.sf = lambda x: ndtr(z(x)), lambda x: ndtr(-z(x))
+        self.pdf = lambda x: (
+            np.exp(-0.5 * ((np.asarray(x) - mean) / std) ** 2) / (std * np.sqrt(2.0 * np.pi))
+        )
+        self.cdf = lambda x: ndtr((np.asarray(x) - mean) / std)
+        self.sf = lambda x: ndtr((mean - np.asarray(x)) / std)
         self.ppf, self.isf = lambda q: mean + std * ndtri(q), lambda q: mean - std * ndtri(q)
 
 
@@ -86,28 +85,23 @@ def boltzmann_reforming(temperature: float) -> Start:
 
 
 def as_start(start: object, name: str = "start") -> Start:
-    """None (all relaxed, x = 0), a number, a Start or a frozen scipy.stats distribution, as a Start; messages use
-    `name`."""
+    """None (all relaxed, x = 0), a number, a Start or a continuous scipy.stats distribution on the real line, as a
+    Start; messages use `name`."""
     if start is None:
         return SingleStart(0.0)
     if isinstance(start, Start):
         return start
     if isinstance(start, int | float | np.number) and not isinstance(start, bool):
         return SingleStart(finite(name, start))
-    if (frozen := as_frozen(start)) is not None:
-        return _of_scipy(frozen, name)
-    such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
-    refuse(name, start, f"must be None, a stretch, {such}")
-
-
-def _of_scipy(frozen: Any, name: str) -> Start:
-    """A frozen continuous distribution on the real line as a Start."""
+    if (frozen := as_frozen(start)) is None:
+        such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
+        refuse(name, start, f"must be None, a stretch, {such}")
     mean = single_mean(name, frozen)
     if not np.isfinite(mean):
         rule = "stretches need a finite mean"
         raise InputError(f"{name}: the mean of the distribution is {mean}; {rule}")
-    ends = np.array([float(end) for end in frozen.support()])
-    reach = np.array([float(frozen.ppf(1e-16)), float(frozen.isf(1e-16))])
+    ends = np.array(frozen.support(), dtype=float)
+    reach = np.array([frozen.ppf(1e-16), frozen.isf(1e-16)])
     lower, upper = np.where(np.isfinite(ends), ends, reach).tolist()
     found = Start(mean, (lower, upper), ends[np.isfinite(ends)])
     for method in ("pdf", "cdf", "sf", "ppf", "isf"):
@@ -143,11 +137,9 @@ class Births:
 
     def draw(self, size: int, generator: np.random.Generator) -> tuple[Array, Array]:
         """Independent stretches and thresholds (lengths), shapes (size,); those beyond every threshold drawn again."""
-        x = np.full(size, self.law.mean())
-        if not self.law.is_single:
-            x = self.law.ppf(generator.random(size))
-            while (beyond := np.abs(x) >= self._thresholds.support()[1]).any():
-                x[beyond] = self.law.ppf(generator.random(int(beyond.sum())))
-        held = np.abs(x)
-        survival = self._thresholds.sf(held) * (1.0 - generator.random(size))
-        return x, np.maximum(self._thresholds.isf(survival), held)
+        x, beyond = np.full(size, self.law.mean()), np.full(size, not self.law.is_single)
+        while beyond.any():
+            x[beyond] = self.law.ppf(generator.random(int(beyond.sum())))
+            beyond = np.abs(x) >= self._thresholds.support()[1]
+        survival = self._thresholds.sf(np.abs(x)) * (1.0 - generator.random(size))
+        return x, np.maximum(self._thresholds.isf(survival), np.abs(x))

@@ -94,7 +94,7 @@ def left_one_by_one(start, until, thermal=None):
     hazard, middle = worst + root**2, 0.5 * (t[1:] + t[:-1])
     limit = GRAINS.quantile(-np.expm1(-hazard[:, None]), 4.0 + middle)
     stretch = np.minimum(np.abs(0.5 * (x[1:] + x[:-1])), limit)
-    spent = thermal.plain_rate(stretch, limit) @ np.diff(t)
+    spent = thermal.rate(stretch, limit) @ np.diff(t)
     weight = 2.0 * root * np.sqrt(20.0) / 400.0
     return float((weight * np.exp(before - hazard - spent)).sum())
 

@@ -16,14 +16,12 @@ _FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m): powers of speeds must stay fin
 class GrainContact:
     """Contacts that keep their quantile u for life: the threshold is Q(u; age), Q the quantile of P_c at that age.
 
-    Exact Jacobian. A contact pins from the age tau_m on, at stretch 0. Where it rests there for a time
-    `rest` and then slides at `velocity`, its age at stretch x is tau_m + rest + x/velocity; it breaks where
-    it first meets its threshold, and holds beyond x with the probability
-    exp(-hazard(x, tau_m + rest + x/velocity)).
+    Exact Jacobian. A contact pins from the age tau_m on, at stretch 0, and breaks where it first meets its threshold:
+    sliding at `velocity` after a time `rest` it has the age tau_m + rest + x/velocity at stretch x, and holds beyond x
+    with the probability exp(-hazard(x, age)).
 
-    origins.Contacts takes it in the place of thresholds. A contact that breaks then carries no force for
-    tau_m, until its new grains pin; one that is stretched faster than its threshold grows never holds, and
-    waits once more.
+    origins.Contacts takes it in the place of thresholds. A contact that breaks then carries no force for tau_m, until
+    its new grains pin; one that is stretched faster than its threshold grows never holds, and waits once more.
 
     Parameters
     ----------
@@ -40,9 +38,8 @@ class GrainContact:
         if not isinstance(growth, GrainGrowth):
             rule = "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)"
             refuse("growth", growth, rule)
-        self.growth = growth
-        self.age = None if age is None else positive("age", age)
-        if self.age is not None and self.age <= growth.first_pinning_time:
+        self.growth, self.age = growth, age
+        if age is not None and positive("age", age) <= growth.first_pinning_time:
             refuse("age", age, self._none_pins)
 
     @property
@@ -61,10 +58,9 @@ class GrainContact:
     def hazard(self, x: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """-ln of the fraction of contacts of `age` whose thresholds exceed x >= 0 (a length); shapes broadcast.
 
-        As each contact keeps its quantile, of those that pinned together the share exp(-h) still holds, h being
-        the largest hazard so far. For ages up to tau_m it is infinite, except at x = 0.
+        Of those that pinned together the share exp(-h) still holds, h being the largest hazard so far. For ages up to
+        tau_m it is infinite, except at x = 0.
         """
-        age = np.asarray(age, dtype=float)
         return self.hazard_at(np.asarray(x, dtype=float), self.growth.excess(age))[()]
 
     def hazard_at(self, x: Array, excess: Array) -> Array:
@@ -85,25 +81,6 @@ class GrainContact:
         share = np.where(np.isinf(hazard), 1.0, q * excess / (1.0 + excess + q * excess))
         return np.sqrt(excess * share * (excess * share + 2.0) / self.growth.B)
 
-    def lost_hazard(self, velocity: float) -> float:
-        """h = (9/2) B (velocity tau_m)²: a share exp(-h) of the contacts ever holds if sliding begins as they pin."""
-        way = np.float64(velocity * self.growth.first_pinning_time)
-        with np.errstate(over="ignore"):
-            return float(4.5 * self.growth.B * way**2)
-
-    def check_speed(self, velocity: float) -> None:
-        """InputError for speeds so far from that at which thresholds grow that their powers overflow."""
-        share = velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))
-        if not 1.0 / _FASTEST < share < _FASTEST:
-            rule = f"take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it"
-            refuse("velocity", velocity, f"is {share:.3g} of that at which thresholds grow; {rule}")
-
-    @property
-    def quick_width(self) -> float:
-        """Width (a length) of the narrowest interval with a tenth of the stretches at which contacts break that
-        slide as fast as grains grow: few hold, and at small stretches."""
-        return 0.0504 / float(np.sqrt(self.growth.B))  # at B^(1/2) v tau_m = 1
-
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast.
 
@@ -117,6 +94,26 @@ class GrainContact:
         with np.errstate(divide="ignore"):
             return self.threshold_at(-np.log1p(-u), self.growth.excess(age))[()]
 
+    def lost_hazard(self, velocity: float) -> float:
+        """h = (9/2) B (velocity tau_m)²: a share exp(-h) of the contacts ever holds if sliding begins as they pin."""
+        with np.errstate(over="ignore"):
+            return float(4.5 * np.square(self._relative(velocity)))
+
+    def check_speed(self, velocity: float) -> None:
+        """InputError for speeds so far from that at which thresholds grow that their powers overflow."""
+        if not 1.0 / _FASTEST < (share := self._relative(velocity)) < _FASTEST:
+            rule = f"take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it"
+            refuse("velocity", velocity, f"is {share:.3g} of that at which thresholds grow; {rule}")
+
+    def _relative(self, velocity: float) -> float:
+        return velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))
+
+    @property
+    def quick_width(self) -> float:
+        """Width (a length) of the narrowest interval with a tenth of the stretches at which contacts break that
+        slide as fast as grains grow: few hold, and at small stretches."""
+        return 0.0504 / float(np.sqrt(self.growth.B))  # at B^(1/2) v tau_m = 1
+
 
 def growing_grains(alpha: float, B: float, age: float) -> GrainContact:
     """Contacts whose thresholds grow with their age, in place of thresholds in origins.Contacts (paper, Sec. VI).
@@ -128,8 +125,7 @@ def growing_grains(alpha: float, B: float, age: float) -> GrainContact:
     B : float
         As grains has it, in length^-2.
     age : float
-        Of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins
-        at 0.
+        Of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins at 0.
 
     Raises InputError for a value not above zero, and for an age at which no grain pins.
     """

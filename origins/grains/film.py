@@ -50,20 +50,10 @@ def grains(
         refuse("rho", rho, "is alpha time^(1/3): give rho, such as 2.0, or alpha and time")
     # without rounding: near rho = 2/3 all thresholds depend on this difference
     excess = float(Fraction(positive("rho", rho)) * 3 / 2 - 1)
-    first = "the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
-    return _law("rho", rho, excess, B, jacobian, first)
-
-
-def _law(
-    name: str, value: float, excess: float, B: float, jacobian: str, first: str
-) -> PinningGrains:
-    """P_c where the largest grain's diameter is the film's thickness times 1 + `excess`; InputError for `name` where
-    none pins yet, `first` saying when the first does."""
-    one_of("jacobian", jacobian, ("exact", "paper"))
-    if not 0.0 < excess < 1.5 * _LARGEST:
-        late = f"must keep rho at most {_LARGEST:g}"
-        refuse(name, value, late if excess > 0.0 else f"no grain pins yet: {first}")
-    return PinningGrains(excess, positive("B", B), jacobian == "paper")
+    if excess <= 0.0:
+        rule = "the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
+        refuse("rho", rho, f"no grain pins yet: {rule}")
+    return PinningGrains(excess, B, jacobian)
 
 
 @dataclass(frozen=True)
@@ -77,7 +67,7 @@ class GrainGrowth:
     B : float
         Of a grain's threshold, 2r/d = (1 + B x²)^(1/2), in length^-2.
 
-    Raises InputError for a value not above zero.
+    Methods take times as numbers or arrays and return their shape. Raises InputError for a value not above zero.
     """
 
     alpha: float
@@ -101,15 +91,15 @@ class GrainGrowth:
         return np.asarray(np.expm1(np.log1p(np.asarray(later) / self.first_pinning_time) / 3.0))
 
     def rho(self, time: npt.ArrayLike) -> Array:
-        """Mean grain diameter over film thickness, shape as time. InputError for times not above zero."""
+        """Mean grain diameter over film thickness."""
         return self.alpha * np.cbrt(self._times(time))
 
     def number(self, time: npt.ArrayLike) -> Array:
-        """N(time)/N(tau_m) = tau_m/time: all grains, pinning or not. InputError for times not above zero."""
+        """N(time)/N(tau_m) = tau_m/time: all grains, pinning or not."""
         return self.first_pinning_time / self._times(time)
 
     def pinned_fraction(self, time: npt.ArrayLike) -> Array:
-        """Fraction of the grains at `time` that span the film; 0 up to tau_m. InputError for times not above zero."""
+        """Fraction of the grains at `time` that span the film; 0 up to tau_m."""
         with np.errstate(divide="ignore"):
             q = np.minimum(1.0 / self.excess(self._times(time)), 1e300)
         return np.exp(-hazard_beyond(np.atleast_1d(q))).reshape(q.shape)[()]
@@ -117,20 +107,21 @@ class GrainGrowth:
     def pinning_number(self, time: npt.ArrayLike) -> Array:
         """Grains that span the film, over the number of all grains at tau_m: largest at rho = 1, finally ~ 1/time.
 
-        The contact density of the film over N(tau_m). InputError for times not above zero.
+        The contact density of the film over N(tau_m).
         """
         return self.number(time) * self.pinned_fraction(time)
 
     def thresholds(self, time: float, jacobian: Literal["exact", "paper"] = "exact") -> Thresholds:
         """P_c of the grains that pin at `time`; see grains. InputError for times up to tau_m, when none pins."""
-        excess = float(self.excess(positive("time", time)))
-        first = f"the first does at (2/(3 alpha))³ = {self.first_pinning_time:.12g}"
-        return _law("time", time, excess, self.B, jacobian, first)
+        if (excess := float(self.excess(positive("time", time)))) <= 0.0:
+            first = f"the first does at (2/(3 alpha))³ = {self.first_pinning_time:.12g}"
+            refuse("time", time, f"no grain pins yet: {first}")
+        return PinningGrains(excess, self.B, jacobian)
 
     def _times(self, time: npt.ArrayLike) -> Array:
         times = np.asarray(time, dtype=float)
-        if (bad := ~((times > 0.0) & np.isfinite(times))).any():
-            refuse("time", times[bad].flat[0], "must be finite and above zero")
+        for bad in times[~((times > 0.0) & np.isfinite(times))]:
+            refuse("time", bad, "must be finite and above zero")
         return times
 
 
@@ -158,15 +149,14 @@ def film_growth(
 
     Raises InputError for a value not above zero, and where neither or both of the last two are given.
     """
+    thickness = positive("film_thickness", film_thickness)
+    strength = positive("shear_strength", shear_strength)
     if (force_coefficient is None) == (shear_modulus is None):
         rule = "give either force_coefficient or shear_modulus, in Pa"
         refuse("force_coefficient", force_coefficient, rule)
-    thickness = positive("film_thickness", film_thickness)
-    strength = positive("shear_strength", shear_strength)
-    if shear_modulus is None:
-        coefficient = positive("force_coefficient", force_coefficient)
-    else:
-        coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
+    if shear_modulus is not None:
+        force_coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
+    coefficient = positive("force_coefficient", force_coefficient)
     alpha = 2.0 * np.cbrt(positive("coarsening_rate", coarsening_rate)) / thickness
     return GrainGrowth(alpha, 4.0 * coefficient / (np.pi * strength * thickness**2))
 
@@ -177,11 +167,13 @@ class PinningGrains(Thresholds):
     P_c = P_LS(u(x)) du/dx, or without the Jacobian as the paper prints it.
     """
 
-    def __init__(self, excess: float, B: float, printed: bool) -> None:
-        self._root_b, self._largest, self._printed = float(np.sqrt(B)), 1.0 + excess, printed
+    def __init__(self, excess: float, B: float, jacobian: str) -> None:
+        between("rho", 2.0 / 3.0 * (1.0 + excess), 0.0, _LARGEST)
+        self._printed = one_of("jacobian", jacobian, ("exact", "paper")) == "paper"
+        self._root_b, self._largest = float(np.sqrt(positive("B", B))), 1.0 + excess
         self._upper = float(np.sqrt(excess) * np.sqrt(excess + 2.0) / self._root_b)
         self._free = excess / self._largest
-        self.onset_power = 0.0 if printed else 1.0
+        self.onset_power = 0.0 if self._printed else 1.0
 
     def support(self) -> tuple[float, float]:
         return 0.0, self._upper

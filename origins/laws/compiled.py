@@ -1,8 +1,7 @@
-"""Optional compiled functions of a RateLaw: its rate, integral and inverse, for one contact at a time."""
+"""Optional compiled functions of a RateLaw, for one contact at a time."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
@@ -11,21 +10,18 @@ from typing import Any, NamedTuple
 class CompiledRates(NamedTuple):
     """Plain functions of numbers that numba can compile; functions that they call must be compiled already.
 
-    Their arguments must have the names given here.
-
-    law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first
-        argument of all functions, lengths and times in it those of the RateLaw.
-    rate(law, x, threshold, stiffness) : h at 0 <= x <= threshold, not its logarithm.
-    passed(law, x, threshold, stiffness) : the integral of h over the stretches from 0 to x; 0 where
-        it underflows.
-    reached(law, log_amount, threshold, stiffness) : as RateLaw.reached, from stretch 0.
-    most(law, least_x, largest_x, least_y, largest_y, stiffness) : an upper bound of h for stretches x
-        and thresholds y between these; a tighter bound is faster.
+    law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first argument of all
+        functions, lengths and times in it those of the RateLaw.
+    log_rate(law, x, threshold, stiffness),
+    log_passed(law, near, far, threshold, stiffness),
+    reached(law, log_amount, near, threshold, stiffness) : as the methods of RateLaw, for near = 0.
+    most(law, least_x, largest_x, least_y, largest_y, stiffness) : an upper bound of h for stretches x and thresholds y
+        between these; a tighter bound is faster.
     """
 
     law: Any
-    rate: Callable[..., float]
-    passed: Callable[..., float]
+    log_rate: Callable[..., float]
+    log_passed: Callable[..., float]
     reached: Callable[..., float]
     most: Callable[..., float]
 
@@ -39,34 +35,8 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 
 @cache
-def of_formulas(kind: Any) -> tuple[Any, Any, Any]:
-    """rate, passed and reached from the methods of a class of rates, for a `law` with the attributes that they use."""
-    return _of_logarithms(
-        kind.log_rate.__wrapped__, kind.log_passed.__wrapped__, kind.reached.__wrapped__
-    )
-
-
-def _of_logarithms(*methods: Callable[..., float]) -> tuple[Any, Any, Any]:
-    """rate, passed and reached of CompiledRates from three methods as a RateLaw has them."""
-    log_rate, log_passed, reached_from = map(inlined, methods)
-
-    def rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return math.exp(log_rate(law, x, threshold, stiffness))
-
-    def passed(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return math.exp(log_passed(law, 0.0, x, threshold, stiffness))
-
-    def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return reached_from(law, log_amount, 0.0, threshold, stiffness)
-
-    return rate, passed, reached
-
-
 def called(rates: Any) -> CompiledRates:
-    """For a RateLaw without compiled functions: calls of its methods, some microseconds each.
-
-    The bound of its rate is its scale. Each method is called once before, as kernels cannot pass on an error.
-    """
+    """For a RateLaw without compiled functions: calls of its methods, some microseconds each; its scale is `most`."""
     from ctypes import CFUNCTYPE, c_double
 
     # a separate class for each law, so that no two laws share compiled code
@@ -77,11 +47,8 @@ def called(rates: Any) -> CompiledRates:
         callback = CFUNCTYPE(c_double, *[c_double] * count)(lambda *given: float(method(*given)))
         return lambda law, *given: callback(*given)
 
+    # kernels cannot pass on errors of the methods, so they show here
     rates.log_rate(0.0, 1.0, 1.0)
     rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
     methods = number(rates.log_rate, 3), number(rates.log_passed, 4), number(rates.reached, 4)
-
-    def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
-        return law.scale
-
-    return CompiledRates(Called(float(rates.scale)), *_of_logarithms(*methods), most)
+    return CompiledRates(Called(float(rates.scale)), *methods, lambda law, *bounds: law.scale)

@@ -24,23 +24,20 @@ quiet = np.errstate(divide="ignore", over="ignore")
 class RateLaw(Protocol):
     """The rate h(x; x_s) at which a contact breaks below its threshold (paper, Eq. temper1).
 
-    Every method takes numbers or arrays that broadcast, and returns their common shape. Arguments are not checked,
-    and no method warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that is
-    stretched backward is that of |x|. `threshold` is x_s > 0 (a length), `stiffness` k_i/<k> > 0 (no unit). At a
-    constant speed v a contact survives the way from near to far with the probability exp(-passed/v).
+    Methods take numbers or arrays that broadcast, and return their common shape. Arguments are not checked, and no
+    method warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that is stretched
+    backward is that of |x|. `threshold` is x_s > 0 (a length), `stiffness` k_i/<k> > 0 (no unit). At a constant speed
+    v a contact survives the way from near to far with the probability exp(-passed/v).
 
     A law of your own defines `name`, as messages call it, `scale`, the attempt frequency ω per time, which no rate
     exceeds, `log_rate`, `log_passed` and `reached`; as a subclass of RateLaw it inherits the rest. Give it to
     origins.Contacts as `thermal`. For the ensemble it may define `compiled()`, which returns an
     origins.laws.compiled.CompiledRates: without it each break takes some microseconds.
 
-    vanishes_at_threshold : whether h falls to 0 at the threshold as a root of x_s - x does, as of stiff contacts. Such
-        a rate is not smooth at x = x_s, and at fixed x it does not always fall as x_s grows.
     separable : whether ln h, at one stiffness, is a function of x plus one of the threshold. The integrals of two
         contacts with the same history then have the same ratio for every history.
     """
 
-    vanishes_at_threshold: ClassVar[bool] = False
     separable: ClassVar[bool] = False
 
     @property
@@ -52,17 +49,15 @@ class RateLaw(Protocol):
     @abstractmethod
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """ln h, h per time, to 1e-13 of max(1, |ln h|): finite where h underflows, -inf where h = 0."""
-        ...
 
     @abstractmethod
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """ln of the integral of h over the stretches from near to far (a length per time), near <= far.
+        """ln of the integral of h over the stretches from near to far >= near (a length per time), -inf where equal.
 
-        -inf where near = far. To 1e-13 of max(1, |ln|), also where near ~ far: do not subtract two large integrals.
+        To 1e-13 of max(1, |ln|), also where near ~ far: do not subtract two large integrals.
         """
-        ...
 
     @abstractmethod
     def reached(
@@ -72,7 +67,6 @@ class RateLaw(Protocol):
 
         Accurate to 1e-12 of the threshold, or in the integral up to the stretch.
         """
-        ...
 
     def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """h, per time; 0 where it underflows."""
@@ -97,6 +91,11 @@ class ActivatedRates(RateLaw):
     def scale(self) -> float:
         """ω, which no rate exceeds."""
         return self.attempt_frequency
+
+    @property
+    def log_scale(self) -> float:
+        """ln ω."""
+        return float(np.log(self.attempt_frequency))
 
     @property
     def spring(self) -> float:

@@ -6,13 +6,14 @@ With b = k_i/2k_BT and Dawson's integral D the integral of h from 0 to x is h(x)
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from functools import cache
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.special import dawsn
 
-from origins.laws.compiled import CompiledRates
+from origins.laws.compiled import CompiledRates, inlined
 from origins.laws.rate_law import ActivatedRates, Array, Numbers, quiet
 from origins.thresholds.quadrature import GAUSS_NODES, GAUSS_WEIGHTS
 
@@ -30,7 +31,7 @@ class SoftRates(ActivatedRates):
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """ln h."""
         barrier = self.spring * stiffness * (threshold - x) * (threshold + x)
-        return np.asarray(np.log(self.scale) - barrier)
+        return np.asarray(self.log_scale - barrier)
 
     @quiet
     def log_passed(
@@ -55,7 +56,7 @@ class SoftRates(ActivatedRates):
     ) -> Array:
         """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         spring = self.spring * np.asarray(stiffness)
-        level = log_amount - np.log(self.scale) + 0.5 * np.log(spring)
+        level = log_amount - self.log_scale + 0.5 * np.log(spring)
         level = level + spring * threshold * threshold
         if np.any(near):
             y = np.sqrt(spring) * near
@@ -64,10 +65,8 @@ class SoftRates(ActivatedRates):
         return np.minimum(np.maximum(x, near), threshold)
 
     def compiled(self) -> CompiledRates:
-        """The same for compiled loops."""
-        from origins.laws.soft_compiled import soft_compiled
-
-        return soft_compiled(self.spring, self.scale, inverse_log_growth)
+        """The same for compiled loops, from tables."""
+        return CompiledRates(SoftLaw(self.spring, self.log_scale, *_tables()), *_formulas())
 
 
 @quiet
@@ -86,3 +85,76 @@ def inverse_log_growth(level: npt.ArrayLike) -> Array:
         slope = dawsn(y)
         y = y * np.exp(-(y * y + np.log(slope) - goal) * slope / y)
     return np.where(level == goal, y, np.exp(level))[()]
+
+
+class SoftLaw(NamedTuple):
+    """b = k/2k_BT at mean stiffness, per length squared; ln of ω, per time; tables of D(y) and of the inverse of
+    y² + ln D(y), values and slopes per step, shapes (n, 2)."""
+
+    spring: float
+    log_scale: float
+    dawson: Array
+    inverse: Array
+
+
+# Cells of the table of D along 1/(1 + y): cubics are exact to a relative 1e-9. That of the inverse goes along the
+# level y² + ln D(y) from _LOW, below which y = e^level to 1e-11, to _HIGH: cubics are exact to a relative 2e-10.
+_CELLS, _LOW, _HIGH, _STEP = 2048.0, -12.0, 64.0, 1.0 / 64.0
+
+
+@cache
+def _tables() -> tuple[Array, Array]:
+    part = np.arange(1.0, _CELLS + 1.0) / _CELLS
+    y = 1.0 / part - 1.0
+    values = np.append(0.0, dawsn(y))
+    slopes = np.append(0.5, (2.0 * y * dawsn(y) - 1.0) / part**2)
+    inverse = inverse_log_growth(np.arange(_LOW, _HIGH + _STEP, _STEP))
+    tables = [values, slopes / _CELLS], [inverse, _STEP * dawsn(inverse)]
+    return np.transpose(tables[0]).copy(), np.transpose(tables[1]).copy()
+
+
+@cache
+def _formulas() -> tuple[Any, ...]:
+    """log_rate, log_passed, reached and most of CompiledRates."""
+
+    @inlined
+    def cubic(place, table):  # type: ignore[no-untyped-def]
+        k = min(max(int(place), 0), table.shape[0] - 2)
+        t = place - k
+        rise = table[k + 1, 0] - table[k, 0]
+        p, q = table[k, 1] - rise, table[k + 1, 1] - rise
+        return table[k, 0] + t * (rise + (1.0 - t) * (p - t * (p + q)))
+
+    @inlined
+    def dawson(y, law):  # type: ignore[no-untyped-def]
+        return cubic(_CELLS / (1.0 + y), law.dawson)
+
+    @inlined
+    def inverse(level, law):  # type: ignore[no-untyped-def]
+        if level < _LOW:
+            return np.exp(level)
+        if level < _HIGH:
+            return cubic((level - _LOW) / _STEP, law.inverse)
+        # a step of Newton's from y² of D(y) = 1/2y, to a relative 5e-9
+        square = level + 0.5 * np.log(4.0 * level)
+        slope = dawson(np.sqrt(square), law)
+        return np.sqrt(square) - (square + np.log(slope) - level) * slope
+
+    @inlined
+    def log_rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
+        return law.log_scale - law.spring * stiffness * (threshold - x) * (threshold + x)
+
+    def log_passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
+        spring = law.spring * stiffness
+        length = np.log(dawson(np.sqrt(spring) * far, law)) - 0.5 * np.log(spring)
+        return length + law.log_scale - spring * (threshold - far) * (threshold + far)
+
+    def reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
+        spring = law.spring * stiffness
+        level = log_amount + (0.5 * np.log(spring) - law.log_scale) + spring * threshold * threshold
+        return min(inverse(level, law) / np.sqrt(spring), threshold)
+
+    def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
+        return np.exp(log_rate(law, min(largest_x, least_y), least_y, stiffness))
+
+    return log_rate.py_func, log_passed, reached, most

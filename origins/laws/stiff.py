@@ -7,19 +7,19 @@ integral of h is (2 ω x_s/3c) (e^(-c u_far) - e^(-c u_near)). Compiled loops ov
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from origins.laws.compiled import CompiledRates, of_formulas
+from origins.laws.compiled import CompiledRates
 from origins.laws.rate_law import ActivatedRates, Array, Numbers, quiet
 
 
 class StiffLaw(NamedTuple):
-    """k/2k_BT at mean stiffness, per length squared; ω, per time."""
+    """k/2k_BT at mean stiffness, per length squared; ln of ω, per time."""
 
     spring: float
-    scale: float
+    log_scale: float
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,13 @@ class StiffRates(ActivatedRates):
     """
 
     name: ClassVar[Literal["stiff"]] = "stiff"
-    vanishes_at_threshold: ClassVar[bool] = True
 
     @quiet
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """ln h; -inf at the threshold."""
         s = np.maximum((threshold - x) / threshold, 0.0)
         barrier = self.spring * stiffness * threshold * threshold * (s * np.sqrt(s))
-        return np.log(self.scale) + (0.5 * np.log(s) - barrier)
+        return self.log_scale + (0.5 * np.log(s) - barrier)
 
     @quiet
     def log_passed(
@@ -51,7 +50,7 @@ class StiffRates(ActivatedRates):
         fall = (far - near) / threshold * (first * first + first * last + last * last)
         fall = fall / np.maximum(first + last, 1e-300)
         length = 2.0 / 3.0 * threshold * (-np.expm1(-c * fall) / c)
-        return np.log(self.scale) + (np.log(length) - c * last * last * last)
+        return self.log_scale + (np.log(length) - c * last * last * last)
 
     @quiet
     def reached(
@@ -59,7 +58,7 @@ class StiffRates(ActivatedRates):
     ) -> Array:
         """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         c = self.spring * stiffness * threshold * threshold
-        log_part = log_amount - np.log(self.scale) + np.log(1.5 * c / threshold)
+        log_part = log_amount - self.log_scale + np.log(1.5 * c / threshold)
         root = np.sqrt(np.maximum((threshold - near) / threshold, 0.0))
         level = log_part + c * root * root * root
         # c u at the end is -ln(e^log_part + e^(-c u_near)); of u and gone = 1 - u the smaller keeps its digits
@@ -73,12 +72,15 @@ class StiffRates(ActivatedRates):
         return np.minimum(np.maximum(x, near), threshold)
 
     def compiled(self) -> CompiledRates:
-        """The same for compiled loops."""
-        return CompiledRates(StiffLaw(self.spring, self.scale), *of_formulas(StiffRates), _most)
+        """The same formulas for compiled loops."""
+        methods: list[Any] = [StiffRates.log_rate, StiffRates.log_passed, StiffRates.reached]
+        log_rate, log_passed, reached = (method.__wrapped__ for method in methods)
+        law = StiffLaw(self.spring, self.log_scale)
+        return CompiledRates(law, log_rate, log_passed, reached, _most)
 
 
 def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
     front = max((largest_y - least_x) / largest_y, 0.0) if largest_y > 0.0 else 1.0
     s = max((least_y - largest_x) / least_y, 0.0) if least_y > 0.0 else 0.0
     barrier = law.spring * stiffness * least_y * least_y * s * np.sqrt(s)
-    return law.scale * np.sqrt(front) * np.exp(-barrier)
+    return np.sqrt(front) * np.exp(law.log_scale - barrier)

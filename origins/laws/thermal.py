@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from origins.errors import InputError, one_of, positive, refuse
+from origins.errors import one_of, positive, refuse
 from origins.laws.rate_law import Array, Numbers, RateLaw
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
@@ -17,7 +17,7 @@ RATE_LAWS: dict[str, type[SoftRates] | type[StiffRates]] = {"soft": SoftRates, "
 
 
 class BreakingRate:
-    """A RateLaw for stretches of either sign, with checked arguments.
+    """A RateLaw with checked arguments, for stretches of either sign; in Contacts also a law of the user's own.
 
     Attributes
     ----------
@@ -28,26 +28,22 @@ class BreakingRate:
 
     The methods take numbers or arrays that broadcast: stretches x and `start`, thresholds x_s > 0 with |x| <= x_s
     (lengths), and the relative stiffness κ = k_i/<k> > 0; else they raise InputError. Results have the common
-    shape; relative errors stay below 1e-12.
+    shape; relative errors stay below 1e-12. InputError also for a law without a name, or whose scale is not finite
+    and above zero.
     """
 
     rates: RateLaw
-    closure: Literal["exact", "paper"]
+    closure: Literal["exact", "paper"] = "exact"
+
+    def __init__(self, rates: RateLaw) -> None:
+        if not isinstance(rates.name, str) or not rates.name:
+            refuse("thermal.name", rates.name, 'must be what the law is called, such as "linear"')
+        positive("thermal.scale", rates.scale, "the attempt frequency, per time")
+        self.rates = rates
 
     def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers = 1.0) -> Array:
         """h(x; x_s), per time."""
         return np.exp(self.log_rate(x, threshold, stiffness))
-
-    def plain_rate(self, x: Array, threshold: Array) -> Array:
-        """h at mean stiffness for sums over many contacts, not checked; continued by its formula beyond thresholds,
-        unless it vanishes there."""
-        stretch = np.abs(x)
-        if self.rates.vanishes_at_threshold:
-            stretch = np.minimum(stretch, threshold)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            log_rate = self.rates.log_rate(stretch, threshold, 1.0)
-        # above e^50 ω no contact holds, and this is still a number
-        return np.asarray(np.exp(np.minimum(log_rate, 50.0 + np.log(self.rates.scale))))
 
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers = 1.0) -> Array:
         """ln h, finite where h underflows; -inf where h = 0, as for a stiff contact at x_s."""
@@ -69,10 +65,10 @@ class BreakingRate:
         """ln A, finite where A underflows; -inf where x = start, where A = 0."""
         end, begin, limit, spring = _checked(threshold, stiffness, x=x, start=start)
         near, far = np.sort(np.abs([end, begin]), axis=0)
-        across = (end < 0.0) != (begin < 0.0)
-        passed = self.rates.log_passed(np.where(across, 0.0, near), far, limit, spring)
-        rest = self.rates.log_passed(0.0, np.where(across, near, 0.0), limit, spring)
-        return np.logaddexp(passed, rest)[()]
+        # through 0 the shorter part is passed, too
+        through = np.where((end < 0.0) != (begin < 0.0), near, 0.0)
+        passed = self.rates.log_passed(near - through, far, limit, spring)
+        return np.logaddexp(passed, self.rates.log_passed(0.0, through, limit, spring))[()]
 
     def inverse(
         self, amount: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
@@ -85,13 +81,13 @@ class BreakingRate:
         """
         goal, begin, limit, spring = _checked(threshold, stiffness, amount=amount, start=start)
         with np.errstate(divide="ignore", invalid="ignore"):
-            log_goal = np.log(goal)
-            # from behind the integral from there to 0 is taken off; where less remains to go, x is behind 0 as well
+            goal = np.log(goal)
+            # of the integral from behind up to 0; where the goal is less, x lies behind 0 as well
             behind = self.rates.log_passed(0.0, np.maximum(-begin, 0.0), limit, spring)
-            apart = np.log(-np.expm1(-np.abs(log_goal - behind)))
-            remaining = np.maximum(log_goal, behind) + np.where(log_goal == behind, -np.inf, apart)
-        x = self.rates.reached(remaining, np.maximum(begin, 0.0), limit, spring)
-        return np.maximum(np.where(log_goal < behind, -x, x), begin)[()]
+            apart = np.log(-np.expm1(-np.abs(goal - behind)))
+            rest = np.where(goal == behind, -np.inf, np.maximum(goal, behind) + apart)
+        x = self.rates.reached(rest, np.maximum(begin, 0.0), limit, spring)
+        return np.maximum(np.where(goal < behind, -x, x), begin)[()]
 
 
 @dataclass(frozen=True)
@@ -133,38 +129,14 @@ class Thermal(BreakingRate):
         object.__setattr__(self, "rates", rates)
 
 
-class GivenRates(BreakingRate):
-    """Contacts break below their threshold by a RateLaw of the user, each at its own rate.
-
-    `law` is its name, `attempt_frequency` its scale (per time). Raises InputError unless it has a name and a scale
-    that is finite and above zero.
-    """
-
-    closure = "exact"
-
-    def __init__(self, rates: RateLaw) -> None:
-        if not isinstance(rates.name, str) or not rates.name:
-            refuse("thermal.name", rates.name, 'must be what the law is called, such as "linear"')
-        positive("thermal.scale", rates.scale, "the attempt frequency, per time")
-        self.rates, self.law, self.attempt_frequency = rates, rates.name, rates.scale
-
-    @property
-    def temperature(self) -> float:
-        """Raises InputError: a RateLaw need not have a temperature."""
-        raise InputError(
-            f'temperature: the law "{self.law}" of these contacts has none that could be read or '
-            "changed; use contacts.replace(thermal=...) with the law as it is at each temperature"
-        )
-
-
-def as_thermal(law: object) -> Thermal | GivenRates | None:
+def as_thermal(law: Any) -> BreakingRate | None:
     """The argument `thermal` of origins.Contacts: None, a Thermal, or any RateLaw; else raises InputError."""
-    if law is None or isinstance(law, Thermal | GivenRates):
+    if law is None or isinstance(law, BreakingRate):
         return law
-    if isinstance(law, SoftRates | StiffRates) and type(law) in RATE_LAWS.values():
+    if type(law) in RATE_LAWS.values():
         return Thermal(law.name, law.temperature, law.attempt_frequency)
     if isinstance(law, RateLaw) and not isinstance(law, type):
-        return GivenRates(law)
+        return BreakingRate(law)
     such = 'Thermal("soft", temperature=0.1), or a RateLaw'
     refuse("thermal", law, f"must be an origins.Thermal, such as {such}")
 
@@ -173,13 +145,12 @@ def _checked(threshold: Numbers, stiffness: Numbers, **others: Numbers) -> list[
     """`others` in their order, thresholds and stiffnesses, all of the common shape; InputError for bad values."""
     named = {**others, "threshold": threshold, "stiffness": stiffness}
     arrays = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in named.values()))
-    limit = arrays[-2]
     for name, values in zip(named, arrays, strict=True):
         good, rule = (values > 0.0) & np.isfinite(values), "must be finite and above zero"
         if name == "amount":
             good, rule = values >= 0.0, "must be zero or above"
         elif name in others:
-            good = np.abs(values) <= limit
+            good = np.abs(values) <= arrays[-2]
             rule = f"a contact holds only where |{name}| is at most its threshold"
         if not good.all():
             refuse(name, values[~good][0], rule)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from origins.contacts import Contacts, too_hot
+from origins.contacts import Contacts, Thermal, too_hot
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
@@ -97,7 +97,7 @@ def foreseen(scene: Scene) -> list[str]:
         unit = "" if surface is None else " m"
         far = f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}"
         said.append(f"{far}; is it meant in that unit?")
-    if contacts.thermal is not None:
+    if isinstance(contacts.thermal, Thermal):
         swept = {} if scene.sweep is None else scene.sweep.at
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
         said += filter(None, [too_hot(float(hottest), law)])

@@ -85,7 +85,7 @@ class Cells:
         self.width, self.heat_rate = min(map(narrowest, laws)), 0.0
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
-            self.heat_rate = float(self._thermal.plain_rate(np.zeros(1), thresholds).mean())
+            self.heat_rate = float(self._thermal.rates.rate(0.0, thresholds, 1.0).mean())
         # the edge of the density at |x| is D/v thick; thinner ones contain too few thresholds to matter
         layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
         thinnest = float(np.clip(layer, 2e-6 * self.width, 0.1 * self.width))
@@ -164,7 +164,7 @@ class Cells:
         ends = level[:, :, None] + self.edges
         middle = 0.5 * (ends[:, :, :-1] + ends[:, :, 1:])
         at_ends, at_middle = (
-            thermal.plain_rate(level[:, :, None], np.maximum(at, 1e-300)) * times[:, :, None]
+            thermal.rates.rate(level[:, :, None], np.maximum(at, 1e-300), 1.0) * times[:, :, None]
             for at in (ends, middle)
         )
         mean = (at_ends[:, :, :-1] + 4.0 * at_middle + at_ends[:, :, 1:]) / 6.0
