@@ -34,12 +34,14 @@ class Contact(NamedTuple):
 
 
 class Break(NamedTuple):
-    """Moment at which a contact breaks; a clock beyond the drive's end if it holds until then."""
+    """Moment at which a contact breaks; a clock beyond the drive's end if it holds until then.
+
+    It is the moment of its birth if the contact never held.
+    """
 
     clock: np.int64
     leg: np.int64
     drawn: np.int64
-    held: bool  # False if the contact never held
 
 
 class Work(NamedTuple):
@@ -174,7 +176,8 @@ def look_at(k, birth, threshold, way, counts):  # type: ignore[no-untyped-def]
     of stretches of either sign and of thresholds.
     """
     many = counts.shape[2]
-    x = real(way.spots[k] - birth) * way.per_stretch + 0.5 * many
+    place = way.bin_positions[way.watched[k]]
+    x = real(place - birth) * way.per_stretch + 0.5 * many
     y = threshold * way.per_threshold
     counts[k, 0, whole(min(max(np.floor(x), 0.0), many - 1.0))] += 1
     counts[k, 1, whole(min(max(y, 0.0), many - 1.0))] += 1
@@ -189,9 +192,9 @@ def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
         if beyond >= 0 or (beyond >= -law.tie and leg + 1 < legs):
             # the threshold is reached on this leg; within `tie` of a turn it counts as reached at the turn
             then = max(way.begins[leg + 1] - max(beyond, 0), clock)
-            return Break(then, leg, contact.drawn, True)
+            return Break(then, leg, contact.drawn)
         leg += 1
-    return Break(way.begins[legs] + 1, leg, contact.drawn, True)
+    return Break(way.begins[legs] + 1, leg, contact.drawn)
 
 
 @inlined
@@ -225,20 +228,20 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
             hazard = rate_at(abs(real(x)), real(contact.threshold), law, k) * pace
             spent = hazard * room
             if spent >= remaining:
-                return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn, True)
+                return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn)
         else:
             amount = remaining * law.unit / pace
             moved = _break_at(law, d * x, d * here, amount, np.log(amount), threshold, k) - d * x
             # on the last leg no test is made, as its branch could not be predicted
             if leg + 1 == legs or moved <= room:
-                return Break(clock + min(moved, room + 1), leg, contact.drawn, True)
+                return Break(clock + min(moved, room + 1), leg, contact.drawn)
             x += d * room
             there = _integral(law, x, threshold, k)
             spent, here = d * (there - here) * (pace / law.unit), there
         remaining = max(remaining - spent, 1e-300)
         leg += 1
         clock = way.begins[leg]
-    return Break(clock + 1, leg, contact.drawn, True)
+    return Break(clock + 1, leg, contact.drawn)
 
 
 def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]

@@ -5,11 +5,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from eq_model.blocks import Blocks, State, is_measured
 from eq_model.histogram import BINS, chosen_points, histogram, make_edges
 from eq_model.lattice import STIFFNESS_UNIT, TIE, whole_drive
-from eq_model.layout import Blocks, is_measured
 from eq_model.physics import Reach, law_of, seconds_of
-from eq_model.state import State
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
@@ -61,18 +60,23 @@ class Engine:
         law = law_of(contacts, way, TIE * exact)
         self.seconds = seconds_of(contacts, drive, law)
         # the points of histograms, in the order of the clock
-        points = chosen_points(histograms, drive.path.size)
-        self._points, bins = points, way.bin_of_point[points]
-        self._order = np.argsort(bins, kind="stable")
+        self._points = points = chosen_points(histograms, drive.path.size)
+        self._order = np.argsort(way.bin_of_point[points], kind="stable")
         furthest = float(reach.span[points].max(initial=0.0)) + reach.furthest
         self._edges = make_edges(furthest, reach.largest, contacts)
-        per = [way.unit / float(edges[2] - edges[1]) for edges in self._edges]
+        watched = way.bin_of_point[points][self._order]
+        stretches, thresholds = (way.unit / float(edges[2] - edges[1]) for edges in self._edges)
         self._work = Work(
             None,
             *births_of(contacts, way.unit),
             exposures=exposures(),
             law=Forward(law) if forward else law,
-            way=way.watched(bins[self._order], *per),
+            way=way._replace(
+                watched=watched,
+                before=np.searchsorted(watched, np.arange(way.bin_ends.size + 2)),
+                per_stretch=stretches,
+                per_threshold=thresholds,
+            ),
             mean=scale / way.unit,
             wait=contacts.waiting_time,
             needs_exposure=contacts.thermal is not None or contacts.grains is not None,
@@ -82,9 +86,9 @@ class Engine:
 
     def nothing(self) -> State:
         """The state of no blocks."""
-        sums, points = np.zeros(self._shape, np.int64), self._points.size
-        counts = np.zeros((points, 2, BINS), np.uint32 if self._total < 1 << 32 else np.uint64)
-        return State(sums.reshape(2, -1), counts)
+        kind = np.uint32 if self._total < 1 << 32 else np.uint64
+        counts = np.zeros((self._points.size, 2, BINS), kind)
+        return State(np.zeros(self._shape, np.int64), counts)
 
     @property
     def _shape(self) -> tuple[int, ...]:
@@ -98,28 +102,23 @@ class Engine:
         from eq_model.lanes import follow
 
         count, measured = blocks.size(block) if block >= 0 else 0, is_measured(block)
-        counts, out = (
-            np.zeros((self._points.size, 2, BINS), np.uint32),
-            np.zeros(self._shape, np.int64),
-        )
+        counts = np.zeros((self._points.size, 2, BINS), np.uint32)
         work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)
+        _, kinds, bins, columns = self._shape
         # column by column, so that the column that is used most stays in the L1 cache
-        sums = np.zeros((self._shape[2] + 1, self._shape[3]), np.int64, order="F")
-        breaks, steps = follow(work, count, sums, counts)
-        out[:, 0] = sums[:-1] >> 32, sums[:-1] & 0xFFFFFFFF
-        if measured:
-            out[:, 1] = out[:, 0]
-        if self.contacts.ageing is not None:
+        sums, coarse = (np.zeros((bins + 1, columns), np.int64, order="F") for _ in range(2))
+        breaks = follow(work, count, sums, counts)
+        if kinds == 3:
             work = work._replace(law=work.law.coarser(self.COARSER), measured=True)
-            sums[:] = 0
-            follow(work, -(-count // self.COARSER), sums, counts[:0])
-            out[:, 2] = sums[:-1] >> 32, sums[:-1] & 0xFFFFFFFF
-        return State(out.reshape(2, -1), counts, breaks=int(breaks), steps=int(steps))
+            follow(work, -(-count // self.COARSER), coarse, counts[:0])
+        found = np.stack([sums, sums * measured, coarse][:kinds])[:, :-1]
+        limbs = np.stack([found >> 32, found & 0xFFFFFFFF])
+        return State(limbs, counts, breaks=int(breaks))
 
     def fields(self, blocks: Blocks, state: State) -> dict[str, Any]:
         """Fields of the result."""
         contacts, path, n = self.contacts, self._drive.path, state.contacts
-        measured, sums = blocks.measured(state.done), state.sums.reshape(self._shape)
+        measured, sums = blocks.measured(state.done), state.sums
         found, variance = self._moments(n, sums[:, 0]), np.full(path.size, np.inf)
         if measured > 1:
             variance = self._with_unseen(self._moments(measured, sums[:, 1]).variance, n)
@@ -137,15 +136,15 @@ class Engine:
             "histograms": [histogram(k, float(path[k]), self._edges, own, n) for k, own in counts],
         }
 
-    def _moments(self, n: int, halves: Whole) -> Moments:
+    def _moments(self, n: int, limbs: Whole) -> Moments:
         """Moments of n contacts from the high and low 32 bits of their sums, without loss by cancellation.
 
         y is minus a contact's stretch at the end of its bin; sums of k y are whole lengths,
         sums of k are in units of 1/STIFFNESS_UNIT.
         """
         way, part, unit = self._work.way, int(STIFFNESS_UNIT), self._work.way.unit
-        whole = halves[0].astype(object) * (1 << 32) + halves[1].astype(object)
-        count, ky, square, *rest = whole.reshape(-1, self._shape[3]).T
+        whole = limbs[0].astype(object) * (1 << 32) + limbs[1].astype(object)
+        count, ky, square, *rest = whole.T
         k, kky, kk = rest or (count * part, ky, count * part)
         places, per_square = way.bin_positions.astype(object), round(1.0 / way.square)
         far = square * (per_square * part) + places * (2 * part * kky + kk * places)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from functools import reduce
+from functools import partial, reduce
 from time import perf_counter
 from typing import Any
 from zlib import crc32
@@ -13,11 +13,10 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from eq_model import layout
+from eq_model.blocks import Blocks, State, in_turn, make_blocks, meeting, rank_and_size, share
 from eq_model.coupled.ensemble import Replicas
 from eq_model.engine import Engine
 from eq_model.result import CoupledResult, EnsembleResult
-from eq_model.state import State
 from origins import Contacts, Drive
 from origins.errors import InputError, positive, refuse, whole
 from origins.streams import key_of
@@ -68,21 +67,22 @@ class Ensemble:
             rule = "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None"
             refuse("comm", comm, rule)
         self.comm, self._threads, self._stopped = comm, whole("threads", threads, 1), False
-        self.n_contacts = whole("n_contacts", n_contacts, 1)
-        self.n_replicas = whole("n_replicas", n_replicas, 1)
-        if self.n_replicas >= 1 << 28:
+        each, self._replicas = (
+            whole("n_contacts", n_contacts, 1),
+            whole("n_replicas", n_replicas, 1),
+        )
+        if self._replicas >= 1 << 28:
             refuse("n_replicas", n_replicas, f"must be below {1 << 28}")
-        self.total = self.expected = self.n_contacts * self.n_replicas
+        self.total = self.expected = each * self._replicas
         self._wall_time = np.inf if wall_time is None else positive("wall_time", wall_time)
         small = "such as 1e-4"
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
         self.contacts, self.drive = contacts, Drive(path, **drive)
-        time = self.drive.time
         key_of(seed)
         coupled = self.drive.spring is not None
-        most = Replicas.MOST if coupled else Engine.MOST // self.n_replicas
-        if self.n_contacts > most:
-            refuse("n_contacts", self.n_contacts, f"must be at most {most}")
+        most = Replicas.MOST if coupled else Engine.MOST // self._replicas
+        if each > most:
+            refuse("n_contacts", n_contacts, f"must be at most {most}")
         if not coupled and slip_fraction is not None:
             rule = "is of a soft slider; give its spring, or leave it out"
             refuse("slip_fraction", slip_fraction, rule)
@@ -92,21 +92,21 @@ class Ensemble:
                 refuse(name, value, rule)
         self._work: Engine | Replicas
         if coupled:
-            self._work = Replicas(contacts, self.drive, self.n_contacts, seed, slip_fraction)
-            self.blocks = layout.Blocks(self.n_contacts, self.n_replicas, 1)
+            self._work = Replicas(contacts, self.drive, each, seed, slip_fraction)
+            self.blocks = Blocks(self.total, each)
         else:
             self._work = Engine(contacts, self.drive, seed, histograms, self.total)
-            sizes = self.n_contacts, self.n_replicas
-            self.blocks = layout.make_blocks(*sizes, self._work.seconds)
-        course = crc32(np.append(self.drive.path, () if time is None else time).tobytes()) + 1
+            self.blocks = make_blocks(each, self._replicas, self._work.seconds)
+        points = self.drive.path, () if self.drive.time is None else self.drive.time
+        course = crc32(np.concatenate(points).tobytes()) + 1
         nothing = replace(self._work.nothing(), run_time=self.clock() - started, course=course)
         started = self.clock()
-        layout.in_turn(comm, lambda: self._work.follow(self.blocks, -1))
+        in_turn(comm, lambda: self._work.follow(self.blocks, -1))
         self.compile_time = self.clock() - started
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
         # the earlier states are added on one rank only
-        first = layout.rank_and_size(comm)[0] == 0
+        first = rank_and_size(comm)[0] == 0
         self.state = reduce(State.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
@@ -115,10 +115,10 @@ class Ensemble:
 
         With a tolerance, further rounds follow until it is reached. All ranks must iterate to the end.
         """
-        rank, ranks = layout.rank_and_size(self.comm)
+        rank, ranks = rank_and_size(self.comm)
         begun, done = self.clock(), 0
         for one_round in self.blocks.rounds(self._tolerance is not None):
-            mine = layout.share(layout.remaining(one_round, self._before), rank, ranks)
+            mine = share(one_round, self._before, rank, ranks)
             total, late = done + sum(map(self.blocks.size, mine)), False
             started = self.clock()
             for block, found in self._each(mine):
@@ -132,25 +132,20 @@ class Ensemble:
                 yield done, total
                 if late := self._stopped or self.clock() - begun > self._wall_time:
                     break
-            for _ in layout.meeting(self.comm):
+            for _ in meeting(self.comm):
                 yield done, total
             if self._enough(one_round, late or self._stopped):
                 return
 
     def _each(self, blocks: Sequence[int]) -> Iterator[tuple[int, State]]:
         """Follow the blocks, several at once with threads; yields them in order."""
-
-        def follow(block: int) -> State:
-            return self._work.follow(self.blocks, block)
-
-        if self._threads == 1:
-            yield from ((block, follow(block)) for block in blocks)
-            return
+        follow = partial(self._work.follow, self.blocks)
         at_once = 8 * self._threads  # few, so that wall time and `stop` are heeded
         with ThreadPoolExecutor(self._threads) as pool:
             for first in range(0, len(blocks), at_once):
                 some = blocks[first : first + at_once]
-                yield from zip(some, pool.map(follow, some), strict=True)
+                results = map(follow, some) if self._threads == 1 else pool.map(follow, some)
+                yield from zip(some, results, strict=True)
 
     def stop(self) -> None:
         """Begin no further block of this rank's share: the result will be that of the finished blocks."""
@@ -166,16 +161,18 @@ class Ensemble:
         if late or any(part.stop > one_round.stop for part in self._before):
             return late
         found = self._result(histograms=False)
-        wanted = self._wanted(found)
         ends = (self.blocks.before(part.stop) for part in self.blocks.rounds(True))
-        self.expected = next((end for end in ends if end >= wanted), self.total)
+        self.expected = next((end for end in ends if end >= self._wanted(found)), self.total)
         return found.success
 
     def _wanted(self, found: EnsembleResult) -> float:
         """Number of contacts that would reach the tolerance, estimated from the present error."""
-        largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
-        ratio = largest / (self._tolerance or np.inf)
+        ratio = self._largest(found) / (self._tolerance or np.inf)
         return found.contacts * ratio * ratio  # not as a power, which may overflow
+
+    def _largest(self, found: EnsembleResult) -> float:
+        """The largest standard error, in units of the mean threshold."""
+        return float(found.force_standard_error.max()) / self.contacts.mean_threshold
 
     def result(self) -> EnsembleResult:
         """The result of all ranks; every rank must call, and gets the same bits."""
@@ -212,21 +209,20 @@ class Ensemble:
 
     def _judge(self, found: EnsembleResult) -> tuple[bool, str]:
         """Success and message of a result."""
-        largest = float(found.force_standard_error.max()) / self.contacts.mean_threshold
+        largest, more = self._largest(found), self._wanted(found)
         says = f"largest standard error {largest:.2e} with {found.contacts} contacts"
+        if self._tolerance is None and found.contacts == self.total:
+            return True, says
         if self._tolerance is None:
-            if found.contacts == self.total:
-                return True, says
-            many = self.n_replicas if self.drive.spring is not None else self.total
+            many = self._replicas if self.drive.spring is not None else self.total
             return False, f"{says}: stopped before all {many} were followed"
         if largest <= self._tolerance:
             return True, f"{says}, within the tolerance {self._tolerance:.1e}"
-        more, most = self._wanted(found), float(Engine.MOST)
         needs = f"it takes about {more:.1e} contacts"
         if not np.isfinite(largest):
             needs = "take at least two"
-        elif more > most:
-            needs = f"it takes more than {most:.1e} contacts, the most there can be"
+        elif more > Engine.MOST:
+            needs = f"it takes more than {Engine.MOST:.1e} contacts, the most there can be"
         return False, f"{says}, above the tolerance {self._tolerance:.1e}; {needs}"
 
 

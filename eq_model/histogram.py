@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from origins import Contacts, GrainContact
+from origins import Contacts
 from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
@@ -57,11 +57,11 @@ def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
 
 def make_edges(reach: float, largest: float, contacts: Contacts) -> tuple[Array, Array]:
     """Edges of bins for stretches that cannot exceed `reach` and thresholds that cannot exceed `largest` (lengths)."""
-    typical = largest
-    if not isinstance(contacts.grains, GrainContact):  # where thresholds grow, all are typical
-        laws = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
-        final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
-        typical = max(contacts.mean_threshold, final, *(abs(law.mean()) for law in laws))
+    typical = max(contacts.mean_threshold, abs(contacts.start.mean()))
+    if contacts.ageing is not None:
+        typical = max(typical, contacts.ageing.final.mean())
+    if contacts.grains is not None:  # all are typical
+        typical = largest
     # 1 % more, so that stretches of exactly `reach` lie within a bin, not at its edge
     # equal bins extend over 64 typical lengths, so that each is at most 1/32 of one wide
     reach, wide = min(1.01 * reach, largest) or largest, 64.0 * typical

@@ -47,7 +47,7 @@ class Lanes(NamedTuple):
     leg: Whole
     initial: Whole  # 1 for a contact of the start that has not broken
     number: Whole  # index in the block; the lane's next contact is LANES further
-    steps: Whole  # for which the lane has drawn words
+    drawn: Whole  # number of words that the laws have drawn in the lane
 
 
 class Rows(NamedTuple):
@@ -74,98 +74,79 @@ def _bins_of(n, moments, way, bins):  # type: ignore[no-untyped-def]
 
 
 def _advance_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
-    """Move n contacts forward to their breaks, by a law for rows. Returns the number of breaks, and 0 steps."""
-    way, breaks, end = work.way, whole(0), work.way.end
-    x, r, bins, moment = rows.threshold, rows.stretch, rows.bins, lanes.moment
+    """Move n contacts forward to their breaks, by a law for rows. Returns the number of breaks."""
+    way, breaks, end, moment = work.way, whole(0), work.way.end, lanes.moment
+    x, broken, bins = rows.threshold, rows.stretch, rows.bins
     for i in range(unsigned(n) if counts.shape[0] else unsigned(0)):
         rows.drawn[i] = x[i]
-    break_row(law.law, n, x, rows.log_exposure, r)
+    break_row(law.law, n, x, rows.log_exposure, rows.stretch)
     for i in range(unsigned(n)):
-        r[i] = moment[i] - r[i]  # where the contact is relaxed
-        x[i] += r[i]
-        breaks += whole(x[i] <= end)
-    _bins_of(n, x, way, bins)
+        broken[i] = moment[i] - rows.stretch[i] + x[i]
+    _bins_of(n, broken, way, bins)
     for i in range(unsigned(n)):
-        sums[unsigned(bins[i]), 1] += x[i] - r[i]
+        sums[unsigned(bins[i]), 1] += x[i]
     for i in range(unsigned(n) if work.measured else unsigned(0)):
-        j, y = unsigned(bins[i]), x[i] - r[i]
+        j = unsigned(bins[i])
         place = way.bin_positions[min(j, unsigned(way.bin_positions.size - 1))]
-        change = real(y) * real(x[i] + r[i] - 2 * place) * way.square
+        change = real(x[i]) * real(2 * (broken[i] - place) - x[i]) * way.square
         sums[j, 2] += whole(np.floor(0.5 + change))
     for i in range(n if counts.shape[0] else 0):
         if moment[i] <= end:
             for k in range(way.before[bin_of(moment[i], way)], way.before[bins[i]]):
-                look_at(k, r[i], real(rows.drawn[i]), way, counts)
+                look_at(k, broken[i] - x[i], real(rows.drawn[i]), way, counts)
     for i in range(unsigned(n)):
-        over = x[i] > end
+        over = broken[i] > end
+        breaks += whole(not over)
         number = lanes.number[i] + (whole(LANES) if over else whole(0))
         again = whole(0) if number < count else end + 1
-        moment[i] = again if over else x[i]
+        moment[i] = again if over else broken[i]
         lanes.number[i] = number
         lanes.initial[i] = whole(over)
-    return breaks, whole(0)
+    return breaks
 
 
 def _follow_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
-    """Follow one life in each of n lanes, by any law. Returns the numbers of breaks and steps."""
-    breaks, steps, way = whole(0), whole(0), work.way
+    """Follow one life in each of n lanes, by any law. Returns the number of breaks."""
+    breaks, way = whole(0), work.way
     for i in range(unsigned(n)):
-        number, before = lanes.number[i], lanes.steps[i]
+        number = lanes.number[i]
         if number >= count:
             continue
-        contact = Contact(
-            lanes.moment[i],
-            lanes.leg[i],
-            rows.stretch[i],
-            rows.threshold[i],
-            real(rows.log_exposure[i]) * LEVEL_UNIT,
-            real(rows.threshold[i]) / work.mean if work.linked else 1.0,
-            lanes.initial[i] == 0,
-            number % LANES,
-            before,
-            work.stream,
-        )
-        birth = place_of(contact.clock, contact.leg, way) - contact.stretch
+        clock, leg, initial, drawn = lanes.moment[i], lanes.leg[i], lanes.initial[i], lanes.drawn[i]
+        x, r, e = rows.threshold[i], rows.stretch[i], real(rows.log_exposure[i]) * LEVEL_UNIT
+        k = real(x) / work.mean if work.linked else 1.0
+        contact = Contact(clock, leg, r, x, e, k, initial == 0, number % LANES, drawn, work.stream)
+        birth = place_of(clock, leg, way) - r
         found = break_of(law, contact, way, counts)
         moment, leg, holds = found.clock, found.leg, found.clock > way.end
-        if found.held:
-            born, broken = bin_of(contact.clock, way), way.bin_ends.size
-            count_event(whole(1), contact.stiffness, birth, born, work, sums)
-            if not holds:
-                broken = bin_of(moment, way)
-                count_event(whole(-1), contact.stiffness, birth, broken, work, sums)
-                breaks += 1
-            if counts.shape[0]:
-                for k in range(way.before[born], way.before[broken]):
-                    threshold_then = aged_threshold(law, contact, way, way.moments[k])
-                    if threshold_then >= 0.0:
-                        look_at(k, birth, threshold_then, way, counts)
+        born, broken = bin_of(clock, way), way.bin_ends.size
+        count_event(whole(1), k, birth, born, work, sums)
+        if not holds:
+            broken = bin_of(moment, way)
+            count_event(whole(-1), k, birth, broken, work, sums)
+            breaks += whole(moment > clock)
+        if counts.shape[0]:
+            for j in range(way.before[born], way.before[broken]):
+                threshold = aged_threshold(law, contact, way, way.bin_ends[way.watched[j]])
+                if threshold >= 0.0:
+                    look_at(j, birth, threshold, way, counts)
         if not holds and work.wait > 0.0:
             moment, leg = later(moment, leg, work.wait, way)
         over = moment > way.end
-        steps += found.drawn - before
-        lanes.steps[i], lanes.initial[i] = found.drawn, whole(over)
+        lanes.drawn[i], lanes.initial[i] = found.drawn, whole(over)
         lanes.moment[i], lanes.leg[i] = (whole(0), whole(0)) if over else (moment, leg)
         lanes.number[i] += LANES if over else 0
-    return breaks, steps
-
-
-def _count_start(law, count, stretches, work, sums):  # type: ignore[no-untyped-def]
-    """Count the contacts of the start, which in steady motion no row does."""
-    sums[0, 0] += count
-    for stretch in stretches:
-        y, many = -stretch - work.way.bin_positions[0], count // stretches.size
-        sums[0, 1] += many * y
-        sums[0, 2] += many * whole(np.floor(0.5 + real(y) * real(y) * work.way.square))
+    return breaks
 
 
 _row = by_law(lambda law: _advance_row if law is Forward else _follow_row)
-_begin = by_law(lambda law: _count_start if law is Forward else lambda *arguments: None)
+# whether the rows do not count births, so that those of the start are counted beforehand
+_only_breaks = by_law(lambda law: (lambda law: True) if law is Forward else (lambda law: False))
 
 
 @compiled
 def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
-    """Follow one block of contacts to the drive's end. Returns the numbers of breaks and of steps.
+    """Follow one block of contacts to the drive's end. Returns the number of breaks.
 
     sums : increased, as in contact.count_event. counts : increased, as in contact.look_at.
     """
@@ -177,11 +158,16 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
         out = first[part * LANES : (part + 1) * LANES]
         draw_stretches(whole(LANES), part & 3, part >> 2, stream, starts, scratch, out)
     first = first[: count if starts.drawn else 1]
-    _begin(work.law, count, first, work, sums)
+    if _only_breaks(work.law):
+        sums[0, 0] += count
+        for stretch in first:
+            y, many = -stretch - work.way.bin_positions[0], count // first.size
+            sums[0, 1] += many * y
+            sums[0, 2] += many * whole(np.floor(0.5 + real(y) * real(y) * work.way.square))
     state, now = np.zeros((4, LANES), whole), np.zeros((4, LANES), whole)
     lanes = Lanes(state[0], state[1], np.ones(LANES, whole), np.arange(LANES), state[3])
     rows = Rows(now[0], now[1], now[2], now[3], np.zeros(LANES, np.int32))
-    n, turn, breaks, steps = min(LANES, count), whole(0), whole(0), whole(0)
+    n, turn, breaks = min(LANES, count), whole(0), whole(0)
     while n > 0:
         for row in range(whole(4)):
             if again.drawn:
@@ -198,9 +184,7 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
             if work.needs_exposure:
                 words, e = scratch.exposures, rows.log_exposure
                 draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, e)
-            broke, stepped = _row(work.law, n, rows, count, work, lanes, sums, counts)
-            breaks += broke
-            steps += stepped
+            breaks += _row(work.law, n, rows, count, work, lanes, sums, counts)
         turn += 1
         if turn % 4 == 0:
             m = 0
@@ -210,4 +194,4 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
                         values[m] = values[i]
                     m += 1
             n = m
-    return breaks, steps
+    return breaks

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.layout import BLOCK
+from eq_model.blocks import BLOCK
 from origins import Drive
 from origins.errors import InputError
 
@@ -25,44 +25,40 @@ STIFFNESS_UNIT = 2.0**36  # k and k² are summed as whole multiples of 1/STIFFNE
 
 
 class WholeDrive(NamedTuple):
-    """The drive in whole units, for kernels: m legs of one speed each, n bins in the order of the clock, which end at
-    the points of the path and between, and the points at which contacts are counted."""
+    """The drive in whole units, for kernels: m legs of one speed each, and n bins in the order of the clock, which end
+    at the points of the path and between.
 
-    unit: float  # a length
-    bin_of_point: npt.NDArray[np.intp]  # of each point of the drive's path
-    begins: Whole  # (m + 1,): clock at the ends of legs
-    positions: Whole  # (m + 1,): the slider's position there
-    directions: Whole  # (m,): of the motion, 0 in a hold
-    paces: Array  # (m,): time that passes in one unit of the clock
-    bin_ends: Whole  # (n,): the last moment that belongs to each bin
-    bin_positions: (
-        Whole  # (n,): the slider's position there, to which stretches of the bin's events refer
-    )
-    first: npt.NDArray[
-        np.int32
-    ]  # for each cell of the clock, the first bin that ends in it or later
-    shift: np.int64  # cells are 2^shift long
-    even: bool  # each cell is a bin
-    offset: np.int64  # so that (clock + offset) >> shift is the bin, if even
-    end: np.int64  # the last moment of the drive
-    square: float  # whole second moments are this times unit^-2
-    before: Whole = np.zeros(0, np.int64)  # (n + 2,): number of watched points before each bin's
-    moments: Whole = np.zeros(0, np.int64)  # (k,): the last moments that belong to watched points
-    spots: Whole = np.zeros(0, np.int64)  # (k,): the slider's positions there
-    per_stretch: float = 1.0  # histogram bins per unit of |x|
+    unit : a length. bin_of_point : of each point of the drive's path. begins, positions : (m + 1,), the clock and the
+    slider at the ends of legs. directions : (m,), of the motion, 0 in a hold. paces : (m,), time in one unit of the
+    clock. bin_ends, bin_positions : (n,), the last moment that belongs to each bin, and the slider's position there,
+    to which stretches of the bin's events refer.
+
+    first : for each cell of the clock, 2^shift long, the first bin that ends in it or later. even : whether each cell
+    is a bin, that of (clock + offset) >> shift. end : last moment of the drive. square : whole second moments are this
+    times unit^-2.
+
+    watched : (k,), the bins at whose ends contacts are counted. before : (n + 2,), number of them before each bin.
+    per_stretch, per_threshold : bins of histograms per unit of |x|.
+    """
+
+    unit: float
+    bin_of_point: npt.NDArray[np.intp]
+    begins: Whole
+    positions: Whole
+    directions: Whole
+    paces: Array
+    bin_ends: Whole
+    bin_positions: Whole
+    first: npt.NDArray[np.int32]
+    shift: np.int64
+    even: bool
+    offset: np.int64
+    end: np.int64
+    square: float
+    watched: npt.NDArray[np.intp] = np.zeros(0, np.intp)
+    before: npt.NDArray[np.intp] = np.zeros(0, np.intp)
+    per_stretch: float = 1.0
     per_threshold: float = 1.0
-
-    def watched(
-        self, bins: npt.NDArray[np.intp], per_stretch: float, per_threshold: float
-    ) -> "WholeDrive":
-        """This way, with contacts counted at the ends of these bins, in their order."""
-        return self._replace(
-            before=np.searchsorted(bins, np.arange(self.bin_ends.size + 2)),
-            moments=self.bin_ends[bins],
-            spots=self.bin_positions[bins],
-            per_stretch=per_stretch,
-            per_threshold=per_threshold,
-        )
 
 
 def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeDrive:
@@ -73,10 +69,7 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
     Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^21 times.
     """
     legs, clock = _legs(drive, scale)
-    shortest, bins = (
-        scale * 2.0**-20,
-        1024,
-    )  # of a cell; second moments relative to the ends of bins need short bins
+    shortest, bins = scale * 2.0**-20, 1024  # of a cell; second moments need short bins
     length = max(float(clock[-1]), shortest)
     points, spacing = _points(clock, max(scale, length / bins), 4 * clock.size + 4 * bins)
     widest = float(np.diff(points, prepend=0.0).max())
@@ -89,7 +82,7 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
             f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted "
             "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail, or other units"
         )
-    if bits < 24:
+    if bits < 22:
         raise InputError(
             f"path[-1] = {drive.path[-1]:g}: lies {length / scale:.2g} mean thresholds away; the ensemble "
             "follows contacts along a path of at most 8e9 of them"
@@ -102,29 +95,26 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
     moved = np.diff(positions)
     ticks = np.where(moved != 0, np.abs(moved), max(round(scale / unit), 1))
     begins, directions = np.append(0, np.cumsum(ticks)), np.sign(moved)
-    whole = np.rint(points / unit).astype(np.int64)
+    whole, number = np.rint(points / unit).astype(np.int64), np.searchsorted(points, clock)
     if spacing:
         whole = whole[0] + np.arange(whole.size) * (1 << shift)
-    whole, bins_of = np.unique(whole, return_inverse=True)
+        number = np.rint((clock - points[0]) / spacing).astype(np.intp)
+    whole, bin_of = np.unique(whole, return_inverse=True)
     leg = np.clip(np.searchsorted(begins, whole, side="right") - 1, 0, moved.size - 1)
-    at_ends = positions[leg] + directions[leg] * (whole - begins[leg])
     ends = whole + (TIE if exact else 0)
     beyond = max(ends[-1] - begins[-1], 0)
     begins[-1] += beyond
     positions[-1] += directions[-1] * beyond
     first = np.searchsorted(ends, np.arange((int(ends[-1]) >> shift) + 2) << shift)
-    point = np.searchsorted(points, clock)
-    if spacing:
-        point = np.rint((clock - points[0]) / spacing).astype(np.intp)
     return WholeDrive(
         unit,
-        bins_of.reshape(-1)[point],
+        bin_of[number],
         begins,
         positions,
         directions,
         paces=legs[1] / ticks,
         bin_ends=ends,
-        bin_positions=at_ends,
+        bin_positions=positions[leg] + directions[leg] * (whole - begins[leg]),
         first=np.minimum(first, ends.size - 1).astype(np.int32),
         shift=np.int64(shift),
         even=bool(spacing),

@@ -56,16 +56,14 @@ class Reach:
         self.largest = tables_of(contacts)["thresholds"].largest
         born = max(abs(end) for law in laws_of(contacts).values() for end in law.span)
         self.furthest = min(born, self.largest)
-        grains, ageing = contacts.grains, contacts.ageing
-        if grains is not None and grains.age is not None:
+        if (grains := contacts.grains) is not None and grains.age is not None:
             # at the end of the drive, for contacts of the start, the oldest
             oldest = grains.age + float(durations(drive).sum())
             self.largest = max(self.largest, float(grains.quantile(1.0, oldest)))
-        elif ageing is not None and (normal := ageing.normal) is not None:
+        if (ageing := contacts.ageing) is not None:
             # less than one threshold in 1e17 diffuses by more than 9 standard deviations
-            self.largest = max(self.largest, normal.mean) + 9.0 * normal.std
-        elif ageing is not None:
             self.largest = max(self.largest, float(ageing.final.isf(DEEPEST)))
+            self.largest += 9.0 * ageing.normal.std if ageing.normal is not None else 0.0
         self.longest = min(self.largest, float(self.span[-1]) + self.furthest)
 
 
@@ -75,36 +73,34 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
     Raises InputError where it breaks, pins again or takes steps of ageing more than 3e7 times.
     """
     lasts, moved = durations(drive), np.abs(np.diff(drive.path, prepend=0.0))
-    total, often, thermal = float(lasts.sum()), 0.0, contacts.thermal
-    steps = total / law.longest if contacts.ageing is not None else 0.0
-    again, breaks = contacts.reforming, moved.sum() / contacts.mean_threshold
+    total, travel = float(lasts.sum()), float(moved.sum())
+    thermal, again, grains = contacts.thermal, contacts.reforming, contacts.grains
+    often = {"ageing": 0.0 if contacts.ageing is None else total / law.longest}
     if again is not None and again.law.is_single:
         # half of the contacts break again within this distance
-        stretch, law_of_x = abs(again.law.mean()), contacts.thresholds
-        distance = float(law_of_x.isf(0.5 * law_of_x.sf(stretch))) - stretch
-        breaks = moved.sum() / max(distance, 1e-300)
-    if thermal is not None and total > 0.0:
-        often = thermal.rates.scale * total
-        if contacts.grains is None:
-            thresholds = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
-            stiffness = contacts.relative_stiffness(thresholds)
-            # contacts hold longest while they are relaxed, so the number of breaks may be underestimated
-            with np.errstate(over="ignore"):
-                holds = np.exp(-thermal.log_rate(0.0, thresholds, stiffness))
-            often = total / (float(np.minimum(holds, total).mean()) + contacts.waiting_time)
-    if contacts.grains is not None:
-        growth = contacts.grains.growth
+        stretch, thresholds = abs(again.law.mean()), contacts.thresholds
+        distance = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
+        often["reforming"] = travel / max(distance, 1e-300)
+    if thermal is not None and grains is None and total > 0.0:
+        fresh = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
+        # contacts hold longest while they are relaxed, so the number of breaks may be underestimated
+        with np.errstate(over="ignore"):
+            holds = np.exp(-thermal.log_rate(0.0, fresh, contacts.relative_stiffness(fresh)))
+        often["thermal"] = total / (np.minimum(holds, total).mean() + contacts.waiting_time)
+    elif thermal is not None:
+        often["thermal"] = thermal.rates.scale * total
+    if grains is not None:
         # a threshold is at most about alpha (time)^(1/3) / B^(1/2)
         with np.errstate(all="ignore"):
-            holds = np.nan_to_num((growth.alpha * lasts / (np.sqrt(growth.B) * moved)) ** 1.5)
-        often = max(often, float((lasts / (growth.first_pinning_time + holds)).sum()))
-    what = "grains" if thermal is None else "thermal"
-    number, key = max((steps, "ageing"), (breaks * (again is not None), "reforming"), (often, what))
-    if number > 3e7:  # which take some ten seconds without interruption
+            holds = (grains.growth.alpha * lasts / (np.sqrt(grains.growth.B) * moved)) ** 1.5
+        pinned = grains.growth.first_pinning_time + np.nan_to_num(holds)
+        often["grains"] = float((lasts / pinned).sum())
+    key = max(often, key=lambda each: often[each])
+    if often[key] > 3e7:  # which take some ten seconds without interruption
         name = "ages in steps," if key == "ageing" else "breaks"
         raise InputError(
-            f"{key}: each contact {name} about {number:.0e} times on the drive, which takes {total:.1g}; "
+            f"{key}: each contact {name} about {often[key]:.0e} times on the drive, which takes {total:.1g}; "
             "take a shorter or faster drive, other units of time, or the master equation"
         )
-    # seconds of a cold break, of one by heat, and of a step of ageing
-    return 2e-8 * breaks + 1e-7 * often + 2e-7 * steps
+    # seconds of a cold break, and of one under other laws or of a step of ageing
+    return 2e-8 * travel / contacts.mean_threshold + 1e-7 * sum(often.values())

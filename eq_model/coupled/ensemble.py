@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.layout import Blocks
+from eq_model.blocks import Blocks, State
 from eq_model.physics import Reach
 from eq_model.result import SIZES, fields_of
-from eq_model.state import State
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse

@@ -40,17 +40,16 @@ def tables_of(contacts: Contacts) -> dict[str, Table]:
     survival of the thresholds is below 1e-290.
     """
     if contacts not in _known:
-        laws, thresholds, rarest = laws_of(contacts), contacts.thresholds, 1.0
-        for name, law in laws.items():
-            # stretches beyond the largest threshold are drawn again, but the others may come close to it
-            furthest, largest = max(np.abs(law.span)), thresholds.support()[1]
-            survival = float(thresholds.sf(min(furthest, np.nextafter(largest, 0.0))))
-            if survival < 1e-290 and furthest < largest:
-                raise InputError(
-                    f"{name}: reaches |x| = {furthest:g}, where the survival of the thresholds is below 1e-290; use "
-                    f"stretches that contacts can have reached, below {float(thresholds.isf(1e-290)):.6g}"
-                )
-            rarest = min(rarest, max(survival, 1e-290))
+        laws, thresholds = laws_of(contacts), contacts.thresholds
+        furthest = max(abs(end) for law in laws.values() for end in law.span)
+        # stretches beyond the largest threshold are drawn again, but the others may come close to it
+        largest = thresholds.support()[1]
+        rarest = float(thresholds.sf(min(furthest, np.nextafter(largest, 0.0))))
+        if rarest < 1e-290 and furthest < largest:
+            raise InputError(
+                f"{' or '.join(laws)}: reaches |x| = {furthest:g}, where the survival of the thresholds is below "
+                f"1e-290; use stretches that contacts can have reached, below {thresholds.isf(1e-290):.6g}"
+            )
         found = {"thresholds": make_table(thresholds, max(DEEPEST * rarest, 1e-300))}
         spread = ((name, law) for name, law in laws.items() if not law.is_single)
         _known[contacts] = found | {name: make_table(law, name=name) for name, law in spread}

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.compiling import bare, real, whole
-from eq_model.contact import AGED, BREAKS, Break, look_at, place_of, rate_at
+from eq_model.contact import AGED, BREAKS, Break, bin_of, look_at, place_of, rate_at
 from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
 from origins import Ageing, InputError, Thresholds
 
@@ -46,10 +46,11 @@ def make_diffusing(
     from scipy.interpolate import CubicSpline
 
     normal, final, diffusion = ageing.normal, ageing.final, ageing.rate / unit**2
+    heat = 1.0, warm, rates, unit
     if normal is not None:
         # within the longest step, 0.04 of the relaxation time, diffusion is taken as free
         law = normal.mean / unit, normal.std / unit, diffusion, np.zeros(2), 0.0, 1.0
-        return Diffusing(True, *law, 0.04 / normal.rate, 1.0, warm, rates, unit)
+        return Diffusing(True, *law, 0.04 / normal.rate, *heat)
     low, high = final.support()
     if low > 0.0 or high < np.inf:
         raise InputError(
@@ -61,12 +62,9 @@ def make_diffusing(
     # the table ends 1e-5 widths above 0, and where less than 1e-14 of either law lies beyond
     near = max(min(float(final.ppf(1e-14)), float(fresh.ppf(1e-14))), 1e-5 * middle)
     log = np.linspace(np.log(near), np.log(max(final.isf(1e-14), fresh.isf(1e-14))), 4097)
-    slopes, first = (
-        CubicSpline(log, final.logpdf(np.exp(log)))(log, 1),
-        float(log[0] - np.log(unit)),
-    )
-    law = 0.0, 0.0, diffusion, slopes, first, float(log[1] - log[0])
-    return Diffusing(False, *law, 0.005 * middle**2 / ageing.rate, 1.0, warm, rates, unit)
+    slopes = CubicSpline(log, final.logpdf(np.exp(log)))(log, 1)
+    law = 0.0, 0.0, diffusion, slopes, float(log[0] - np.log(unit)), float(log[1] - log[0])
+    return Diffusing(False, *law, 0.005 * middle**2 / ageing.rate, *heat)
 
 
 @bare
@@ -159,20 +157,18 @@ def _steepness(x, y, law):  # type: ignore[no-untyped-def]
 @bare
 def _step(y, x, speed, longest, law):  # type: ignore[no-untyped-def]
     """The time of the next step, at most `longest`; the stretch x >= 0 grows with `speed`."""
-    time = law.longest
     if law.normal:
         # the time in which the threshold cannot come down to the stretch: it diffuses by less than 8 standard
         # deviations, and one above the mean may drift down to that
         gap, spread = max(min(y, law.mean) - x, 0.0), 8.0 * np.sqrt(2.0 * law.diffusion)
         root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
-        time = max(time, root * root)
+        time = max(law.longest, root * root)
     else:  # drifts are steep near 0: a step's standard deviation is at most 0.2 of the way there
-        time = min(time, max((0.2 * y) ** 2 / (2.0 * law.diffusion), 0.01 * time))
-    time = min(time, longest)
+        time = min(law.longest, max((0.2 * y) ** 2 / (2.0 * law.diffusion), 0.01 * law.longest))
     if not law.warm:
-        return time
+        return min(time, longest)
     # the step in which the integral of the breaking rate is small, and its logarithm changes little
-    time = min(time, law.coarse**2 * 0.1 / max(rate_at(x, y, law, 1.0), 1e-300))
+    time = min(time, longest, law.coarse**2 * 0.1 / max(rate_at(x, y, law, 1.0), 1e-300))
     change = law.coarse * 0.6
     pull = law.diffusion * abs((law.mean - y) / law.width**2 if law.normal else _drift(y, law))
     for _ in range(2):  # the rate is steeper, or less so, where the step ends
@@ -184,74 +180,64 @@ def _step(y, x, speed, longest, law):  # type: ignore[no-untyped-def]
 
 def break_diffusing(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact whose threshold diffuses, counted at the watched points on its way."""
-    lane, stream, drawn = contact.lane, contact.stream, contact.drawn
-    begin, leg, moments = contact.clock, contact.leg, way.moments
-    y, stretch = real(contact.threshold), contact.stretch
-    remaining = np.exp(contact.log_exposure)
-    many = moments.size if counts.shape[0] else 0
-    watched = np.searchsorted(moments, begin)
+    lane, stream, drawn, y = contact.lane, contact.stream, contact.drawn, real(contact.threshold)
+    begin, leg, stretch = contact.clock, contact.leg, contact.stretch
+    remaining, watched = np.exp(contact.log_exposure), way.before[bin_of(begin, way)]
     while leg < way.directions.size:
         d, pace, end = way.directions[leg], way.paces[leg], way.begins[leg + 1]
         # on a leg the travel is a float, and is rounded where the contact breaks
         passed, room = 0.0, real(end - begin)
         while room - passed >= 0.5:
-            x, longest, speed = abs(real(stretch) + d * passed), (room - passed) * pace, 0.0
-            if d * (real(stretch) + d * passed) < 0.0:  # a step ends where the contact is relaxed
+            r, longest = real(stretch) + d * passed, (room - passed) * pace
+            x, returns = abs(r), d * r < 0.0
+            if returns:  # a step ends where the contact is relaxed
                 longest = min(longest, max(x, 1.0) * pace)
-            elif d != 0:
-                speed = 1.0 / pace
-            time = _step(y, x, speed, longest, law)
+            time = _step(y, x, 0.0 if returns or d == 0 else 1.0 / pace, longest, law)
             words = words_at(lane, drawn, stream, STEPS)
-            drawn += 1
             ticks, later = time / pace, _moved(y, time, _normal(words), law)
-            then = abs(real(stretch) + d * (passed + ticks))
-            # the stretch is rounded where a leg ends
+            then = abs(r + d * ticks)
             above, below, variance = max(y - x, 0.0), later - then, 2.0 * law.diffusion * time
-            met = 1.0
             broken = below <= 0.0 or _fourth(words) < np.exp(-2.0 * above * below / variance)
+            met = 1.0  # share of the step until the threshold is met
             if broken:
-                words = words_at(lane, drawn, stream, STEPS)
                 drawn += 1
-                spread, bell = np.sqrt(variance), _normal(words)
-                met = _first_meeting(above, below, spread, bell, _fourth(words))
+                words, spread = words_at(lane, drawn, stream, STEPS), np.sqrt(variance)
+                met = _first_meeting(above, below, spread, _normal(words), _fourth(words))
                 below, variance = 0.0, variance * met
+            drawn += 1
             part = met
             if law.warm:
-                reached, first = x + part * (then - x), rate_at(x, y, law, 1.0)
-                last = (
-                    rate_at(reached, reached, law, 1.0)
-                    if broken
-                    else rate_at(then, later, law, 1.0)
-                )
+                reached, first = x + met * (then - x), rate_at(x, y, law, 1.0)
+                last = rate_at(reached, reached if broken else later, law, 1.0)
                 spread = _steepness(min(x, y), y, law)[1] * np.sqrt(variance)
                 # integral of the rate, with ln h linear in time plus a Brownian bridge
                 ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0
                 mean = (last - first) / ratio if abs(ratio) > 1e-4 else 0.5 * (first + last)
-                spent = mean * time * part * (1.0 + min(spread * spread, 1.0) / 12.0)
+                spent = mean * time * met * (1.0 + min(spread * spread, 1.0) / 12.0)
                 if spent >= remaining:
-                    part *= remaining / spent
-                    broken = True
+                    part, broken = met * remaining / spent, True
                 remaining -= spent
             gone = min(whole(np.floor(passed + part * ticks + 0.5)), end - begin)
             until = begin + gone if broken else begin + whole(passed + ticks + 0.5) + 1
-            while watched < many and moments[watched] < until and moments[watched] <= end:
-                share = (real(moments[watched] - begin) - passed) / max(met * ticks, 1.0)
+            while watched < counts.shape[0]:
+                moment = way.bin_ends[way.watched[watched]]
+                if moment >= until or moment > end:
+                    break
+                share = (real(moment - begin) - passed) / max(met * ticks, 1.0)
                 # a path has at most 2^12 watched points
                 turn, low = (drawn << 12) | watched, max(below, 0.0)
                 gap = _between(above, low, max(variance, 1e-300), share, lane, turn, stream)
-                birth = (
-                    place_of(moments[watched], leg, way) - stretch - d * (moments[watched] - begin)
-                )
+                birth = place_of(moment, leg, way) - stretch - d * (moment - begin)
                 look_at(watched, birth, x + share * met * (then - x) + gap, way, counts)
                 watched += 1
             if broken:
-                return Break(begin + gone, leg, drawn, True)
+                return Break(begin + gone, leg, drawn)
             passed += ticks
             y = later
         stretch += d * (end - begin)
         leg += 1
         begin = end
-    return Break(way.begins[way.directions.size] + 1, leg, drawn, True)
+    return Break(way.begins[way.directions.size] + 1, leg, drawn)
 
 
 BREAKS[Diffusing] = break_diffusing

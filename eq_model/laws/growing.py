@@ -133,12 +133,12 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
         while leg < way.directions.size and clock >= way.begins[leg + 1]:
             leg += 1
         if leg == way.directions.size:
-            return Break(way.begins[leg] + 1, leg, drawn, True)
+            return Break(way.begins[leg] + 1, leg, drawn)
         d, pace, room = way.directions[leg], way.paces[leg] / law.first, way.begins[leg + 1] - clock
         # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
         pins = contact.fresh and d != 0 and clock == contact.clock
         if pins and goal <= 4.5 * (law.root / pace) ** 2:
-            return Break(clock, contact.leg, contact.drawn, False)
+            return Break(clock, contact.leg, contact.drawn)
         outward, near, meets = d * x >= 0, abs(real(x)), False
         if d != 0 and not outward:
             room = min(room, abs(x))
@@ -169,11 +169,11 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
                 words = words_at(lane, drawn, stream, STEPS)
                 drawn += 1
                 if uniform(words[0], words[1]) * bound < rate_at(near + sign * passed, y, law, 1.0):
-                    return Break(clock + min(whole(passed + 0.5), room), leg, drawn, True)
+                    return Break(clock + min(whole(passed + 0.5), room), leg, drawn)
                 remaining = -np.log(uniform(words[2], words[3]))
         clock, x, age = clock + room, x + d * room, age + room * pace
         if meets:
-            return Break(clock, leg, drawn, True)
+            return Break(clock, leg, drawn)
 
 
 def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]

@@ -140,7 +140,7 @@ def write_state(file: Path, state: Any, run_keys: dict[str, str]) -> None:
 
 def read_state(file: Path) -> Any:
     """State, and the identity of its run; None for a damaged file. Raises InputError for one of an older version."""
-    from eq_model.state import State
+    from eq_model.blocks import State
 
     try:
         if (contents := read_sealed(file)) is None:
@@ -162,7 +162,7 @@ def identity(scene: Scene) -> dict[str, str]:
     run_keys["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         run_keys["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
-    return {**run_keys, "eq.blocks": "philox-7, 2^14, one table a law", "version": __version__}
+    return {**run_keys, "eq.blocks": "philox-7, blocks of 2^14 to 2^16", "version": __version__}
 
 
 def say(line: str) -> None:
