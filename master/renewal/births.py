@@ -108,30 +108,32 @@ class Panels(NamedTuple):
 
 
 def pieces_between(edges: Array) -> Pieces:
-    """Pieces of the places of birth, which increase with the time of birth, as seen from targets.
-
-    edges : array of shape (targets, n), in any order; those that are equal by rounding count as one
-    """
+    """Pieces of the places of birth as seen from targets, a row of edges for each, in any order; edges
+    that are equal by rounding count as one."""
     edges = np.sort(edges, axis=1)
-    close = CLOSE * (edges[:, -1:] - edges[:, :1])
-    target, piece = np.nonzero(np.diff(edges, axis=1) > close)
-    return Pieces(target, edges[target, piece], edges[target, piece + 1])
+    row, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (edges[:, -1:] - edges[:, :1]))
+    return Pieces(row, edges[row, piece], edges[row, piece + 1])
 
 
 class Nodes(NamedTuple):
-    """Gauss nodes on the parts of pieces that lie on one panel each.
+    """Nodes on the parts of pieces that lie on one panel each.
 
-    piece, target, panel : arrays of shape (parts,), sorted by piece; its target, and the panel
-    share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, and the weight in
-        an integral over the share
+    target, panel : arrays of shape (parts,), in the order of the pieces; the target of the piece, and
+        the panel
+    share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, the place, and the
+        weight in an integral over the share
     """
 
-    piece: Rows
     target: Rows
     panel: Rows
     share: Array
     place: Array
     weight: Array
+
+    def pick(self, which: npt.NDArray[np.bool_]) -> Nodes:
+        """Some of the parts."""
+        share, place, weight = (array[which] for array in (self.share, self.place, self.weight))
+        return Nodes(self.target[which], self.panel[which], share, place, weight)
 
     @classmethod
     def of(cls, ends: Array, pieces: Pieces) -> Nodes:
@@ -147,7 +149,7 @@ class Nodes(NamedTuple):
         high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
         share = low + (high - low) * rule.GAUSS_NODES
         place, weight = begin + width * share, (high - low) * rule.GAUSS_WEIGHTS
-        return cls(piece, target[piece], panel, share, place, weight)
+        return cls(target[piece], panel, share, place, weight)
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
@@ -157,15 +159,9 @@ def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) ->
     slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
     left, right : arrays of shape (pieces,), places
     """
-    if not left.size:
-        return np.zeros((0, size))
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
-    if nodes.piece.size > 100_000 and left.size > 1:  # more would take some 100 MB
-        half = left.size // 2
-        parts = (slice(None, half), slice(half, None))
-        return np.concatenate([moments(ends, slopes, left[i], right[i], size) for i in parts])
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
-    middle, width = (left + right)[nodes.piece, None], (right - left)[nodes.piece, None]
+    middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
     z = np.clip((2.0 * nodes.place - middle) / width, -1.0, 1.0)
     weights = (born[:, None] @ legendre.legvander(z, size - 1))[:, 0]
-    return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.piece, prepend=-1)))
+    return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))
