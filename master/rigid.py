@@ -55,10 +55,10 @@ def solve_rigid(
     march = march_of(contacts, motion, life, tolerance, until).run()
     kept = np.full(moments.size, True)
     if march.unfinished:
-        kept = (moments <= march.reached * (1.0 + 1e-12)) & bool(march.begin)
+        kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
     error = error_of(march, mean)
     progress(error)
-    at = march.begin[int(np.argmax(march.wrong))] if march.begin else 0.0
+    at = march.begin[int(np.argmax(march.wrong))] if march.begin.size else 0.0
     near = f"above the tolerance {tolerance:.1e}, near X = {motion.at(np.array(at)):.6g}"
     reason = f"error estimate {error:.1e} is {near}; loosen the tolerance"
     success, message = outcome(contacts, error, tolerance, reason)
@@ -174,7 +174,7 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
 
 def error_of(march: March, mean: float) -> float:
     """Bound on the error of the force, in mean thresholds: panels, the life itself, round-off."""
-    wrong = max(march.wrong, default=np.inf) + march.life_error
+    wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
     return float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
 
 
@@ -188,7 +188,7 @@ def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> floa
 
 def force_at(march: March, t: Array) -> Array:
     """Force at times t, shape (n,) (paper, Eq. Q6); where it jumps, after the jump."""
-    return _read(march, np.array(march.force), np.minimum(t, march.steady_since))
+    return _read(march, march.force, np.minimum(t, march.steady_since))
 
 
 def holding_at(march: March, t: Array) -> Array:
@@ -201,9 +201,8 @@ def holding_at(march: March, t: Array) -> Array:
 
 def breaks_until(march: March, t: Array) -> Array:
     """Breaks per contact up to times t, those of lumps included; 0 before t = 0."""
-    breaks = np.array(march.breaks)
-    before = np.append(0.0, np.cumsum(breaks[:-1, -1]))
-    out = _read(march, before[:, None] + breaks, np.maximum(t, 0.0))
+    before = np.append(0.0, np.cumsum(march.breaks[:-1, -1]))
+    out = _read(march, before[:, None] + march.breaks, np.maximum(t, 0.0))
     for lump in march.lumps[1:]:
         out = out + lump.weight * (t >= lump.time - march.births.delay)
     return np.where(t < 0.0, 0.0, out)
@@ -211,7 +210,7 @@ def breaks_until(march: March, t: Array) -> Array:
 
 def _read(march: March, values: Array, t: Array) -> Array:
     """At times t, polynomials with these values at the beginning and the nodes of each panel."""
-    begin, width = np.array(march.begin), np.array(march.width)
+    begin, width = march.begin, march.width
     near = begin * (1.0 - CLOSE) - CLOSE * width.min()
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)

@@ -155,8 +155,7 @@ def _density(march: March, t: float, x: Array) -> Array:
         history = motion.history(at, np.zeros((inside.size, 1)))
         held = life.left(origin[inside, None], history)[0, :, 0]
         out[inside] = start.pdf(origin[inside]) * held
-    begin, width = np.array(march.begin), np.array(march.width)
-    slopes = np.array(march.breaks) @ rule.SLOPES.T
+    begin, width, slopes = march.begin, march.width, march.breaks @ rule.SLOPES.T
     for leg in np.flatnonzero(motion.speeds):
         first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
         speed = float(motion.speeds[leg])

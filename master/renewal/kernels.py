@@ -267,7 +267,7 @@ class Kernels:
         return nodes, nodes.weight * held
 
 
-def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float) -> Run:
+def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:
     """Solve panels of one width by conservation.
 
     known : array of shape (2, panels, TARGETS.size), number and force without the contributions of
@@ -279,7 +279,7 @@ def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float
     before = min(kernel.values.shape[0], len(earlier) + count) - 1
     panels = np.zeros((before + count, size))
     kept = min(len(earlier), before)
-    panels[before - kept : before] = earlier[len(earlier) - kept :] or np.zeros((0, size))
+    panels[before - kept : before] = earlier[len(earlier) - kept :]
     # the farthest panels first, the order in which `panels` holds them
     far = kernel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
     both = known.swapaxes(0, 1).reshape(count, -1)
