@@ -75,18 +75,15 @@ class Births:
         self.work += pieces * cost * (1 if self.law.is_single else 40)
 
 
-@dataclass
-class Lump:
+class Lump(NamedTuple):
     """Contacts that were born at one moment, or hold at t = 0 (paper, Eqs. Q7b and Q6e).
 
     time : of the birth; weight : share of all contacts; law : of the stretches at birth
-    holds : whether any of them still hold
     """
 
     time: float
     weight: float
     law: Start
-    holds: bool = True
 
 
 class Panels(NamedTuple):
@@ -105,6 +102,10 @@ class Panels(NamedTuple):
     def middle_of_births(self, delay: float) -> Array:
         """Times in the middle of the births, one delay after the breaks."""
         return self.begin + 0.5 * self.width + delay
+
+    def born(self, leg_begin: Array | float, delay: float) -> Array:
+        """When their births begin, counted from the beginning of the leg on which these are."""
+        return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
 
 
 def pieces_between(edges: Array) -> Pieces:

@@ -15,7 +15,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterator
 from copy import copy
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -241,12 +240,11 @@ class March:
 
     def on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t on a leg, counted from its beginning, of births on it."""
-        begin, since, width, breaks = panels
-        if not begin.size:
+        if not panels.begin.size:
             return np.zeros((2, t.size))
-        leg_begin, speed = self.motion.times[leg], float(self.motion.speeds[leg])
-        born = np.where(begin >= leg_begin, since, begin - leg_begin) + self.births.delay
-        return self.kernels.sums(speed, t, np.append(born, born[-1] + width[-1]), breaks)
+        born = panels.born(self.motion.times[leg], self.births.delay)
+        ends = np.append(born, born[-1] + panels.width[-1])
+        return self.kernels.sums(float(self.motion.speeds[leg]), t, ends, panels.breaks)
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a new lump of the contacts that reach an exact threshold, together, at the edge t."""
@@ -276,8 +274,7 @@ class March:
             other.width[-1] = width
             for values in (other.breaks, other.force):
                 values[-1] = to_part @ values[-1]
-        past = [lump for lump in self.lumps[1:] if lump.time < t]
-        other.lumps = [replace(lump, holds=True) for lump in [self.lumps[0], *past]]
+        other.lumps = [self.lumps[0], *(lump for lump in self.lumps[1:] if lump.time < t)]
         return other
 
     def hold(self, begin: float, end: float) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.averages import Pieces
+from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import (
     CLOSE,
@@ -31,6 +32,7 @@ from master.renewal.births import (
     Rows,
     pieces_between,
 )
+from origins.start import Start
 
 if TYPE_CHECKING:
     from master.renewal.strand_births import StrandBirths
@@ -87,9 +89,7 @@ class Past:
         self.first = int(np.searchsorted(born, self.began))
         legs = whole.leg(born[: self.first])
         panels = Panels(*(part[: self.first] for part in panels))
-        if delay > 0.0:
-            since = np.maximum(panels.begin + delay - whole.times[legs], 0.0)
-            panels = panels._replace(since=since)
+        panels = panels._replace(since=panels.born(whole.times[legs], delay))
         if self._life.has_strands:
             self._follow(range(max(before, 0), leg), panels, legs)
             return
@@ -117,21 +117,26 @@ class Past:
 
         The middle column decides on which side of an exact threshold a row lies.
         """
-        births, middle = self._births, grid[:, grid.shape[1] // 2]
+        births, motion, middle = self._births, self._motion, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
-        for lump in (lump for lump in lumps if lump.holds):
-            s, (low, high) = np.full((1, 1), lump.time - self.began), lump.law.span
-            if s < first:
-                moved = self._motion.history(first, s)
-                least = max(low + moved.high[0, 0], -(high + moved.low[0, 0]))
-                lump.holds = bool(least <= self._life.reach)
-            early = middle < s[0, 0]  # still out
-            out[0, early] += lump.weight
-            if lump.holds and not early.all():
-                births.count(grid.shape[0])
-                history = self._motion.history(grid[~early], s)
-                out[:, ~early] += lump.weight * self._life.left(lump.law, history)
+        for law, some in ((lumps[0].law, lumps[:1]), (births.law, lumps[1:])):
+            time, weight = np.array([[lump.time, lump.weight] for lump in some]).reshape(-1, 2).T
+            s = time[:, None] - self.began
+            out[0] += (weight @ (s > middle))[:, None]  # still out
+            felt = (s >= first) | self._hold(law, motion.history(first, s))[:, None]
+            lump, row = np.nonzero(felt & (s <= middle))
+            if row.size:
+                births.count(row.size)
+                held = self._life.left(law, motion.history(grid[row], s[lump]))
+                for sums, added in zip(out, weight[lump, None] * held, strict=True):
+                    np.add.at(sums, row, added)
         return out
+
+    def _hold(self, law: Start, history: History) -> npt.NDArray[np.bool_]:
+        """Whether any contacts born at stretches of a law, with the moves of a row, hold; shape (rows,)."""
+        low, high = law.span
+        highs, lows = history.high.min(axis=1), history.low.max(axis=1)
+        return np.maximum(low + highs, -(high + lows)) <= self._life.reach
 
     def _follow(self, legs_before: range, panels: Panels, legs: Rows) -> None:
         """Make strands of the births on some legs, and follow all strands to the present leg."""
@@ -236,8 +241,5 @@ class Past:
         target = owner // self._legs.size
         shares = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
         place = begin[:, None] + (end - begin)[:, None] * shares
-        history, (lowest, highest) = motion.history(t[target, None], place), law.span
-        highs, lows = history.high.min(axis=1), history.low.max(axis=1)
-        return Pieces(target, begin, end).pick(
-            np.maximum(lowest + highs, -(highest + lows)) < life.reach
-        )
+        held = self._hold(law, motion.history(t[target, None], place))
+        return Pieces(target, begin, end).pick(held)
