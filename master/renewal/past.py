@@ -75,7 +75,8 @@ class Past:
         # many legs may be dropped: each is this much smaller
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
-        self._over: set[int] = set()  # legs of whose births hardly any hold
+        # legs of whose births hardly any hold: left out, and to be left out on the next leg
+        self._over, self._faded = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
         self._wide = np.inf  # the slider's way on a panel for which few times do not suffice
@@ -96,14 +97,11 @@ class Past:
         begin = self._motion.times[legs] + panels.since
         self._ends = np.append(begin, begin[-1:] + panels.width[-1:])
         self._slopes = panels.breaks @ rule.SLOPES.T
+        self._leg_of = legs
+        few = np.bincount(legs, np.abs(panels.breaks).max(axis=1), leg) <= self._negligible
+        self._over |= self._faded | set(np.flatnonzero(few).tolist())
         self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
-        if self._legs.size:
-            held = np.zeros(leg)
-            for nodes, (number, _) in self._resolved(np.array([TINY])):
-                np.add.at(held, legs[nodes.panel], number)
-            over = held[self._legs] <= self._negligible
-            self._over.update(self._legs[over].tolist())
-            self._legs = self._legs[~over]
+        self._faded = set()
 
     def at(self, x: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force at times x, in rows, of births on the legs before, and of all lumps.
@@ -179,9 +177,13 @@ class Past:
         out = np.zeros((2, t.size))
         for strand in self._strands:
             out += strand.sums(t)
+        held = np.zeros(self.leg)  # by leg, at the latest time
         for nodes, found in self._resolved(t):
             for sums, added in zip(out, found, strict=True):
                 sums += np.bincount(nodes.target, added, t.size)
+            late = t[nodes.target] == t.max()
+            held += np.bincount(self._leg_of[nodes.panel[late]], found[0, late], held.size)
+        self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
         return out.reshape(2, *grid.shape)
 
     def _resolved(self, t: Array) -> Iterator[tuple[Nodes, Array]]:
