@@ -44,7 +44,7 @@ def solve_rigid(
     progress: Progress,
     until: float = np.inf,
 ) -> Solution:
-    """F along the path of a rigid slider, for contacts of any life; see `solve`.
+    """F along the path of a rigid slider (paper, Eq. Q6), for contacts of any life; see `solve`.
 
     until : reading of time.monotonic() at which to stop
     """
@@ -53,9 +53,8 @@ def solve_rigid(
     motion, moments = motion_of(drive, mean, timeless)
     check_lives(contacts, motion, life)
     march = march_of(contacts, motion, life, tolerance, until).run()
-    kept = np.full(moments.size, True)
-    if march.unfinished:
-        kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
+    kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
+    kept |= not march.unfinished
     error = error_of(march, mean)
     progress(error)
     at = march.begin[int(np.argmax(march.wrong))] if march.begin.size else 0.0
@@ -65,14 +64,15 @@ def solve_rigid(
     if march.unfinished:
         end = f"X = {motion.at(np.array(march.reached)):.6g}"
         success, message = False, f"stopped at {end} by wall_time; the path is cut there"
+    t = np.minimum(moments[kept], march.steady_since)
     return Solution(
         path=drive.path[kept],
         time=times_of(drive)[kept],
-        force=force_at(march, moments[kept]) if kept.any() else np.empty(0),
+        force=_read(march, march.force, t),
         force_error=error,
-        holding=holding_at(march, moments[kept]) if kept.any() else np.empty(0),
+        holding=holding_at(march, t),
         run_time=clock.perf_counter() - began,
-        nodes=len(march.breaks) * rule.DEGREE,
+        nodes=march.begin.size * rule.DEGREE,
         success=success,
         message=message,
         _march=march,
@@ -186,14 +186,9 @@ def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> floa
     return ROUND_OFF * (1.0 + way / mean)
 
 
-def force_at(march: March, t: Array) -> Array:
-    """Force at times t, shape (n,) (paper, Eq. Q6); where it jumps, after the jump."""
-    return _read(march, march.force, np.minimum(t, march.steady_since))
-
-
 def holding_at(march: March, t: Array) -> Array:
     """Share of the contacts that hold at times t: all but those that broke within the last delay."""
-    delay, t = march.births.delay, np.minimum(t, march.steady_since)
+    delay = march.births.delay
     if not delay > 0.0:
         return np.ones(t.size)
     return 1.0 - breaks_until(march, t) + breaks_until(march, t - delay)
@@ -209,9 +204,10 @@ def breaks_until(march: March, t: Array) -> Array:
 
 
 def _read(march: March, values: Array, t: Array) -> Array:
-    """At times t, polynomials with these values at the beginning and the nodes of each panel."""
+    """At times t, polynomials with these values at the beginning and the nodes of each panel; after a
+    jump where they jump."""
     begin, width = march.begin, march.width
-    near = begin * (1.0 - CLOSE) - CLOSE * width.min()
+    near = begin * (1.0 - CLOSE) - CLOSE * width.min(initial=np.inf)
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))
