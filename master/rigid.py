@@ -154,15 +154,15 @@ def march_of(
     allowed = max(of_panels * mean / stretch, FINEST)
     # a panel sums some hundred integrals over births
     accuracy = max(3e-3 * allowed, 1e-15)
-    births = Births(life, again, motion, contacts.waiting_time, accuracy)
-    plan = edges(motion, life, contacts.start, again, contacts.waiting_time, allowed)
+    births = Births(life, again, motion, contacts.waiting_time, accuracy, until)
+    plan = edges(births, contacts.start, allowed)
     if plan.too_many_jumps:
         raise InputError(
             "thresholds: exact values break together more often on this path than can be followed; "
             "give them a width, as in gaussian(mean, std), or shorten the path"
         )
     grain = GRAINS * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
-    return March(births, contacts.start, plan.times, allowed, grain, stretch, until)
+    return March(births, contacts.start, plan.times, allowed, grain, stretch)
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:

@@ -58,6 +58,8 @@ class Births:
         Time for which a broken contact is out, in the unit of the motion's times.
     accuracy : float
         Aimed-at error of the number that the births on one leg contribute.
+    until : float
+        Reading of time.monotonic() at which to stop, and after which no piece is halved.
     work : int
         Pieces of births integrated so far, times their cost; it may be limited.
     """
@@ -67,6 +69,7 @@ class Births:
     motion: Motion
     delay: float = 0.0
     accuracy: float = 1e-15
+    until: float = np.inf
     work: int = 0
 
     def count(self, pieces: int) -> None:

@@ -45,8 +45,6 @@ class March:
         Length over which the number of breaks has to be resolved: the first guess of a panel.
     stretch : float
         The longest |x| that a contact may have: an error of the number times this is one of the force.
-    until : float
-        Reading of time.monotonic() at which to stop.
 
     Attributes
     ----------
@@ -70,16 +68,15 @@ class March:
         tolerance: float,
         grain: float,
         stretch: float,
-        until: float = np.inf,
     ) -> None:
         """Begin with the start as the only lump, before the first panel."""
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
-        self.stretch, self.until, self.unfinished = stretch, until, False
+        self.stretch, self.unfinished = stretch, False
         self.begin = self.since = self.width = self.wrong = np.empty(0)
         self.breaks = self.force = np.empty((0, rule.DEGREE + 1))
         self.lumps = [Lump(0.0, 1.0, start)]
-        self.kernels, self._past = Kernels(births), Past(births, until)
+        self.kernels, self._past = Kernels(births), Past(births)
         self.steady_since = self.widest = np.inf
 
     @property
@@ -127,7 +124,7 @@ class March:
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
         narrowest = min(grain, end - begin) * (1e-10 if quick else 1e-18)
         while end - t > 1e-9 * min(self.widest, end - begin):
-            if clock.monotonic() > self.until:
+            if clock.monotonic() > self.births.until:
                 self.unfinished = True
                 break
             left = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
@@ -263,7 +260,7 @@ class March:
         births : along a motion that is the same up to t, of the same life, which is timeless
         """
         other, births.work = copy(self), self.births.work
-        other.births, other.motion, other._past = births, births.motion, Past(births, self.until)
+        other.births, other.motion, other._past = births, births.motion, Past(births)
         other.widest = min(self.widest, self.grain)
         begun = int(np.searchsorted(self.begin, t - 1e-9 * self.grain))
         for name in ("begin", "since", "width", "breaks", "force", "wrong"):

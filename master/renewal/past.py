@@ -52,12 +52,6 @@ INSIDE = 1e-9
 class Past:
     """Births on the legs before one leg of the motion.
 
-    Parameters
-    ----------
-    births : Births
-    until : float
-        Reading of time.monotonic() after which no piece is halved.
-
     Attributes
     ----------
     leg, first : int
@@ -68,8 +62,8 @@ class Past:
         Bound on the error of the number, the largest of all legs so far.
     """
 
-    def __init__(self, births: Births, until: float) -> None:
-        self._births, self._life, self._until = births, births.life, until
+    def __init__(self, births: Births) -> None:
+        self._births, self._life = births, births.life
         # sums of survivals that take long to compute are less accurate
         self._accuracy = births.accuracy * (1.0 if births.life.quick else 30.0)
         # many legs may be dropped: each is this much smaller
@@ -209,7 +203,7 @@ class Past:
             wrong *= np.abs(born).sum(axis=1)
             narrowest = CLOSE * np.diff(self._ends)[nodes.panel] + 1e-14 * np.abs(first[:, 0])
             rough = (wrong > self._accuracy) & ((last - first)[:, 0] > narrowest)
-            if births.work > MOST_WORK or clock.monotonic() > self._until:
+            if births.work > MOST_WORK or clock.monotonic() > births.until:
                 self.error = max(self.error, float(wrong[rough].sum()))
                 rough[:] = False
             yield nodes.pick(~rough), (held * (born @ rule.finer(size).T)).sum(axis=-1)[:, ~rough]
