@@ -39,10 +39,11 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-# Nodes on which the survival is tried first where it takes long to compute, and times from which
-# sums are interpolated on short legs.
+# Where the survival takes long: nodes of a part that are tried first, and times from which the sums
+# are interpolated on short legs.
 FEW, TIMES = 8, 11
-# The error of a sum over a part, to the last coefficients of the survival there: births hardly vary.
+# Error of a sum over births on a part, over the last coefficients of the survival there: some 1e-3
+# where both are smooth.
 SMOOTH = 0.03
 # The survival jumps at exact thresholds: it is evaluated this share of a piece inside its ends, and on
 # panels that begin or end there, this share of the panel inside.
@@ -69,7 +70,7 @@ class Past:
         # many legs may be dropped: each is this much smaller
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
-        # legs of whose births hardly any hold: left out, and to be left out on the next leg
+        # legs of whose births hardly any hold: left out, and to be left out from the next leg on
         self._over, self._faded = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
