@@ -151,8 +151,9 @@ class Nodes(NamedTuple):
         begin, width = ends[panel, None], np.maximum(np.diff(ends)[panel], TINY)[:, None]
         low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
         high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
-        share = low + (high - low) * rule.GAUSS_NODES
-        place, weight = begin + width * share, (high - low) * rule.GAUSS_WEIGHTS
+        lobatto = rule.lobatto(rule.GAUSS)
+        share = low + (high - low) * lobatto.nodes
+        place, weight = begin + width * share, (high - low) * lobatto.series[:, 0]
         return cls(target[piece], panel, share, place, weight)
 
 

@@ -42,9 +42,6 @@ Array = npt.NDArray[np.float64]
 # Where the survival takes long: nodes of a part that are tried first, and times from which the sums
 # are interpolated on short legs.
 FEW, TIMES = 8, 11
-# Error of a sum over births on a part, over the last coefficients of the survival there: some 1e-3
-# where both are smooth.
-SMOOTH = 0.03
 # The survival jumps at exact thresholds: it is evaluated this share of a piece inside its ends, and on
 # panels that begin or end there, this share of the panel inside.
 INSIDE = 1e-9
@@ -200,8 +197,7 @@ class Past:
             slopes = self._slopes[nodes.panel]
             born = rule.legendre_sum(slopes, 2.0 * nodes.share - 1.0) * nodes.weight
             tail = np.abs(held @ few.tails).max(axis=-1)
-            wrong = SMOOTH * np.maximum(tail[0], tail[1] / self._life.reach)
-            wrong *= np.abs(born).sum(axis=1)
+            wrong = np.maximum(tail[0], tail[1] / self._life.reach) * np.abs(born).sum(axis=1)
             narrowest = CLOSE * np.diff(self._ends)[nodes.panel] + 1e-14 * np.abs(first[:, 0])
             rough = (wrong > self._accuracy) & ((last - first)[:, 0] > narrowest)
             if births.work > MOST_WORK or clock.monotonic() > births.until:

@@ -19,8 +19,7 @@ Array = npt.NDArray[np.float64]
 # Degree of a panel's polynomial: 12 needs more panels for the same error, 20 needs more work on each
 # (measured on Gaussian thresholds to 1e-10).
 DEGREE = 16
-# Gauss-Lobatto nodes of an integral over one panel: exact for a product of polynomials of degrees 16
-# and 17.
+# Nodes of an integral over one panel: exact for a product of polynomials of degrees 16 and 17.
 GAUSS = 18
 
 
@@ -59,8 +58,8 @@ def lobatto(size: int) -> Points:
 
 @lru_cache
 def finer(size: int) -> Array:
-    """The matrix from values at lobatto(size) to those at GAUSS_NODES, shape (size, GAUSS)."""
-    return lobatto(size).at(GAUSS_NODES)
+    """The matrix from values at lobatto(size) to those at lobatto(GAUSS), shape (size, GAUSS)."""
+    return lobatto(size).at(lobatto(GAUSS).nodes)
 
 
 def _radau() -> Array:
@@ -74,7 +73,7 @@ def _radau() -> Array:
 NODES: Array = _radau()
 # Shares midway between nodes, throughout the panel, at which its error is sampled.
 CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
-GAUSS_NODES, GAUSS_WEIGHTS = lobatto(GAUSS).nodes, lobatto(GAUSS).series[:, 0]
+GAUSS_NODES, GAUSS_WEIGHTS = gauss(GAUSS).nodes, gauss(GAUSS).series[:, 0]
 # Matrix from values at share 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
 
