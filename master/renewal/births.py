@@ -134,11 +134,6 @@ class Nodes(NamedTuple):
     place: Array
     weight: Array
 
-    def pick(self, which: npt.NDArray[np.bool_]) -> Nodes:
-        """Some of the parts."""
-        share, place, weight = (array[which] for array in (self.share, self.place, self.weight))
-        return Nodes(self.target[which], self.panel[which], share, place, weight)
-
     @classmethod
     def of(cls, ends: Array, pieces: Pieces) -> Nodes:
         """From panels with these ends, shape (panels + 1,), and pieces; each lies on some panel."""
@@ -164,6 +159,8 @@ def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) ->
     slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
     left, right : arrays of shape (pieces,), places
     """
+    if not left.size:
+        return np.zeros((0, size))
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]

@@ -27,9 +27,9 @@ from master.renewal.births import (
     TINY,
     Births,
     Lump,
-    Nodes,
     Panels,
     Rows,
+    moments,
     pieces_between,
 )
 from origins.start import Start
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-# Where the survival takes long: nodes of a part that are tried first, and times from which the sums
+# Where the survival takes long: nodes of a piece that are tried first, and times from which the sums
 # are interpolated on short legs.
 FEW, TIMES = 8, 11
 # The survival jumps at exact thresholds: it is evaluated this share of a piece inside its ends, and on
@@ -89,7 +89,7 @@ class Past:
         begin = self._motion.times[legs] + panels.since
         self._ends = np.append(begin, begin[-1:] + panels.width[-1:])
         self._slopes = panels.breaks @ rule.SLOPES.T
-        self._leg_of = legs
+        self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
         few = np.bincount(legs, np.abs(panels.breaks).max(axis=1), leg) <= self._negligible
         self._over |= self._faded | set(np.flatnonzero(few).tolist())
         self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
@@ -170,44 +170,48 @@ class Past:
         for strand in self._strands:
             out += strand.sums(t)
         held = np.zeros(self.leg)  # by leg, at the latest time
-        for nodes, found in self._resolved(t):
+        for (owner, low, high), found in self._resolved(t):
             for sums, added in zip(out, found, strict=True):
-                sums += np.bincount(nodes.target, added, t.size)
-            late = t[nodes.target] == t.max()
-            held += np.bincount(self._leg_of[nodes.panel[late]], found[0, late], held.size)
+                sums += np.bincount(owner, added, t.size)
+            late = t[owner] == t.max()
+            leg = self._motion.leg(0.5 * (low + high)[late])
+            held += np.bincount(leg, found[0, late], held.size)
         self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
         return out.reshape(2, *grid.shape)
 
-    def _resolved(self, t: Array) -> Iterator[tuple[Nodes, Array]]:
-        """Parts of the births, as seen from times t, and their number and force, shape (2, parts).
+    def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
+        """Pieces of the births, as seen from times t, and their number and force, shape (2, pieces).
 
-        Parts are halved until the survival is a polynomial on each.
+        Pieces are halved until the survival is a polynomial on each.
         """
         if not self._legs.size:
             return
-        births, nodes = self._births, Nodes.of(self._ends, self._pieces(t))
-        # between exact thresholds a part is looked at just inside its ends
+        births, pieces = self._births, self._pieces(t)
+        # between exact thresholds a piece is looked at just inside its ends
         inside = INSIDE if self._life.atoms.size else 0.0
         size = rule.GAUSS if self._life.quick else FEW
-        while nodes.target.size:
-            few, first, last = rule.lobatto(size), nodes.place[:, :1], nodes.place[:, -1:]
-            place = first + (last - first) * np.clip(few.nodes, inside, 1.0 - inside)
-            births.count(nodes.target.size)
-            held = self._life.left(births.law, self._motion.history(t[nodes.target, None], place))
-            slopes = self._slopes[nodes.panel]
-            born = rule.legendre_sum(slopes, 2.0 * nodes.share - 1.0) * nodes.weight
-            tail = np.abs(held @ few.tails).max(axis=-1)
-            wrong = np.maximum(tail[0], tail[1] / self._life.reach) * np.abs(born).sum(axis=1)
-            narrowest = CLOSE * np.diff(self._ends)[nodes.panel] + 1e-14 * np.abs(first[:, 0])
-            rough = (wrong > self._accuracy) & ((last - first)[:, 0] > narrowest)
+        while pieces.owner.size:
+            owner, low, high = pieces
+            few = rule.lobatto(size)
+            share = np.clip(few.nodes, inside, 1.0 - inside)
+            place = low[:, None] + (high - low)[:, None] * share
+            births.count(owner.size)
+            held = self._life.left(births.law, self._motion.history(t[owner, None], place))
+            series = held @ few.series
+            born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
+            tail = np.abs(series[..., -2:]).max(axis=-1)
+            wrong = np.maximum(tail[0], tail[1] / self._life.reach) * born
+            leg = self._motion.leg(place[:, 1])
+            narrowest = CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
+            rough = (wrong > self._accuracy) & (high - low > narrowest)
             if births.work > MOST_WORK or clock.monotonic() > births.until:
                 self.error = max(self.error, float(wrong[rough].sum()))
                 rough[:] = False
-            yield nodes.pick(~rough), (held * (born @ rule.finer(size).T)).sum(axis=-1)[:, ~rough]
-            nodes = nodes.pick(rough)
-            if size == rule.GAUSS:
-                pieces = Pieces(nodes.target, nodes.place[:, 0], nodes.place[:, -1])
-                nodes = Nodes.of(self._ends, pieces.halves())
+            good = pieces.pick(~rough)
+            weights = moments(self._ends, self._slopes, good.low, good.high, size)
+            yield good, (series[:, ~rough] * weights).sum(axis=-1)
+            pieces = pieces.pick(rough)
+            pieces = pieces.halves() if size == rule.GAUSS else pieces
             size = rule.GAUSS
 
     def _pieces(self, t: Array) -> Pieces:

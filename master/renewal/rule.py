@@ -56,12 +56,6 @@ def lobatto(size: int) -> Points:
     return Points(np.concatenate([[-1.0], inner, [1.0]]))
 
 
-@lru_cache
-def finer(size: int) -> Array:
-    """The matrix from values at lobatto(size) to those at lobatto(GAUSS), shape (size, GAUSS)."""
-    return lobatto(size).at(lobatto(GAUSS).nodes)
-
-
 def _radau() -> Array:
     """Right Radau nodes on (0, 1], the roots of P_(n-1) - P_n."""
     coefficients = np.zeros(DEGREE + 1)
