@@ -44,7 +44,7 @@ def solve_rigid(
     progress: Progress,
     until: float = np.inf,
 ) -> Solution:
-    """F along the path of a rigid slider, for contacts of any life; see `solve`.
+    """F along the path of a rigid slider (paper, Eq. Q6), for contacts of any life; see `solve`.
 
     until : reading of time.monotonic() at which to stop
     """
@@ -53,26 +53,26 @@ def solve_rigid(
     motion, moments = motion_of(drive, mean, timeless)
     check_lives(contacts, motion, life)
     march = march_of(contacts, motion, life, tolerance, until).run()
-    kept = np.full(moments.size, True)
-    if march.unfinished:
-        kept = (moments <= march.reached * (1.0 + 1e-12)) & bool(march.begin)
+    kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
+    kept |= not march.unfinished
     error = error_of(march, mean)
     progress(error)
-    at = march.begin[int(np.argmax(march.wrong))] if march.begin else 0.0
+    at = march.begin[int(np.argmax(march.wrong))] if march.begin.size else 0.0
     near = f"above the tolerance {tolerance:.1e}, near X = {motion.at(np.array(at)):.6g}"
     reason = f"error estimate {error:.1e} is {near}; loosen the tolerance"
     success, message = outcome(contacts, error, tolerance, reason)
     if march.unfinished:
         end = f"X = {motion.at(np.array(march.reached)):.6g}"
         success, message = False, f"stopped at {end} by wall_time; the path is cut there"
+    t = np.minimum(moments[kept], march.steady_since)
     return Solution(
         path=drive.path[kept],
         time=times_of(drive)[kept],
-        force=force_at(march, moments[kept]) if kept.any() else np.empty(0),
+        force=_read(march, march.force, t),
         force_error=error,
-        holding=holding_at(march, moments[kept]) if kept.any() else np.empty(0),
+        holding=holding_at(march, t),
         run_time=clock.perf_counter() - began,
-        nodes=len(march.breaks) * rule.DEGREE,
+        nodes=march.begin.size * rule.DEGREE,
         success=success,
         message=message,
         _march=march,
@@ -154,15 +154,15 @@ def march_of(
     allowed = max(of_panels * mean / stretch, FINEST)
     # a panel sums some hundred integrals over births
     accuracy = max(3e-3 * allowed, 1e-15)
-    births = Births(life, again, motion, contacts.waiting_time, accuracy)
-    plan = edges(motion, life, contacts.start, again, contacts.waiting_time, allowed)
+    births = Births(life, again, motion, contacts.waiting_time, accuracy, until)
+    plan = edges(births, contacts.start, allowed)
     if plan.too_many_jumps:
         raise InputError(
             "thresholds: exact values break together more often on this path than can be followed; "
             "give them a width, as in gaussian(mean, std), or shorten the path"
         )
     grain = GRAINS * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
-    return March(births, contacts.start, plan.times, allowed, grain, stretch, until)
+    return March(births, contacts.start, plan.times, allowed, grain, stretch)
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
@@ -174,7 +174,7 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
 
 def error_of(march: March, mean: float) -> float:
     """Bound on the error of the force, in mean thresholds: panels, the life itself, round-off."""
-    wrong = max(march.wrong, default=np.inf) + march.life_error
+    wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
     return float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
 
 
@@ -186,14 +186,9 @@ def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> floa
     return ROUND_OFF * (1.0 + way / mean)
 
 
-def force_at(march: March, t: Array) -> Array:
-    """Force at times t, shape (n,) (paper, Eq. Q6); where it jumps, after the jump."""
-    return _read(march, np.array(march.force), np.minimum(t, march.steady_since))
-
-
 def holding_at(march: March, t: Array) -> Array:
     """Share of the contacts that hold at times t: all but those that broke within the last delay."""
-    delay, t = march.births.delay, np.minimum(t, march.steady_since)
+    delay = march.births.delay
     if not delay > 0.0:
         return np.ones(t.size)
     return 1.0 - breaks_until(march, t) + breaks_until(march, t - delay)
@@ -201,18 +196,18 @@ def holding_at(march: March, t: Array) -> Array:
 
 def breaks_until(march: March, t: Array) -> Array:
     """Breaks per contact up to times t, those of lumps included; 0 before t = 0."""
-    breaks = np.array(march.breaks)
-    before = np.append(0.0, np.cumsum(breaks[:-1, -1]))
-    out = _read(march, before[:, None] + breaks, np.maximum(t, 0.0))
+    before = np.append(0.0, np.cumsum(march.breaks[:-1, -1]))
+    out = _read(march, before[:, None] + march.breaks, np.maximum(t, 0.0))
     for lump in march.lumps[1:]:
         out = out + lump.weight * (t >= lump.time - march.births.delay)
     return np.where(t < 0.0, 0.0, out)
 
 
 def _read(march: March, values: Array, t: Array) -> Array:
-    """At times t, polynomials with these values at the beginning and the nodes of each panel."""
-    begin, width = np.array(march.begin), np.array(march.width)
-    near = begin * (1.0 - CLOSE) - CLOSE * width.min()
+    """At times t, polynomials with these values at the beginning and the nodes of each panel; after a
+    jump where they jump."""
+    begin, width = march.begin, march.width
+    near = begin * (1.0 - CLOSE) - CLOSE * width.min(initial=np.inf)
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -103,6 +103,7 @@ class Solution:
                 "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
             )
         time = self._point(where) if self._by_index else self._passing(march.motion, where, leg)
+        time = min(time, march.steady_since)
         found = _deltas(march, time)
         return StretchDistribution(np.array(list(found)), np.array([*found.values()]), march, time)
 
@@ -146,7 +147,6 @@ def _density(march: March, t: float, x: Array) -> Array:
     the breaks one delay before) contribute the density E(t, s) (dJ/ds) / |dX/ds| at x.
     """
     motion, life, law, delay = march.motion, march.life, march.births.law, march.births.delay
-    t = min(t, march.steady_since)
     now, start = float(motion.at(np.array(t))), march.lumps[0].law
     at, out = np.full((1, 1), t), np.zeros(x.size)
     if not start.is_single:
@@ -155,16 +155,15 @@ def _density(march: March, t: float, x: Array) -> Array:
         history = motion.history(at, np.zeros((inside.size, 1)))
         held = life.left(origin[inside, None], history)[0, :, 0]
         out[inside] = start.pdf(origin[inside]) * held
-    begin, width = np.array(march.begin), np.array(march.width)
-    slopes = np.array(march.breaks) @ rule.SLOPES.T
+    slopes = march.breaks @ rule.SLOPES.T / march.width[:, None]
     for leg in np.flatnonzero(motion.speeds):
         first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
         speed = float(motion.speeds[leg])
         s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
         here = np.flatnonzero((s > first) & (s <= last))
-        panel = np.maximum(np.searchsorted(begin, s[here] - delay) - 1, 0)
-        share = np.minimum((s[here] - delay - begin[panel]) / width[panel], 1.0)
-        rate = rule.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0] / width[panel]
+        panel = np.maximum(np.searchsorted(march.begin, s[here] - delay) - 1, 0)
+        share = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
+        rate = rule.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0]
         held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
         out[here] += held * rate / abs(speed)
     return out
@@ -175,7 +174,7 @@ def _deltas(march: March, t: float) -> dict[float, float]:
 
     They are those of lumps, and of births in holds: contacts born in one hold share one stretch.
     """
-    t, motion, law = min(t, march.steady_since), march.motion, march.births.law
+    motion, law = march.motion, march.births.law
     at, found = np.full((1, 1), t), dict[float, float]()
     for lump in march.lumps:
         if lump.time <= t and lump.law.is_single:
@@ -194,7 +193,7 @@ def _held(march: March, leg: int, t: float) -> float:
     panels, motion = march.panels(0, int(np.searchsorted(march.begin, t))), march.motion
     legs, now = motion.leg(panels.middle_of_births(march.births.delay)), int(motion.leg(t))
     panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
-    past, x = Past(march.births, np.inf), np.array([[t - motion.times[now]]])
+    past, x = Past(replace(march.births, until=np.inf)), np.array([[t - motion.times[now]]])
     past.enter(now, panels)
     own = march.on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
     return float(past.sums(x)[0, 0, 0] + own[0, 0])

@@ -58,6 +58,8 @@ class Births:
         Time for which a broken contact is out, in the unit of the motion's times.
     accuracy : float
         Aimed-at error of the number that the births on one leg contribute.
+    until : float
+        Reading of time.monotonic() at which to stop, and after which no piece is halved.
     work : int
         Pieces of births integrated so far, times their cost; it may be limited.
     """
@@ -67,6 +69,7 @@ class Births:
     motion: Motion
     delay: float = 0.0
     accuracy: float = 1e-15
+    until: float = np.inf
     work: int = 0
 
     def count(self, pieces: int) -> None:
@@ -75,18 +78,15 @@ class Births:
         self.work += pieces * cost * (1 if self.law.is_single else 40)
 
 
-@dataclass
-class Lump:
+class Lump(NamedTuple):
     """Contacts that were born at one moment, or hold at t = 0 (paper, Eqs. Q7b and Q6e).
 
     time : of the birth; weight : share of all contacts; law : of the stretches at birth
-    holds : whether any of them still hold
     """
 
     time: float
     weight: float
     law: Start
-    holds: bool = True
 
 
 class Panels(NamedTuple):
@@ -106,27 +106,28 @@ class Panels(NamedTuple):
         """Times in the middle of the births, one delay after the breaks."""
         return self.begin + 0.5 * self.width + delay
 
+    def born(self, leg_begin: Array | float, delay: float) -> Array:
+        """When their births begin, counted from the beginning of the leg on which these are."""
+        return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
+
 
 def pieces_between(edges: Array) -> Pieces:
-    """Pieces of the places of birth, which increase with the time of birth, as seen from targets.
-
-    edges : array of shape (targets, n), in any order; those that are equal by rounding count as one
-    """
+    """Pieces of the places of birth as seen from targets, a row of edges for each, in any order; edges
+    that are equal by rounding count as one."""
     edges = np.sort(edges, axis=1)
-    close = CLOSE * (edges[:, -1:] - edges[:, :1])
-    target, piece = np.nonzero(np.diff(edges, axis=1) > close)
-    return Pieces(target, edges[target, piece], edges[target, piece + 1])
+    row, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (edges[:, -1:] - edges[:, :1]))
+    return Pieces(row, edges[row, piece], edges[row, piece + 1])
 
 
 class Nodes(NamedTuple):
-    """Gauss nodes on the parts of pieces that lie on one panel each.
+    """Nodes on the parts of pieces that lie on one panel each.
 
-    piece, target, panel : arrays of shape (parts,), sorted by piece; its target, and the panel
-    share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, and the weight in
-        an integral over the share
+    target, panel : arrays of shape (parts,), in the order of the pieces; the target of the piece, and
+        the panel
+    share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, the place, and the
+        weight in an integral over the share
     """
 
-    piece: Rows
     target: Rows
     panel: Rows
     share: Array
@@ -145,9 +146,10 @@ class Nodes(NamedTuple):
         begin, width = ends[panel, None], np.maximum(np.diff(ends)[panel], TINY)[:, None]
         low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
         high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
-        share = low + (high - low) * rule.GAUSS_NODES
-        place, weight = begin + width * share, (high - low) * rule.GAUSS_WEIGHTS
-        return cls(piece, target[piece], panel, share, place, weight)
+        lobatto = rule.lobatto(rule.GAUSS)
+        share = low + (high - low) * lobatto.nodes
+        place, weight = begin + width * share, (high - low) * lobatto.series[:, 0]
+        return cls(target[piece], panel, share, place, weight)
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
@@ -160,12 +162,8 @@ def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) ->
     if not left.size:
         return np.zeros((0, size))
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
-    if nodes.piece.size > 100_000 and left.size > 1:  # more would take some 100 MB
-        half = left.size // 2
-        parts = (slice(None, half), slice(half, None))
-        return np.concatenate([moments(ends, slopes, left[i], right[i], size) for i in parts])
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
-    middle, width = (left + right)[nodes.piece, None], (right - left)[nodes.piece, None]
+    middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
     z = np.clip((2.0 * nodes.place - middle) / width, -1.0, 1.0)
     weights = (born[:, None] @ legendre.legvander(z, size - 1))[:, 0]
-    return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.piece, prepend=-1)))
+    return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))

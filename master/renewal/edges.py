@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import Life
 from master.motion.motion import Motion
+from master.renewal.births import Births
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
@@ -49,24 +49,20 @@ class Edges(NamedTuple):
 
 
 def edges(
-    motion: Motion,
-    life: Life,
+    births: Births,
     start: Start,
-    again: Start,
-    delay: float,
     tolerance: float,
     since: float = 0.0,
     known: Sequence[Moment] = (),
 ) -> Edges:
     """Where panels begin and end.
 
-    motion, life : as in the march
-    start, again : laws of the stretches at t = 0 and of the stretches of re-forming
-    delay : time for which a broken contact is out
+    start : law of the stretches at t = 0
     tolerance : of the number of breaks; moments of a size below SMOOTHER times this are left out
     since, known : for a march that is continued, the time that it has reached, and the moments that
         it has met
     """
+    motion, life, again, delay = births.motion, births.life, births.law, births.delay
     end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
     grain = life.grain / fastest if fastest else 0.0
 

@@ -45,8 +45,7 @@ class Straight:
     longest : float
         The longest lag.
     accuracy : float
-        Last coefficients of E, and of K over `scale`, below which a panel of the table is not halved;
-        0: no table, for lives that are as quick.
+        Last coefficients of E, and of K over `scale`, below which a panel of the table is not halved.
     steady : bool
         Whether lags are ways instead of times, and followed beyond the longest until hardly any
         contact holds.
@@ -57,8 +56,8 @@ class Straight:
         The longest lag, or an earlier one after which no contact holds.
     edges : array of shape (n,)
         Lags between which E and K are polynomials, or nearly so.
-    table : Table or None
-        E and K/`scale` over the lag.
+    table : Table
+        E and K/`scale` over the lag; there is none for a life that is as quick, unless `steady`.
     typical : float
         The lag after which about half of the contacts have broken.
     scale : float
@@ -86,7 +85,7 @@ class Straight:
         self.scale = life.reach
         bends = self._bends(np.append(life.bends, life.reach))
         self._read: Callable[[Array], Array] = self.scaled
-        if not accuracy:
+        if life.quick and born.is_single and not steady:  # the life is as quick as a table
             self._bounds = _edges(longest, bends)
             self.edges = np.union1d(self._bounds, _edges(longest, self._bends(life.marks)))
             return
@@ -210,12 +209,9 @@ class Kernels:
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, np.diff(motion.times)[motion.speeds == speed].max())
-            # the life itself may be as quick as a table
-            direct = life.quick and births.law.is_single
             # finer than 1e-13 a table would follow the rounding of the survival
             accuracy = max(1e-13, 0.0 if life.quick else 0.1 * births.accuracy)
-            given = life, births.law, speed, float(longest), 0.0 if direct else accuracy
-            self._straight[speed] = Straight(*given)
+            self._straight[speed] = Straight(life, births.law, speed, float(longest), accuracy)
         return self._straight[speed]
 
     def on(self, speed: float, width: float, panels: int) -> Kernel:
@@ -267,7 +263,7 @@ class Kernels:
         return nodes, nodes.weight * held
 
 
-def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float) -> Run:
+def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:
     """Solve panels of one width by conservation.
 
     known : array of shape (2, panels, TARGETS.size), number and force without the contributions of
@@ -279,7 +275,7 @@ def solve_run(kernel: Kernel, known: Array, earlier: list[Array], stretch: float
     before = min(kernel.values.shape[0], len(earlier) + count) - 1
     panels = np.zeros((before + count, size))
     kept = min(len(earlier), before)
-    panels[before - kept : before] = earlier[len(earlier) - kept :] or np.zeros((0, size))
+    panels[before - kept : before] = earlier[len(earlier) - kept :]
     # the farthest panels first, the order in which `panels` holds them
     far = kernel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
     both = known.swapaxes(0, 1).reshape(count, -1)

@@ -13,10 +13,8 @@ follow from conservation there, given all panels before. A panel that does not r
 from __future__ import annotations
 
 import time as clock
-from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from copy import copy
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -47,13 +45,11 @@ class March:
         Length over which the number of breaks has to be resolved: the first guess of a panel.
     stretch : float
         The longest |x| that a contact may have: an error of the number times this is one of the force.
-    until : float
-        Reading of time.monotonic() at which to stop.
 
     Attributes
     ----------
-    begin, width, breaks, force, wrong : lists, one entry a panel
-    since : list, the panels' beginnings counted from that of their leg, which keeps all digits
+    begin, width, breaks, force, wrong : arrays, one entry or row a panel
+    since : array, the panels' beginnings counted from that of their leg, which keeps all digits
     lumps : list of Lump, the start first
     kernels : Kernels
     widest : float
@@ -72,16 +68,15 @@ class March:
         tolerance: float,
         grain: float,
         stretch: float,
-        until: float = np.inf,
     ) -> None:
         """Begin with the start as the only lump, before the first panel."""
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
-        self.stretch, self.until, self.unfinished = stretch, until, False
-        self.begin, self.since, self.width, self.wrong = (list[float]() for _ in range(4))
-        self.breaks, self.force = list[Array](), list[Array]()
+        self.stretch, self.unfinished = stretch, False
+        self.begin = self.since = self.width = self.wrong = np.empty(0)
+        self.breaks = self.force = np.empty((0, rule.DEGREE + 1))
         self.lumps = [Lump(0.0, 1.0, start)]
-        self.kernels, self._past = Kernels(births), Past(births, until)
+        self.kernels, self._past = Kernels(births), Past(births)
         self.steady_since = self.widest = np.inf
 
     @property
@@ -92,7 +87,7 @@ class March:
     @property
     def reached(self) -> float:
         """The time at which the last solved panel ends."""
-        return float(self.begin[-1] + self.width[-1]) if self.begin else 0.0
+        return float(self.begin[-1] + self.width[-1]) if self.begin.size else 0.0
 
     def run(self) -> March:
         """Solve all panels; on a single leg, those until breaks have become steady."""
@@ -129,7 +124,7 @@ class March:
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
         narrowest = min(grain, end - begin) * (1e-10 if quick else 1e-18)
         while end - t > 1e-9 * min(self.widest, end - begin):
-            if clock.monotonic() > self.until:
+            if clock.monotonic() > self.births.until:
                 self.unfinished = True
                 break
             left = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
@@ -182,10 +177,8 @@ class March:
         since = self.reached - self.lumps[-1].time
         if not speed or since < memory or self.edges[-1] - self.reached < 8.0 * memory:
             return False
-        first = max(bisect_right(self.begin, self.reached - memory) - 1, 0)
-        slopes = (
-            np.array(self.breaks[first:]) @ rule.SLOPES.T / np.array(self.width[first:])[:, None]
-        )
+        first = max(int(np.searchsorted(self.begin, self.reached - memory, "right")) - 1, 0)
+        slopes = self.breaks[first:] @ rule.SLOPES.T / self.width[first:, None]
         rates = slopes @ rule.legendre_values(rule.GAUSS_NODES).T
         alike = np.ptp(rates) < 0.25 * self.tolerance * rates.mean()
         return bool(alike and np.ptp(self.force[first:]) < 0.25 * self.tolerance * self.stretch)
@@ -193,24 +186,24 @@ class March:
     def keep(self, t: float, width: float, run: Run, good: int, since: float) -> None:
         """Append the first `good` panels of a run that begins at t, `since` from its leg's beginning."""
         steps = width * np.arange(good)
-        self.begin.extend(t + steps)
-        self.since.extend(since + steps)
-        self.width.extend([width] * good)
-        self.breaks.extend(run.breaks[:good])
-        self.force.extend(run.force[:good])
-        self.wrong.extend(run.wrong[:good])
+        self.begin = np.append(self.begin, t + steps)
+        self.since = np.append(self.since, since + steps)
+        self.width = np.append(self.width, np.full(good, width))
+        self.breaks = np.concatenate([self.breaks, run.breaks[:good]])
+        self.force = np.concatenate([self.force, run.force[:good]])
+        self.wrong = np.append(self.wrong, run.wrong[:good])
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += 100 * count  # about the cost of solving a panel, in pieces of integrals
         # the last panels of this width, of those whose births are felt
-        first = bisect_right(self.begin, self.reached - self._memory(leg) - 2.0 * width)
-        first = max(first, bisect_left(self.begin, self.motion.times[leg] - 1e-9 * width))
-        other = np.flatnonzero(np.array(self.width[first:]) != width)
-        same = len(self.width) - first - (int(other[-1]) + 1 if other.size else 0)
+        felt = self.reached - self._memory(leg) - 2.0 * width
+        first = np.searchsorted(self.begin, max(felt, self.motion.times[leg] - 1e-9 * width))
+        other = np.flatnonzero(self.width[first:] != width)
+        same = self.width.size - int(first) - (int(other[-1]) + 1 if other.size else 0)
         kernel = self.kernels.on(float(self.motion.speeds[leg]), width, same + count)
         known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), same, leg)
-        return solve_run(kernel, known, self.breaks[len(self.breaks) - same :], self.stretch)
+        return solve_run(kernel, known, self.breaks[self.width.size - same :], self.stretch)
 
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
         """Number and force at later times, of lumps and of all panels but the last `same`.
@@ -221,11 +214,12 @@ class March:
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
-        leg_begin, last = float(self.motion.times[leg]), len(self.begin) - same
+        leg_begin, last = float(self.motion.times[leg]), self.begin.size - same
         if leg != self._past.leg:
             self._past.enter(leg, self.panels(0))
         out, t, delay = self._past.at(grid, self.lumps), grid.ravel(), self.births.delay
-        first = max(bisect_right(self.begin, leg_begin + t.min() - self._memory(leg)) - 1, 0)
+        oldest = leg_begin + t.min() - self._memory(leg)
+        first = max(int(np.searchsorted(self.begin, oldest, "right")) - 1, 0)
         on_it = self.panels(max(first, self._past.first), last)
         out += self.on_leg(t, leg, on_it).reshape(out.shape)
         if delay > 0.0 and first < last:
@@ -238,19 +232,16 @@ class March:
 
     def panels(self, first: int, last: int | None = None) -> Panels:
         """Solved panels from one to before another."""
-        lists = (self.begin, self.since, self.width)
-        begin, since, width = (np.array(part[first:last], dtype=float) for part in lists)
-        breaks = np.array(self.breaks[first:last]).reshape(-1, rule.DEGREE + 1)
-        return Panels(begin, since, width, breaks)
+        stored = self.begin, self.since, self.width, self.breaks
+        return Panels(*(part[first:last] for part in stored))
 
     def on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t on a leg, counted from its beginning, of births on it."""
-        begin, since, width, breaks = panels
-        if not begin.size:
+        if not panels.begin.size:
             return np.zeros((2, t.size))
-        leg_begin, speed = self.motion.times[leg], float(self.motion.speeds[leg])
-        born = np.where(begin >= leg_begin, since, begin - leg_begin) + self.births.delay
-        return self.kernels.sums(speed, t, np.append(born, born[-1] + width[-1]), breaks)
+        born = panels.born(self.motion.times[leg], self.births.delay)
+        ends = np.append(born, born[-1] + panels.width[-1])
+        return self.kernels.sums(float(self.motion.speeds[leg]), t, ends, panels.breaks)
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a new lump of the contacts that reach an exact threshold, together, at the edge t."""
@@ -269,21 +260,18 @@ class March:
         births : along a motion that is the same up to t, of the same life, which is timeless
         """
         other, births.work = copy(self), self.births.work
-        other.births, other.motion, other._past = births, births.motion, Past(births, self.until)
+        other.births, other.motion, other._past = births, births.motion, Past(births)
         other.widest = min(self.widest, self.grain)
-        begun = bisect_left(self.begin, t - 1e-9 * self.grain)
+        begun = int(np.searchsorted(self.begin, t - 1e-9 * self.grain))
         for name in ("begin", "since", "width", "breaks", "force", "wrong"):
-            setattr(other, name, getattr(self, name)[:begun])
+            setattr(other, name, getattr(self, name)[:begun].copy())
         if begun and other.reached > t:
             width = t - other.begin[-1]
             to_part = rule.values(np.append(0.0, rule.NODES) * width / other.width[-1])
             other.width[-1] = width
-            other.breaks[-1], other.force[-1] = (
-                to_part @ other.breaks[-1],
-                to_part @ other.force[-1],
-            )
-        past = [lump for lump in self.lumps[1:] if lump.time < t]
-        other.lumps = [replace(lump, holds=True) for lump in [self.lumps[0], *past]]
+            for values in (other.breaks, other.force):
+                values[-1] = to_part @ values[-1]
+        other.lumps = [self.lumps[0], *(lump for lump in self.lumps[1:] if lump.time < t)]
         return other
 
     def hold(self, begin: float, end: float) -> None:

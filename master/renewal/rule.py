@@ -8,6 +8,8 @@ equation of the first kind, for which Radau nodes are stable.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
@@ -17,8 +19,41 @@ Array = npt.NDArray[np.float64]
 # Degree of a panel's polynomial: 12 needs more panels for the same error, 20 needs more work on each
 # (measured on Gaussian thresholds to 1e-10).
 DEGREE = 16
-# Gauss nodes of an integral over one panel: exact for a product of two polynomials of degree 17.
+# Nodes of an integral over one panel: exact for a product of polynomials of degrees 16 and 17.
 GAUSS = 18
+
+
+class Points:
+    """Shares of a range, at which values give a polynomial.
+
+    nodes : array of shape (size,), the shares
+    series : array of shape (size, size), matrix from values to Legendre coefficients; its first column
+        holds the weights of an integral
+    tails : its last two columns, of shape (size, 2)
+    """
+
+    def __init__(self, z: Array) -> None:
+        """From the nodes in [-1, 1]."""
+        self.nodes: Array = 0.5 * (z + 1.0)
+        self.series = np.asarray(np.linalg.inv(legendre.legvander(z, z.size - 1)).T, dtype=float)
+        self.tails: Array = self.series[:, -2:]
+
+    def at(self, share: Array) -> Array:
+        """The matrix from values at the nodes to those at shares, shape (size, shares)."""
+        return self.series @ legendre.legvander(2.0 * share - 1.0, self.nodes.size - 1).T
+
+
+@lru_cache
+def gauss(size: int) -> Points:
+    """Gauss nodes."""
+    return Points(legendre.leggauss(size)[0])
+
+
+@lru_cache
+def lobatto(size: int) -> Points:
+    """Gauss-Lobatto nodes, to which both ends belong: integrals are exact to the degree 2 size - 3."""
+    inner = np.sort(legendre.legroots(legendre.legder(np.eye(size)[-1])).real)
+    return Points(np.concatenate([[-1.0], inner, [1.0]]))
 
 
 def _radau() -> Array:
@@ -32,8 +67,7 @@ def _radau() -> Array:
 NODES: Array = _radau()
 # Shares midway between nodes, throughout the panel, at which its error is sampled.
 CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
-GAUSS_NODES = 0.5 * (legendre.leggauss(GAUSS)[0] + 1.0)
-GAUSS_WEIGHTS = 0.5 * legendre.leggauss(GAUSS)[1]
+GAUSS_NODES, GAUSS_WEIGHTS = gauss(GAUSS).nodes, gauss(GAUSS).series[:, 0]
 # Matrix from values at share 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
 

@@ -16,7 +16,6 @@ from master.lives.age.strands import over_root
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, moments
-from master.renewal.table import basis_of
 
 Array = npt.NDArray[np.float64]
 
@@ -47,14 +46,14 @@ class StrandBirths:
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
         count = np.ptp(ends) * abs(speed) / life.cells[0].width
         edges = np.linspace(ends[0], ends[-1], max(LEAST, int(np.ceil(count))) + 1)
-        left, right, basis = edges[:-1], edges[1:], basis_of(SIZE)
+        left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
         self._strands = life.begin(births.law).aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)
         found = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
         # weights of the pieces' nodes in a sum over all births
-        self._weight = found @ basis.to_legendre.T
+        self._weight = found @ basis.series.T
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Follow the strands to the end of the present leg, which begins at t = 0 of this motion.
@@ -85,8 +84,8 @@ def _missed(told: Array, weight: Array) -> Array:
     constant. The contribution of the last coefficients to the sums underestimates it up to 20
     times. The geometric mean of both is about right.
     """
-    basis = basis_of(SIZE)
-    size = np.abs(told @ basis.to_legendre)
+    basis = rule.gauss(SIZE)
+    size = np.abs(told @ basis.series)
     last, before = size[..., -2:].max(axis=-1), size[..., -4:-2].max(axis=-1)
     fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
     alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
+
+from master.renewal import rule
 
 Array = npt.NDArray[np.float64]
 
@@ -18,24 +18,6 @@ SIZE = 12
 MOST, DEPTH = 1024, 50
 # Halving reduces the last coefficients below this share of themselves, unless they are rounding.
 HARDLY = 0.3
-
-
-class Basis(NamedTuple):
-    """Nodes of a panel, as shares of it; matrices from values there to Legendre coefficients, and from
-    these to values at both ends."""
-
-    nodes: Array
-    to_legendre: Array
-    at_ends: Array
-
-
-@lru_cache
-def basis_of(size: int) -> Basis:
-    """Nodes and matrices for polynomials with `size` coefficients."""
-    z = legendre.leggauss(size)[0]
-    to_legendre = np.linalg.inv(legendre.legvander(z, size - 1)).T
-    at_ends = legendre.legvander(np.array([-1.0, 1.0]), size - 1).T
-    return Basis(0.5 * (z + 1.0), np.asarray(to_legendre, dtype=float), at_ends)
 
 
 class Table:
@@ -85,19 +67,19 @@ class Table:
         rounding: float = 0.0,
     ) -> None:
         """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
-        basis = basis_of(size)
+        gauss, at_ends = rule.gauss(size), rule.gauss(size).at(np.array([0.0, 1.0]))
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
-        shares = np.concatenate([[0.0], basis.nodes, [1.0]]) if ends > 0.0 else basis.nodes
+        shares = np.concatenate([[0.0], gauss.nodes, [1.0]]) if ends > 0.0 else gauss.nodes
         kept, self.error, before = [], 0.0, np.full(low.size, np.inf)
         for _ in range(DEPTH):
             # rounding may put the last share beyond the panel's end
             values = function(
                 np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
             )
-            series = (values[..., 1:-1] if ends > 0.0 else values) @ basis.to_legendre
+            series = (values[..., 1:-1] if ends > 0.0 else values) @ gauss.series
             tail = np.abs(series[..., -2:]).max(axis=(0, 2))
             if ends > 0.0:
-                off = np.abs(series @ basis.at_ends - values[..., [0, -1]])
+                off = np.abs(values[..., 1:-1] @ at_ends - values[..., [0, -1]])
                 tail = np.maximum(tail, off.max(axis=(0, 2)) / ends)
             if felt is not None:
                 tail = tail / felt(values, high - low)
@@ -159,9 +141,10 @@ class Table:
         panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
         way = np.minimum(x, self.end[panel]) - self.begin[panel]
         # the mean up to x keeps its digits where x is close to an edge, unlike the integral
-        nodes = basis_of(self._parts.shape[0]).nodes
-        grown = legendre.legval(2.0 * nodes - 1.0, legendre.legint(self._parts[:, 0], lbnd=-1.0))
-        mean = (0.5 * grown / nodes) @ basis_of(nodes.size).to_legendre
+        gauss = rule.gauss(self._parts.shape[0])
+        share = gauss.nodes
+        grown = legendre.legval(2.0 * share - 1.0, legendre.legint(self._parts[:, 0], lbnd=-1.0))
+        mean = (0.5 * grown / share) @ gauss.series
         z = 2.0 * way / self.widths[panel] - 1.0
         return np.asarray(whole[panel] + way * legendre.legval(z, mean.T[:, panel], tensor=False))
 

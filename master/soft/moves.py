@@ -196,16 +196,7 @@ class Move:
             march = march.cut(cut_at, births)
             if cut_at < since:
                 march.hold(cut_at, since)
-        plan = edges(
-            motion,
-            contacts.life,
-            start,
-            contacts.formed_again,
-            0.0,
-            tolerance,
-            since,
-            self._moments,
-        )
+        plan = edges(births, start, tolerance, since, self._moments)
         if plan.too_many_jumps:
             raise StoppedError(
                 "stopped as exact thresholds break together more often than can be followed"
