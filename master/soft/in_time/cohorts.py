@@ -196,23 +196,8 @@ class Cohorts:
         alive[-many:] = True
         self._started = int(np.count_nonzero(alive[: self._started]))
         self.strands = Strands(*(part[alive] for part in strands))
-        self._add(trial.breaks, trial.births)
-
-    def _add(self, breaks: float, births: float) -> None:
-        self._sections[-1].append((self.now, breaks))
-        self._born = births
-
-    def born_at_once(self, weight: float) -> None:
-        """Add a finite share that is born at one moment."""
-        self.bend()
-        at = self.strands.share.size
-        self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
-        new = Strands(*(part[at:] for part in self.strands))
-        held, pull = self.memory.share_and_force(new.record, new.stretch, new.furthest) @ new.share
-        self.force += float(pull)
-        self.holding += float(held)
-        self._add(self.breaks, self._born + weight)
-        self.bend()
+        self._sections[-1].append((self.now, trial.breaks))
+        self._born = trial.births
 
     def bend(self) -> None:
         """The speed and the rate of breaks may jump at this moment."""
@@ -227,7 +212,13 @@ class Cohorts:
         """Let all contacts that are due be born."""
         weight = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
         if weight > 0.0:
-            self.born_at_once(weight)
+            at = self.strands.share.size
+            self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
+            new = Strands(*(part[at:] for part in self.strands))
+            held_force = self.memory.share_and_force(new.record, new.stretch, new.furthest)
+            held, force = (held_force @ new.share).tolist()
+            self.holding, self.force = self.holding + held, self.force + force
+            self._born += weight
 
 
 def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:

@@ -123,13 +123,13 @@ def extrapolated(
     error = max(error + cohorts.memory.error + rounding, cohorts.unresolved / unit)
     force, holding = answer[: 2 * n].reshape(2, n)
     load, above, below = answer[2 * n :].reshape(3, -1) * unit
-    rows = np.array([load, load - above, load - below, spring * above, spring * below]) / spring
+    drives, off = load / spring, error * unit / spring
     return Followed(
         balance=balance,
         position=path - force * unit / spring,
         force=force * unit,
         holding=holding,
-        slips=Slips.of(list(rows.T), error * unit / spring),
+        slips=Slips(drives, drives - above / spring, drives - below / spring, above, below, off),
         error=error,
         nodes=cohorts.steps,
     )
