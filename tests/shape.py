@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 8836, 200, 154),
+    "master": Room(7500, 8809, 200, 154),
     "eq_model": Room(2200, 3352, 60, 35),
     "origins": Room(4500, 6692, 120, 76),
     "toolkit": Room(4000, 3992, 100, 65),

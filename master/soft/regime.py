@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from master.soft.in_time.pieces import drive_motion, reached
+from master.soft.in_time.drive import drive_motion, reached
 from master.soft.slips import Followed
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts

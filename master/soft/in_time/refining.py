@@ -16,8 +16,8 @@ import numpy.typing as npt
 from master.outcome import Progress, unheard
 from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
+from master.soft.in_time.drive import drive_motion, reached
 from master.soft.in_time.memory import MeanRateMemory, Memory
-from master.soft.in_time.pieces import drive_motion, reached
 from master.soft.in_time.slider import Slider, read
 from master.soft.slips import Followed, Slips, StoppedError
 from master.solution import Solution
