@@ -263,11 +263,18 @@ class MeanRateLife(LawLife):
         about = integrals_above(*given, np.inf).value[0]
         return integrals_above(*given, relative * about)
 
+    def unmet(self, begin: Array, end: Array, first: Array, side: Array) -> Array:
+        """Share that meets no threshold on a straight move; |r| = first at birth; arrays (n,)."""
+        # a way out through 0 begins at |r|; a way towards 0 has the factor 1
+        least = np.where(begin * end < 0.0, first, np.maximum(np.abs(begin), first))
+        held, whole = (self.held(m, side) for m in (np.maximum(np.abs(end), least), least))
+        return np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
+
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
         displacement, duration, speeds = history.legs()
         spent, rounded, share = np.zeros(born.size), np.zeros(born.size), np.ones(born.size)
-        x, first = born, np.abs(born)  # no threshold lies below |r|
+        x = born
         for leg, speed in enumerate(speeds):
             lasts, before, x = duration[:, leg], x, born + displacement[:, leg + 1]
             if speed:
@@ -276,10 +283,7 @@ class MeanRateLife(LawLife):
                 rounded += _EPSILON * np.abs(grown) * (lasts > 0.0)  # may exceed the difference
             else:
                 spent += lasts * self.rate(np.abs(x))
-            # a way out through 0 begins at |r|; a way towards 0 has the factor 1
-            begin = np.where(before * x < 0.0, first, np.maximum(np.abs(before), first))
-            held, whole = (self.held(m, side) for m in (np.maximum(np.abs(x), begin), begin))
-            share *= np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
+            share *= self.unmet(before, x, np.abs(born), side)
         share = np.minimum(share, 1.0) * np.exp(-spent)
         self.error = max(self.error, float((share * rounded).max(initial=0.0)))
         return np.stack([share, share * x])

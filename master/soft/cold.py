@@ -50,27 +50,25 @@ class ColdSlider:
     def follow(self) -> Followed:
         """The results along the path, as far as work and time allow."""
         balance, unit, short = self._start_force / self.spring, self.contacts.unit, ""
-        steps = np.diff(self.path, prepend=balance)
+        steps, each = np.diff(self.path, prepend=balance), np.arange(self.path.size)
         # a first point this near the balance, in mean thresholds, counts as the balance
         steps[0] = 0.0 if abs(steps[0]) <= 1e-12 * unit else steps[0]
-        moving = np.flatnonzero(steps)
-        signs = np.sign(steps[moving])
-        turns = moving[1:][np.diff(signs) != 0.0]
-        # a hold belongs to the move before it, and one at the beginning to the first move
-        parts = np.split(np.arange(self.path.size), turns) if moving.size else []
-        self._solved = 0 if parts else self.path.size
+        # a hold belongs to the move before it
+        signs = np.sign(steps)[np.maximum.accumulate(np.where(steps, each, 0))].astype(int)
+        self._solved = int(np.count_nonzero(signs == 0))
         try:
-            for points in parts:
-                sign = signs[np.searchsorted(moving, points[0])]
-                self._move(int(sign), points)
+            for points in np.split(each, np.flatnonzero(np.diff(signs)) + 1):
+                if signs[points[0]]:
+                    self._move(int(signs[points[0]]), points)
         except StoppedError as why:
             short = str(why)
+        drives, before, after, above, below = np.reshape(self.slips, (-1, 5)).T
         return Followed(
             balance=balance,
             position=self.position[: self._solved],
             force=self.force[: self._solved],
             holding=np.ones(self._solved),
-            slips=Slips.of(self.slips, self.drive_error),
+            slips=Slips(drives, before, after, above, below, self.drive_error),
             error=self.error / unit,
             nodes=self.contacts.nodes,
             short=short,
@@ -97,7 +95,7 @@ class ColdSlider:
                 return
             if self.rule == "instant":
                 curve, y = move.slip_ends(slip.travel, slip.load, slip)
-                self._note(move, slip, begin, begin + y, float(curve.force(np.array([y]))[0]))
+                self._note(move, slip, begin, begin + y, float(curve.force(y)))
             else:
                 jump = self._reset if self.rule == "reset" else self._reform_after
                 move, y = jump(move, slip, begin), 0.0
@@ -116,10 +114,8 @@ class ColdSlider:
 
     def _turn_error(self, curve: LoadCurve, y: float) -> float:
         """Error of the force after a turn, from that of its place, where F' jumps to 1."""
-        at = np.array([y])
-        bends = abs(1.0 + self.spring - float(curve.slope(at)[0]))
-        error = float(curve.error[curve.panel(at)[0]])
-        return error + bends * float(curve.misplaced(at, self._base_error)[0])
+        bends = abs(1.0 + self.spring - float(curve.slope(y)))
+        return float(curve.error_at(y) + bends * curve.misplaced(y, self._base_error))
 
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> Move:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them."""
@@ -139,13 +135,12 @@ class ColdSlider:
             self.contacts, move.direction, move.stopped(slip.travel, slip.error)
         )
         curve, y = held.slip_ends(0.0, slip.load - spring * slip.travel, slip)
-        at = np.array([y])
-        self._note(move, slip, begin, begin + slip.travel + y, float(curve.force(at)[0]))
+        self._note(move, slip, begin, begin + slip.travel + y, float(curve.force(y)))
         # share of contacts misjudged as out or as holding, by the error of where the slip begins
         error = (1.0 + spring) * slip.misplaced * y / self.contacts.unit
-        self._base_error += float(curve.misplaced(at, 0.0, slip.error + error)[0])
+        self._base_error += float(curve.misplaced(y, 0.0, slip.error + error))
         # errors of the history do not affect contacts that broke
-        error = (error + float(curve.error[curve.panel(at)[0]])) * held.holding(y)
+        error = (error + float(curve.error_at(y))) * held.holding(y)
         return Move(self.contacts, move.direction, held.formed_again(y, error))
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, after: float, force: float) -> None:

@@ -21,6 +21,7 @@ from scipy.optimize.elementwise import find_root
 from master.renewal import rule
 
 Array = npt.NDArray[np.float64]
+Travel = float | Array
 
 
 class LoadCurve:
@@ -59,26 +60,31 @@ class LoadCurve:
         self._load[:, 0] += spring * (begin + 0.5 * width)
         self._load[:, 1] += spring * 0.5 * width
 
-    def panel(self, y: Array) -> npt.NDArray[np.intp]:
+    def panel(self, y: Travel) -> npt.NDArray[np.intp]:
         """Index of the panel on which travels lie; an edge belongs to the panel that it ends."""
         return np.clip(np.searchsorted(self.begin, y) - 1, 0, self.begin.size - 1)
 
-    def force(self, y: Array) -> Array:
+    def force(self, y: Travel) -> Array:
         """Force along the motion at travels y, just before a drop; same shape as y."""
         return self._values(self._force, y)
 
-    def slope(self, y: Array) -> Array:
+    def slope(self, y: Travel) -> Array:
         """F' + K at travels y."""
         return self._values(self._slope, y)
 
-    def bend(self, y: Array) -> Array:
+    def bend(self, y: Travel) -> Array:
         """|F''| at travels y."""
         return np.abs(self._values(_slopes(self._rate) * (2.0 / self.width[:, None]), y))
 
-    def _values(self, coefficients: Array, y: Array) -> Array:
+    def error_at(self, y: Travel) -> Array:
+        """Bound on the error of the force at travels y."""
+        return np.asarray(self.error[self.panel(y)])
+
+    def _values(self, coefficients: Array, y: Travel) -> Array:
         panel = self.panel(y)
         z = np.clip(2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
-        return rule.legendre_sum(coefficients[panel], z[:, None])[:, 0]
+        own = np.moveaxis(coefficients[panel], -1, 0)
+        return np.asarray(legendre.legval(z, own, tensor=False))
 
     def slip_begins(self, after: float) -> float:
         """The first travel after `after` beyond which the load falls; inf if there is none."""
@@ -97,7 +103,7 @@ class LoadCurve:
         lack[:, 0] += level
         return self._first_below(lack, after)
 
-    def misplaced(self, y: Array, shift: float = 0.0, more: float = 0.0) -> Array:
+    def misplaced(self, y: Travel, shift: float = 0.0, more: float = 0.0) -> Array:
         """Errors of travels y that were computed from given loads; same shape as y.
 
         An error e of the force displaces them by e over the slope; near a slip, where the slope
@@ -107,7 +113,7 @@ class LoadCurve:
         more : error of the loads
         """
         slope = np.maximum(self.slope(y), 0.0)
-        error = more + self.error[self.panel(y)] + np.abs(slope - self.spring) * shift
+        error = more + self.error_at(y) + np.abs(slope - self.spring) * shift
         bend = np.maximum(self.bend(y), np.finfo(float).tiny)
         beyond = np.sqrt(np.maximum(slope**2 - 2.0 * bend * error, 0.0))
         with np.errstate(divide="ignore"):
@@ -115,8 +121,8 @@ class LoadCurve:
 
     def slope_error(self, y: float) -> float:
         """Error of F' at y, from that of F by Bernstein's inequality for polynomials."""
-        panel = self.panel(np.array([y]))[0]
-        z = 2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0
+        panel = int(self.panel(y))
+        z = float(2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0)
         steep = min(rule.DEGREE / np.sqrt(max(1.0 - z * z, 1e-300)), rule.DEGREE**2)
         error = steep * self._rough[panel] + self.error[panel]
         return float(error * 2.0 / self.width[panel])
@@ -168,20 +174,19 @@ class SlipBegin(NamedTuple):
     @property
     def force(self) -> float:
         """Force along the motion (a length)."""
-        return float(self.curve.force(np.array([self.travel]))[0])
+        return float(self.curve.force(self.travel))
 
     @property
     def error(self) -> float:
         """Bound on the error of the load (a length)."""
-        return float(self.curve.error[self.curve.panel(np.array([self.travel]))[0]])
+        return float(self.curve.error_at(self.travel))
 
     @property
     def misplaced(self) -> float:
         """Error of the travel due to that of F' (a length); 0 where contacts break together."""
         if (self.curve.drops == self.travel).any():
             return 0.0
-        bend = float(self.curve.bend(np.array([self.travel]))[0])
-        return self.curve.slope_error(self.travel) / bend
+        return self.curve.slope_error(self.travel) / float(self.curve.bend(self.travel))
 
 
 def _slopes(coefficients: Array) -> Array:

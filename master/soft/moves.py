@@ -119,7 +119,7 @@ class Move:
             curve = self.reach(travel)
             y = curve.slip_begins(after)
             last = min(y, curve.end)
-            load = float(curve.force(np.array([last]))[0]) + curve.spring * last
+            load = float(curve.force(last)) + curve.spring * last
             if load >= target:
                 return SlipBegin(curve)
             if np.isfinite(y):
@@ -170,11 +170,8 @@ class Move:
         drops = [one.time for one in march.lumps if one.time > past.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
-        error, drop = (
-            past.error + np.maximum.accumulate(rough) + rounding,
-            np.array(drops) - past.end,
-        )
-        load = self.direction * force
+        error = past.error + np.maximum.accumulate(rough) + rounding
+        drop, load = np.array(drops) - past.end, self.direction * force
         return LoadCurve(begin, width, load, rough, error, drop, self.contacts.spring)
 
     def stopped(self, y: float, error: float) -> Past:
@@ -182,7 +179,8 @@ class Move:
         y = max(y, STILL * self.contacts.life.grain)
         end, places = self.past.end + y, (*self.past.places, self.at(y))
         met = tuple(moment for moment in self._moments if moment.time < end)
-        return Past(self.past.start, self._march, end, end, places, (*met, Moment(end, SMOOTHER)), error)
+        moments = (*met, Moment(end, SMOOTHER))
+        return Past(self.past.start, self._march, end, end, places, moments, error)
 
     def _plan(self, march: March | None, cut_at: float, since: float) -> March:
         """The march that continues from `since`; from `cut_at` to there no contact is born."""

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from master.soft.in_time.pieces import Piece, pieces, reached
+from master.soft.in_time.drive import drive_motion, reached
 from master.soft.slips import Followed
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
@@ -59,11 +59,10 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     """Judge the slips along the drive's path."""
     spring, slips = float(drive.spring or 0.0), found.slips
     count, trend = slips.drive.size, _trend(slips.drop)
-    moving = [piece for piece in pieces(drive, found.balance) if piece.travel != 0.0]
-    speed = drive.velocity
-    if moving:
-        lasts = sum(piece.end - piece.begin for piece in moving)
-        speed = sum(abs(piece.travel) for piece in moving) / lasts
+    motion, speed = drive_motion(drive, found.balance), drive.velocity
+    if motion is not None and motion.speeds.any():
+        lasts = np.diff(motion.times)[motion.speeds != 0.0]
+        speed = float(np.abs(np.diff(motion.positions)).sum() / lasts.sum())
     critical, error = critical_spring(contacts, speed, tolerance)
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
@@ -73,7 +72,7 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
         reason = f"{count} slips up to where the solution stopped"
     elif not count:
         # K* is that of a rigid slider; a soft slider's speed differs from the drive's
-        lacking = _lacking(contacts, drive, found, critical, moving[-1] if moving else None)
+        lacking = _lacking(contacts, drive, found, critical)
         verdict = "undecided" if lacking else "smooth"
         reason = f"{known}; no slip up to the end of the path{lacking}"
     else:
@@ -128,29 +127,28 @@ def _oldest(contacts: Contacts, drive: Drive, found: Followed) -> float:
     return max(contacts.mean_threshold, final)
 
 
-def _lacking(
-    contacts: Contacts, drive: Drive, found: Followed, critical: float, last: Piece | None
-) -> str:
+def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float) -> str:
     """Why a path without slips does not yet prove smooth sliding; "" if it does.
 
     Without ageing and turns it cannot slip above K*; with heat it may creep along with the drive on
     a softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
     to age: F drops more steeply than on a rigid slider, and K* decides nothing. Once all contacts
     of the start have broken, the first drop is over, and it is the steepest.
-
-    last : the drive's last straight way, None where it never moved
     """
     ages = bool({"ageing", "grains"}.intersection(contacts.laws))
     spring = float(drive.spring or 0.0)
     if not ages and spring >= critical:
         return ""
-    if last is None or not RATES.intersection(contacts.laws):
+    motion = drive_motion(drive, found.balance)
+    moving = np.flatnonzero([] if motion is None else motion.speeds)
+    if motion is None or not moving.size or not RATES.intersection(contacts.laws):
         return ", and K < K*: it ends before the first slip"
     times, place = reached(drive, found.balance), np.append(0.0, found.position)
-    slid = abs(place[-1] - np.interp(last.begin, np.append(0.0, times), place))
+    begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
+    slid = abs(place[-1] - np.interp(begin, np.append(0.0, times), place))
     # largest thresholds that the slider must have passed without slip, more on a spring below K*
     far = _oldest(contacts, drive, found) * (1.5 if ages else 3.0)
-    far += 0.0 if ages else last.speed * contacts.waiting_time
+    far += 0.0 if ages else speed * contacts.waiting_time
     if slid <= far:
         return f", but one may come until the slider has gone on by {far:.3g}; lengthen the path"
     force = np.abs(found.force)

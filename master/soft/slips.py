@@ -47,12 +47,6 @@ class Slips:
 
     __repr__ = brief
 
-    @classmethod
-    def of(cls, rows: list[Array], drive_error: float) -> Slips:
-        """The slips of these rows, shape (5,): X_T, X before and after, F before and after."""
-        drive, before, after, above, below = np.array(rows).reshape(-1, 5).T
-        return cls(drive, before, after, above, below, drive_error)
-
     @property
     def drop(self) -> Array:
         """Drop of the force (lengths), which is K times the slip of X."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import make_interp_spline
 
 from master.lives.age.cells import Cells
 from master.lives.grains import GrainLife
@@ -26,8 +25,6 @@ Array = npt.NDArray[np.float64]
 LONGEST = 1e7
 # Columns of a strand's numbers: largest hazard, hazard at birth, time since pinning, and from there A.
 LARGEST_HAZARD, BIRTH_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(4)
-# Range (in pinning times) and size of the logarithmic grid in the time since pinning, for thresholds.
-EARLIEST, LATEST, TIMES = 1e-5, 1e7, 400
 
 
 class AgeingMemory(Memory):
@@ -80,13 +77,13 @@ class GrainMemory(Memory):
         super().__init__(contacts, level)
         grains = contacts.grains
         assert grains is not None and grains.age is not None
-        self._grains, self._first = grains, grains.growth.first_pinning_time
-        life = GrainLife(contacts, LONGEST * self._first)
+        self._grains, first = grains, grains.growth.first_pinning_time
+        life = GrainLife(contacts, LONGEST * first)
         self._start_since, self.reach = life.start_since, life.birth_reach
         self.starts = 24 + 8 * level
         # births change over a length of some 2 narrowest widths of the laws of thresholds; the first
         # step of a hold is 0.05 pinning times
-        length, time = 2.0 * min(self.scales.length, grains.quick_width), 0.05 * self._first
+        length, time = 2.0 * min(self.scales.length, grains.quick_width), 0.05 * first
         self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
         # places of the edges are roots of hazards, as small thresholds are proportional to these;
         # quantiles of 3e-14 end them
@@ -95,12 +92,7 @@ class GrainMemory(Memory):
         self._beyond = np.exp(-self._hazards)
         if contacts.thermal is not None:
             # the rate by which fresh contacts break is that of contacts without thresholds
-            self.scales = self.scales._replace(rate=contacts.thermal.rates.scale, thin=False)
-            # thresholds of fresh contacts as functions of the logarithm of the time since pinning
-            times = np.linspace(np.log(EARLIEST), np.log(LATEST), TIMES * 2**level)
-            pinned = self._first * np.exp(times)[:, None]
-            limits = grains.threshold_at(self._hazards, grains.growth.excess_after(pinned))
-            self._fresh = make_interp_spline(times, limits, k=1)
+            self.scales = self.scales._replace(rate=contacts.thermal.rates.scale)
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
@@ -126,15 +118,11 @@ class GrainMemory(Memory):
             out[:, LARGEST_HAZARD], self._grains.hazard_at(leg.end, excess)
         )
         if self._hot and leg.duration:
-            pinned_for = record[:, PINNED_FOR] + 0.5 * leg.duration
-            log_time, fresh = np.log(pinned_for / self._first), record[:, BIRTH_HAZARD] == 0.0
-            early, late = np.log(EARLIEST), np.log(LATEST)
-            limit = self._fresh(np.clip(log_time, early, late))
-            # right after pinning, thresholds are proportional to the time
-            limit *= np.exp(np.minimum(log_time - early, 0.0))[:, None]
-            own = record[~fresh, BIRTH_HAZARD, None] + self._hazards
-            excess = self._grains.growth.excess_after(pinned_for[~fresh, None])
-            limit[~fresh] = self._grains.threshold_at(own, excess)
+            middle = record[:, PINNED_FOR, None] + 0.5 * leg.duration
+            limit = self._grains.threshold_at(
+                record[:, BIRTH_HAZARD, None] + self._hazards,
+                self._grains.growth.excess_after(middle),
+            )
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
             out[:, RATE_INTEGRAL:] += self._rate_integral(leg._replace(furthest=moved), limit)
         return out

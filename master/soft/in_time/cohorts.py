@@ -41,23 +41,18 @@ class Strands(NamedTuple):
 
     stretch, furthest : x and the largest |x| so far (lengths)
     share : of all contacts, over the share that holds at birth
-    births : J at birth, per contact; 0 for those that began
     record : see Memory
     """
 
     stretch: Array
     furthest: Array
     share: Array
-    births: Array
     record: Array
 
     def and_born(self, memory: Memory, births: StretchRule, share: float, speed: float) -> Strands:
-        """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|.
-
-        The caller sets J at their birth.
-        """
+        """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
         x, record = births.stretch, memory.fresh(births.stretch, speed)
-        new = Strands(x, np.abs(x), share * births.weight, np.zeros(x.size), record)
+        new = Strands(x, np.abs(x), share * births.weight, record)
         return Strands(*(np.concatenate(both) for both in zip(self, new, strict=True)))
 
 
@@ -116,19 +111,19 @@ class Cohorts:
 
     def _begin(self, start: StretchRule, record: Array) -> None:
         x = start.stretch
-        strands = Strands(x, np.abs(x), start.weight, np.zeros(x.size), record)
+        strands = Strands(x, np.abs(x), start.weight, record)
         held_force = self.memory.share_and_force(strands.record, x, strands.furthest)
         self.holding, self.force = (held_force @ strands.share).tolist()
-        self._started, self._last = x.size, (0.0, 0.0)
+        self._started = x.size
         self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
-        # ends of steps, with breaks and births up to there
-        self._times, self._breaks, self._born, self._bends = [self.now], [0.0], 0.0, [0]
+        # ends of steps with the breaks up to there, in sections between bends; and the births
+        self._began, self._sections, self._born = self.now, [[(self.now, 0.0)]], 0.0
         self.pending: dict[float, float] = {}
 
     @property
     def breaks(self) -> float:
         """Breaks per contact since t = 0."""
-        return self._breaks[-1]
+        return self._sections[-1][-1][1]
 
     def trial(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """A trial step by `travel` until `now`; where `frozen`, without births."""
@@ -137,8 +132,9 @@ class Cohorts:
         furthest = np.maximum(self.strands.furthest, np.abs(stretch))
         leg = Leg(self.strands.stretch, stretch, furthest, duration)
         record = self.memory.advance(self.strands.record, leg)
-        strands = Strands(stretch, furthest, *self.strands[2:4], record)
-        strands = strands.and_born(self.memory, self._births, 0.0, self._speed(travel, duration))
+        speed = abs(travel) / duration if duration > 0.0 else np.inf
+        strands = Strands(stretch, furthest, self.strands.share, record)
+        strands = strands.and_born(self.memory, self._births, 0.0, speed)
         held_force = self.memory.share_and_force(strands.record, strands.stretch, strands.furthest)
         known, force = (held_force @ strands.share).tolist()
         # those born in this step, per contact born
@@ -157,29 +153,18 @@ class Cohorts:
         if not self.delay:
             return 1.0, 0.0
         # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
-        at, last = now - self.delay - 1e-13 * (now - self._times[0]), self._times[-1]
-        if at <= self._times[0]:
+        at, last = now - self.delay - 1e-13 * (now - self._began), self.now
+        if at <= self._began:
             return 0.0, 0.0
         if at <= last:
             # a cubic through the nodes beside, across none at which breaks bend
-            cell = bisect_left(self._times, at)
-            low = max(bend for bend in self._bends if bend < cell)
-            high = min((bend for bend in self._bends if bend >= cell), default=len(self._times) - 1)
-            begin = min(max(cell - 2, low), max(high - 3, low))
-            some = slice(begin, min(begin + 4, high + 1))
-            return 0.0, float(KroghInterpolator(self._times[some], self._breaks[some])(at))
+            nodes = next(part for part in self._sections if part[-1][0] >= at)
+            cell = bisect_left(nodes, (at,))
+            begin = max(min(cell - 2, len(nodes) - 4), 0)
+            times, breaks = zip(*nodes[begin : begin + 4], strict=True)
+            return 0.0, float(KroghInterpolator(times, breaks)(at))
         share = (at - last) / (now - last)
         return share, (1.0 - share) * self.breaks
-
-    def _speed(self, travel: float, duration: float) -> float:
-        """|dX/dt| at the end of a step, from the mean speeds of this step and of the last."""
-        if duration <= 0.0:
-            return np.inf if travel else 0.0
-        mean, (way, time) = abs(travel) / duration, self._last
-        if not way or travel * way <= 0.0 or time <= 0.0:
-            return mean
-        slower = (duration / travel - time / way) / (travel + way) * travel / duration * travel
-        return mean / float(np.clip(1.0 + slower, 0.05, 2.0))
 
     def take(self, trial: Trial) -> None:
         """Take the step."""
@@ -193,63 +178,47 @@ class Cohorts:
             raise StoppedError(f"{done}, and more are not taken on")
         if clock.monotonic() > self._until:
             raise StoppedError("stopped by wall_time")
-        self._last = trial.travel, trial.now - self.now
         self.place, self.now = self.place + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
         half = 0.5 * (trial.births - self._born) * self._births.weight
         strands.share[-many:] = half
         strands.share[-2 * many : -many] += half
-        strands.births[-many:] = trial.births
         # a step is unresolved if the survival of its first births is less than half that of its
         # last: then it is unknown how many of the births in between hold
         held, pull = held_force[:, self._started :]
-        born = np.diff(strands.births[self._started :: many])[:, None] * self._births.weight
+        born = np.abs(strands.share[self._started :])
         apart = np.where(held[:-many] < 0.5 * held[many:], 0.5, 0.0)
-        apart *= np.abs(pull[many:] - pull[:-many])
-        self.unresolved = max(self.unresolved, float(apart @ np.abs(born.ravel())))
+        apart *= np.abs(pull[many:] - pull[:-many]) * np.sqrt(born[many:] * born[:-many])
+        self.unresolved = max(self.unresolved, float(apart.sum()))
         # drop cohorts of which none hold; births go on between the last one and the next
         alive = held_force[0] > DEAD
         alive[self._started :] = np.repeat(held.reshape(-1, many).max(axis=1) > DEAD, many)
         alive[-many:] = True
         self._started = int(np.count_nonzero(alive[: self._started]))
         self.strands = Strands(*(part[alive] for part in strands))
-        self._add(trial.breaks, trial.births)
-
-    def _add(self, breaks: float, births: float) -> None:
-        self._times.append(self.now)
-        self._breaks.append(breaks)
-        self._born = births
-
-    def born_at_once(self, weight: float) -> None:
-        """Add a finite share that is born at one moment."""
-        self.bend()
-        at = self.strands.share.size
-        self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
-        new = Strands(*(part[at:] for part in self.strands))
-        new.births[:] = self._born + weight  # a view
-        held, pull = self.memory.share_and_force(new.record, new.stretch, new.furthest) @ new.share
-        self.force += float(pull)
-        self.holding += float(held)
-        self._add(self.breaks, self._born + weight)
-        self.bend()
+        self._sections[-1].append((self.now, trial.breaks))
+        self._born = trial.births
 
     def bend(self) -> None:
         """The speed and the rate of breaks may jump at this moment."""
-        self._bends.append(len(self._times) - 1)
-        self._last = 0.0, 0.0
+        self._sections.append(self._sections[-1][-1:])
 
     def repeat_later(self, at: float, weight: float = 0.0) -> None:
         """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
-        if self.delay:
-            for k, share in ((1.0, weight), (2.0, 0.0)):
-                later = at + k * self.delay
-                self.pending[later] = self.pending.get(later, 0.0) + share
+        for later, share in ((at + self.delay, weight), (at + 2.0 * self.delay, 0.0)):
+            self.pending[later] = self.pending.get(later, 0.0) + share
 
     def born_now(self) -> None:
         """Let all contacts that are due be born."""
         weight = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
         if weight > 0.0:
-            self.born_at_once(weight)
+            at = self.strands.share.size
+            self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
+            new = Strands(*(part[at:] for part in self.strands))
+            held_force = self.memory.share_and_force(new.record, new.stretch, new.furthest)
+            held, force = (held_force @ new.share).tolist()
+            self.holding, self.force = self.holding + held, self.force + force
+            self._born += weight
 
 
 def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:

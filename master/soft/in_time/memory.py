@@ -29,8 +29,6 @@ Array = npt.NDArray[np.float64]
 RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
 # The logarithms of the least and of the largest A that are told apart from 0 and infinity.
 LEAST, MOST = -700.0, 6.5
-# The logarithm of the smallest share above 0.
-NONE_LEFT = -745.0
 
 
 class Scales(NamedTuple):
@@ -39,13 +37,11 @@ class Scales(NamedTuple):
     length : travel over which shares and births change (a length)
     time : the shortest time over which they change in a hold; inf where nothing changes then
     rate : at which fresh contacts break (per time), 0 where steps need not resolve it
-    thin : whether heat breaks hardly any contacts but those very close to their thresholds
     """
 
     length: float
     time: float = np.inf
     rate: float = 0.0
-    thin: bool = False
 
 
 class Leg(NamedTuple):
@@ -166,44 +162,34 @@ class Memory:
 class MeanRateMemory(Memory):
     """The paper's closure: all break at the mean rate H(x), and where |x| grows at their thresholds.
 
-    Kept are the logarithm of the share that holds, and |x| at birth. A contact forgets the thresholds
-    that it has survived: one that goes out again may break at all that it has passed before (App. C).
+    Kept are the share that holds, and |x| at birth. A contact forgets the thresholds that it has
+    survived: one that goes out again may break at all that it has passed before (App. C).
     """
 
     def __init__(self, contacts: Contacts) -> None:
         super().__init__(contacts, 0)
-        life = MeanRateLife(contacts)
-        self._table, self.error = life, life.error + 1e-12
-        self.width, self.starts = 2, 400
-        self.scales = self.scales._replace(rate=float(self._table.rate(np.zeros(1))[0]))
+        self._life = MeanRateLife(contacts)
+        self.width, self.starts, self.error = 2, 400, self._life.error + 1e-12
+        self.scales = self.scales._replace(rate=float(self._life.rate(np.zeros(1))[0]))
 
     def start(self, stretch: Array) -> Array:
         """See Memory."""
-        return np.stack([np.zeros(stretch.size), np.abs(stretch)], axis=1)
+        return np.stack([np.ones(stretch.size), np.abs(stretch)], axis=1)
 
     def advance(self, record: Array, leg: Leg) -> Array:
         """See Memory."""
-        first, last, born = np.abs(leg.begin), np.abs(leg.end), record[:, 1]
-        # a way out through 0 begins at |x| at birth; on a way towards 0 nothing breaks
-        begin = np.where((leg.begin < 0.0) != (leg.end < 0.0), born, np.maximum(first, born))
-        survival = self._log_survival(np.maximum(last, begin)) - self._log_survival(begin)
-        log_share = record[:, 0] + np.minimum(survival, 0.0)
-        if leg.duration:
-            way = np.abs(leg.end - leg.begin)
-            moved = way > 1e-6 * (first + last)
-            grown = np.abs(self._table.grown(leg.end) - self._table.grown(leg.begin))
-            mean = self._table.rate(0.5 * (first + last))
-            mean = np.where(moved, grown / np.where(moved, way, 1.0), mean)
-            log_share = log_share - mean * leg.duration
-        return np.stack([np.maximum(log_share, NONE_LEFT), born], axis=1)
+        life, (share, born) = self._life, record.T
+        way = np.abs(leg.end - leg.begin)
+        moved = way > 1e-6 * (np.abs(leg.begin) + np.abs(leg.end))
+        # the mean of H over a short way would suffer from the rounding of its integral
+        mean = np.abs(life.grown(leg.end) - life.grown(leg.begin)) / np.where(moved, way, 1.0)
+        mean = np.where(moved, mean, life.rate(0.5 * np.abs(leg.begin + leg.end)))
+        share = share * life.unmet(leg.begin, leg.end, born, leg.furthest)
+        return np.stack([share * np.exp(-mean * leg.duration), born], axis=1)
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
-        held = np.where(record[:, 0] > NONE_LEFT, np.exp(record[:, 0]), 0.0)
-        return np.stack([held, stretch * held])
-
-    def _log_survival(self, x: Array) -> Array:
-        return np.maximum(self._law.logsf(x * (1.0 + TIE)), 2.0 * NONE_LEFT)
+        return np.stack([record[:, 0], stretch * record[:, 0]])
 
 
 def mean_share(log: Array) -> Array:
@@ -230,8 +216,4 @@ def scales_of(contacts: Contacts) -> Scales:
     # little effect on the others
     weak = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * unit)
     fresh_rate = float(rates.rate(0.0, weak, contacts.relative_stiffness(weak))[0])
-    # slope of ln h by the stretch, at 0.1 mean thresholds below the threshold
-    below = unit * (1.0 - np.array([0.1, 0.11]))
-    rise = -float(np.diff(rates.log_rate(below, np.array([unit]), 1.0))[0]) / (0.01 * unit)
-    # a thin skin: 0.005 widths of P_c over which the rate changes by more than a factor e
-    return Scales(width, 1.0 / rates.scale, fresh_rate, rise * width > 200.0)
+    return Scales(width, 1.0 / rates.scale, fresh_rate)

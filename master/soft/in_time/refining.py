@@ -16,8 +16,8 @@ import numpy.typing as npt
 from master.outcome import Progress, unheard
 from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
+from master.soft.in_time.drive import drive_motion, reached
 from master.soft.in_time.memory import MeanRateMemory, Memory
-from master.soft.in_time.pieces import pieces, reached
 from master.soft.in_time.slider import Slider, read
 from master.soft.slips import Followed, Slips, StoppedError
 from master.solution import Solution
@@ -64,16 +64,13 @@ def refined(
 
     Raises InputError where the coarsest steps take too long.
     """
-    drive_pieces, asked = pieces(drive, balance), reached(drive, balance)
-    fastest = max((piece.speed for piece in drive_pieces), default=0.0)
-    # accuracy of a step's balance, as a share of the step
-    close = float(np.clip(1e-2 * tolerance, 1e-10, 1e-6))
+    motion, asked = drive_motion(drive, balance), reached(drive, balance)
+    fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     levels, best, level = list[Slider](), None, 0
     while True:
         memory = memory_of(contacts, level, fastest)
         cohorts = Cohorts(contacts, memory, level, until)
-        plan = levels[-1].lengths if levels else []
-        slider = Slider(cohorts, drive, drive_pieces, close, plan)
+        slider = Slider(cohorts, drive, motion)
         try:
             slider.run()
         except StoppedError as why:
@@ -102,43 +99,37 @@ def extrapolated(
 ) -> Followed:
     """The answer at times (n,) of three levels with as many slips; of fewer, with an infinite error."""
     unit, spring, n = contacts.mean_threshold, float(drive.spring or 0.0), asked.size
-    path, cohorts = drive.path[:n], levels[-1].contacts
-    scale = np.array([spring, 1.0, 1.0, 1.0, 1.0])[:, None] / unit
-    slips = [np.array(one.slips).reshape(-1, 5).T for one in levels]
+    path, cohorts, error = drive.path[:n], levels[-1].contacts, np.inf
+    slips = [np.array(one.slips).reshape(-1, 3).T for one in levels]
     read_out = [
-        np.append(read(one.sections, asked) / [[unit], [1.0]], rows * scale)
+        np.append(read(one.sections, asked) / [[unit], [1.0]], rows / unit)
         for one, rows in zip(levels, slips, strict=True)
     ]
-    answer, error = read_out[-1], np.inf
+    answer = read_out[-1]
     if len(levels) == 3:
         first, second = np.diff(read_out, axis=0)
-        # points that the last change of a slip moves across it are left out of the error; where
-        # only the change before did, the last two levels are used
-        crossed = [_beside(path, *pair) for pair in pairwise(rows[0] for rows in slips)]
-        none = np.zeros(slips[0].size, dtype=bool)
-        off = np.concatenate([crossed[1], crossed[1], none])
-        earlier = np.concatenate([crossed[0], crossed[0], none]) & ~off
-        # X at slips is left out of the error: F + K X is flat there
-        watched = ~(off | earlier)
-        watched[2 * n :] = np.repeat([True, False, False, True, True], slips[0].shape[1])
-        changes = np.abs((second + (second - first) / 3.0)[watched])
+        # points that the change of a slip moves across it are left out
+        crossed = [_beside(path, *pair) for pair in pairwise(rows[0] / spring for rows in slips)]
+        told = np.append(np.tile(~(crossed[0] | crossed[1]), 2), np.ones(slips[0].size, dtype=bool))
+        # the last change may be small by chance: at least a tenth of that before extrapolation
+        changes = np.maximum(np.abs(second + (second - first) / 3.0), 0.1 * np.abs(second))[told]
         # twice the last change: changes fall irregularly where births jump or P_c bends, and by a
         # half with growing thresholds; once with ageing, whose method is of third order
-        error = (2.0 if contacts.ageing is None else 1.0) * changes.max(initial=0.0)
-        error = max(error, np.abs(second[earlier]).max(initial=0.0) / 3.0)
-        answer = answer + np.where(off, 0.0, second / 3.0)
+        error = (2.0 if contacts.ageing is None else 1.0) * float(changes.max(initial=0.0))
+        answer = answer + np.where(told, second / 3.0, 0.0)
     # round-off of the force grows with the number of steps
     stiff = spring if slips[-1].size else min(spring, 1.0)
     rounding = 1e-13 * (1.0 + cohorts.steps) * (1.0 + stiff)
-    error = max(float(error) + cohorts.memory.error + rounding, cohorts.unresolved / unit)
+    error = max(error + cohorts.memory.error + rounding, cohorts.unresolved / unit)
     force, holding = answer[: 2 * n].reshape(2, n)
-    rows = answer[2 * n :].reshape(slips[-1].shape) / scale
+    load, above, below = answer[2 * n :].reshape(3, -1) * unit
+    drives, off = load / spring, error * unit / spring
     return Followed(
         balance=balance,
         position=path - force * unit / spring,
         force=force * unit,
         holding=holding,
-        slips=Slips.of(list(rows.T), error * unit / spring),
+        slips=Slips(drives, drives - above / spring, drives - below / spring, above, below, off),
         error=error,
         nodes=cohorts.steps,
     )

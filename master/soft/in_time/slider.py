@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 from scipy.optimize.elementwise import find_root
 
-from master.soft.in_time.cohorts import Cohorts, Trial
-from master.soft.in_time.pieces import Piece
-from master.soft.in_time.steps import Node, Steps
-from master.soft.slips import MOST_SLIPS, StoppedError
+from master.motion.motion import Motion
+from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.steps import Steps
 from origins.drive import Drive
 
 Array = npt.NDArray[np.float64]
+
+
+class Node(NamedTuple):
+    """The end of a step: the size of all steps so far of its smooth section, time, force and holding."""
+
+    size: float
+    time: float
+    force: float
+    holding: float
 
 
 class Slider:
@@ -25,150 +35,101 @@ class Slider:
     contacts : Cohorts
         All contacts at X = 0; StoppedError says how far their steps came.
     drive : Drive
-    pieces : list of Piece
-        Of the drive's path.
-    close : float
-        Share of a step to which its balance is found.
-    plan : list of float
-        Lengths, in coarsest steps, of the smooth sections between bends and slips, as the next
-        coarser level found them; empty on the coarsest level.
+    motion : Motion or None
+        Of the drive; None where it does not move.
 
     Attributes
     ----------
     sections : list of lists of Node, one for each smooth section
-    lengths : list of float
-        Lengths of the smooth sections, and of instant slips, in the units of `plan`.
-    slips : list of arrays of shape (5,)
-        X_T, X before and after, F before and after (lengths).
+    slips : list of arrays of shape (3,)
+        K X_T, F before and after (lengths); the spring balances F before and after.
     """
 
-    def __init__(
-        self,
-        contacts: Cohorts,
-        drive: Drive,
-        pieces: list[Piece],
-        close: float,
-        plan: list[float],
-    ) -> None:
+    def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
         self.contacts, self._rule, self._spring = contacts, drive.slip, float(drive.spring or 0.0)
-        self._pieces, self._finer, self._plan = pieces, 2**contacts.level, plan
-        self._steps = Steps(contacts, self._spring, close)
-        self.sections, self.lengths = list[list[Node]](), list[float]()
-        self.slips = list[Array]()
+        self._motion = motion
+        self._size = 0.5**contacts.level  # of a step
+        self.sections, self.slips = list[list[Node]](), list[Array]()
 
     def run(self) -> None:
         """Follow the drive to its end."""
-        contacts = self.contacts
-        if not self._pieces:
-            self.sections.append([])
-            self._write(0.0)
-        for piece in self._pieces:
-            contacts.repeat_later(piece.begin)
-            self._steps.begin(piece)
+        contacts, motion = self.contacts, self._motion
+        if motion is None:
+            self.sections.append([self._node(0.0)])
+            return
+        self._steps = Steps(contacts, self._spring, motion)
+        for leg, last in enumerate(motion.times[1:].tolist()):
+            contacts.repeat_later(float(motion.times[leg]))
             while True:
-                end = min([*contacts.pending, piece.end])
+                end = min([*contacts.pending, last])
+                self._steps.begin(leg, end)
                 if self._slide(end):
-                    self.slips.append(self._slip())
-                elif end < piece.end:
+                    self._slip(float(motion.at(np.array(contacts.now))))
+                elif end < last:
                     contacts.born_now()
                 else:
                     break
 
     def _slide(self, end: float) -> bool:
         """Take steps until `end`, or until a slip begins; returns whether one does."""
-        contacts, steps, nodes = self.contacts, self._steps, list[Node]()
+        contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
         contacts.bend()
-        self._write(0.0)
-        steps.start(end, nodes)
-        # the number of steps doubles with each level, so that errors are series in their square
-        number = len(self.lengths)
-        length = self._plan[number] if number < len(self._plan) else 0.0
-        self._size = size = float(length / np.ceil(length) if length else 1.0) / self._finer
-        share, slips = 0.5, False
-        while not slips and contacts.now < end:
-            # the last of the planned steps covers the rest
-            late = 0.0 < length < nodes[-1].size + 1.5 * size
-            trial = steps.step(1.5 * size if late else size, share)
-            if trial.now >= end:
-                trial = steps.step_to(end, trial.travel)
-            slips = steps.slip_begins(trial, size)
-            if slips:
-                # approach the slip by steps of half the rest
-                for _ in range(4):
-                    half = steps.step_by(0.5 * steps.up_to_slip(trial.travel).travel)
-                    self._take(half)
-                    trial = trial._replace(travel=trial.travel - half.travel)
-                trial = steps.up_to_slip(trial.travel)
-            elif late and trial.now < end:
-                trial = steps.step(size, share)
-            time, stretch = steps.counted(trial.now), self._take(trial)
-            share = time / stretch if stretch > 0.0 else share
-        self.lengths.append(nodes[-1].size)
-        return slips
+        slip = None
+        while slip is None and contacts.now < end:
+            time, trial = steps.step(self._size)
+            slip = steps.up_to_slip(time, trial, self._size)
+            trial = slip or trial
+            if trial.travel or trial.now > contacts.now:
+                size = max(steps.size(trial), 0.0)
+                contacts.take(trial)
+                nodes.append(self._node(nodes[-1].size + size))
+        return slip is not None
 
-    def _take(self, trial: Trial) -> float:
-        """Take a step, unless it has neither travel nor duration; returns its size."""
-        size = max(self._steps.size(trial), 0.0)
-        if trial.travel or trial.now > self.contacts.now:
-            self.contacts.take(trial)
-            self._write(self.sections[-1][-1].size + size)
-        return size
-
-    def _write(self, size: float) -> None:
+    def _node(self, size: float) -> Node:
         state = self.contacts
-        self.sections[-1].append(Node(size, state.now, state.force, state.holding))
+        return Node(size, state.now, state.force, state.holding)
 
-    def _slip(self) -> Array:
-        """Let the slider slip while the drive holds."""
-        contacts, rule = self.contacts, self._rule
-        drive, before, force = self._steps.piece.at(contacts.now), contacts.place, contacts.force
+    def _slip(self, drive: float) -> None:
+        """Let the slider slip while the drive holds at this place."""
+        contacts, rule, force = self.contacts, self._rule, self.contacts.force
         if rule == "reset":
             contacts.relax()
             contacts.place = drive - contacts.force / self._spring
         else:
             self._slip_to_balance(rule == "reform-after" or contacts.delay > 0.0)
-        return np.array([drive, before, contacts.place, force, contacts.force])
+        self.slips.append(np.array([self._spring * drive, force, contacts.force]))
 
     def _slip_to_balance(self, out: bool) -> None:
         """Move the slider to the first balance; with `out`, broken contacts stay out until then."""
-        contacts, steps = self.contacts, self._steps
+        contacts, steps, scales = self.contacts, self._steps, self.contacts.memory.scales
+        # heat has broken the weakest: over this way the others may first carry more as they stretch
+        least = 0.5 * scales.length
         # without births only the end has to be found, in small steps so that none is missed
-        step = 0.06 * steps.scales.length if out else self._size * steps.length
-        size = steps.sign * step
+        size = steps.sign * (0.06 * scales.length if out else self._size * steps.length)
         contacts.bend()
         begin, broken, travel = contacts.place, contacts.breaks, 0.0
-        # with `thin`, heat has broken the weakest, and the others first carry more as they stretch
-        away = not steps.scales.thin
-        for _ in range(MOST_SLIPS):
-            trial = contacts.trial(travel + size, contacts.now, out)
-            missing = steps.imbalance(trial)
-            if missing <= 0.0 and (away or abs(contacts.place + travel - begin) > contacts.unit):
-                break
-            away |= missing > 0.0
-            if out:
-                travel += size
-            else:
-                contacts.take(trial)
-        else:
-            raise StoppedError("no steps were found that follow the slider")
-        low = travel if contacts.place + travel != begin else 1e-4 * size  # the shortest slip
 
         def imbalance(way: float) -> float:
             return steps.imbalance(contacts.trial(way, contacts.now, out))
 
-        if imbalance(low) > 0.0:
+        slips = any(imbalance(steps.sign * share * least) > 0.0 for share in (0.1, 0.4, 1.0))
+        away = False
+        while slips and ((missing := imbalance(travel + size)) > 0.0 or not away):
+            away |= missing > 0.0 or abs(contacts.place + travel - begin) > least
+            if out:
+                travel += size
+            else:
+                contacts.take(contacts.trial(size, contacts.now))
+        low = travel if slips else 1e-4 * size  # the shortest slip
+        if slips and imbalance(low) > 0.0:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(imbalance, low, travel + size, xtol=1e-15 * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now, out))
         contacts.bend()
-        if not out:
-            self.lengths.append(abs(contacts.place - begin) / steps.length)
-            return
-        fresh = contacts.breaks - broken
-        contacts.repeat_later(contacts.now, fresh)
-        if not contacts.delay:
-            contacts.born_at_once(fresh)
+        if out:
+            contacts.repeat_later(contacts.now, contacts.breaks - broken)
+            contacts.born_now()
 
 
 def read(sections: list[list[Node]], asked: Array) -> Array:

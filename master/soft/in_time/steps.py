@@ -1,32 +1,27 @@
 """Steps: one step of a slider that a spring pulls, K (X_T - X) = F, and where a slip begins.
 
 The size of a step combines X and time, dX/length + d(uniform steps of time). So steps are uniform both
-where the slider creeps and just before a slip, where dX/dt diverges while X_T is smooth in X. The
-slip begins where X_T, as a function of X, has its maximum: there the force falls as fast as the
-spring's.
+where the slider creeps and just before a slip, where dX/dt diverges while X_T is smooth in X. A
+slip begins where the time of balance, as a function of the size, is the latest.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import KroghInterpolator
-from scipy.optimize import brentq
+from scipy.optimize import minimize_scalar
 from scipy.special import wrightomega
 
+from master.motion.motion import Motion
 from master.soft.in_time.cohorts import Cohorts, Trial
-from master.soft.in_time.pieces import Piece
-from master.soft.slips import StoppedError
 
 # A step on the coarsest level, as a share of the length over which births change.
 COARSEST = 0.5
 # Weight of the drive's travel in the size of a step, relative to the slider's, which matters more.
 LESS = 0.25
-# Accuracy of a balance just before a slip, as a share of a step's time; and the time that counts as
-# none, as a share of a step: in exactly none, diffusing thresholds cannot break.
-CLOSE, NO_TIME = 1e-10, 1e-11
+# Accuracy of a step's balance, and of the beginning of a slip where X_T is flat, as shares of the step.
+CLOSE, CLOSE_TO_SLIP = 1e-9, 1e-6
 
 
 class StepCount:
@@ -45,197 +40,135 @@ class StepCount:
     """
 
     def __init__(self, begin: float, end: float, held: bool, rate: float, first: float) -> None:
-        self._begin, self._rate = begin, rate
-        lasts = end - begin
-        self._first = min(first, lasts)
+        self._begin, self._end, self._rate = begin, end, rate
+        self._first = min(first, end - begin)
         # steps in which the time since a bend grows by a factor e: while the drive holds; and while
         # it moves, in addition to the steps of its travel
         per_fold = 2.0 if held else 0.4
-        self._folds = per_fold if held or first < lasts else 0.0
+        self._folds = per_fold if held or first < end - begin else 0.0
 
     def steps(self, time: float) -> float:
         """Steps since the beginning."""
         later = time - self._begin
-        folds = float(np.log1p(later / self._first)) if self._folds else 0.0
-        return self._rate * later + self._folds * folds
+        return self._rate * later + self._folds * float(np.log1p(later / self._first))
 
     def time(self, steps: float) -> float:
-        """The time after so many steps."""
+        """The time after so many steps, at most the end."""
+        even = self._rate * self._first
         if not self._folds:
-            return self._begin + steps / self._rate
-        folds, even = steps / self._folds, self._rate * self._first / self._folds
-        if not even:
-            return self._begin + self._first * float(np.expm1(min(folds, 700.0)))
-        # even u + log(1 + u) = folds
-        grown = float(wrightomega(folds + even + np.log(even)).real) / even
-        return self._begin + self._first * (grown - 1.0)
-
-
-class Node(NamedTuple):
-    """The end of a step: the size of all steps so far of its smooth section, time, force and holding."""
-
-    size: float
-    time: float
-    force: float
-    holding: float
+            later = steps / self._rate
+        elif not even:
+            later = self._first * float(np.expm1(min(steps / self._folds, 700.0)))
+        else:
+            # even u + folds log(1 + u) = steps
+            even /= self._folds
+            omega = wrightomega(steps / self._folds + even + np.log(even)).real
+            later = self._first * (float(omega) / even - 1.0)
+        return min(self._begin + later, self._end)
 
 
 class Steps:
-    """Steps of contacts along one piece of the drive's path.
+    """Steps of contacts on one leg of the drive's motion, until the next bend.
 
     Parameters
     ----------
     contacts : Cohorts
     spring : float
         K/(N_c <k>).
-    close : float
-        Accuracy of a step's balance, as a share of the step.
+    drive : Motion
+        X_T(t).
+
+    Attributes
+    ----------
+    length : float
+        The travel of a step of the size 1 that takes no time (a length).
+    sign : float
+        Direction in which the spring pulls: travels and imbalances are counted along it.
     """
 
-    def __init__(self, contacts: Cohorts, spring: float, close: float) -> None:
-        self.contacts, self._spring, self._close = contacts, spring, close
-        self.scales = contacts.memory.scales
-        self.length = COARSEST * self.scales.length
-        # guesses of how fast the imbalance grows with the uniform steps, in a step and at one place
+    def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
+        self._contacts, self._spring, self._drive = contacts, spring, drive
+        self.length, self.sign = COARSEST * contacts.memory.scales.length, 1.0
+        # guess of how fast the imbalance grows with the uniform steps of time
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
-        self._rise = (1.0 + spring) * self.length / LESS
 
-    def begin(self, piece: Piece) -> None:
-        """Begin a piece of the drive's path."""
-        self.piece = piece
-        self.sign = float(np.sign(piece.travel) or np.sign(self.contacts.force) or 1.0)
-
-    def start(self, end: float, nodes: list[Node]) -> None:
-        """Begin a smooth section, whose steps end at `nodes`; the next bend is at `end`."""
-        self._nodes, piece, spring = nodes, self.piece, self._spring
+    def begin(self, leg: int, end: float) -> None:
+        """Begin steps on a leg of the drive's motion, towards a bend at the time `end`."""
+        scales, speed = self._contacts.memory.scales, float(self._drive.speeds[leg])
+        self.sign = float(np.sign(speed) or np.sign(self._contacts.force) or 1.0)
         # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
-        even = self.scales.rate / COARSEST
-        even += LESS * piece.speed * spring / (self.length * (1.0 + spring))
-        held = piece.travel == 0.0
-        even = 0.0 if held else even
-        self._count = StepCount(self.contacts.now, end, held, even, self.scales.time)
-
-    def counted(self, now: float) -> float:
-        """Uniform steps of time from the contacts' time to `now`."""
-        return self._count.steps(now) - self._count.steps(self.contacts.now)
+        even = LESS * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
+        even = even + scales.rate / COARSEST if speed else 0.0
+        self._count = StepCount(self._contacts.now, end, not speed, even, scales.time)
+        # guess of the share of the uniform steps in the next one
+        self._share = 0.5
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
-        return self.counted(trial.now) + self.sign * trial.travel / self.length
+        return self._time(trial) + self.sign * trial.travel / self.length
+
+    def _time(self, trial: Trial) -> float:
+        """The uniform steps that a step takes."""
+        return self._count.steps(trial.now) - self._count.steps(self._contacts.now)
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion."""
-        ahead = self.piece.at(trial.now) - self.contacts.place - trial.travel
-        return self.sign * (self._spring * ahead - trial.force)
+        ahead = self._drive.at(np.array(trial.now)) - self._contacts.place - trial.travel
+        return float(self.sign * (self._spring * ahead - trial.force))
 
-    def _try(self, travel: float, now: float) -> float:
-        """The imbalance after a trial step, which is kept."""
-        self._trial = self.contacts.trial(travel, now)
-        return self.imbalance(self._trial)
+    def step(self, size: float) -> tuple[float, Trial]:
+        """A balanced step of this size, or up to the next bend; and its uniform steps of time.
 
-    def _later(self, steps: float) -> float:
-        """The time after so many uniform steps, and not before now."""
-        now = self.contacts.now
-        return max(self._count.time(self._count.steps(now) + steps), now)
-
-    def step(self, size: float, share: float) -> Trial:
-        """A balanced step of this size; if there is none, one that takes no time.
-
-        share : expected share of the time in the size
+        If there is no balance from now on, these are below 0, and the step takes no time.
         """
+        now, steep = self._contacts.now, self._steep
+        done = self._count.steps(now)
 
         def imbalance(steps: float) -> float:
-            return self._try(self.sign * self.length * (size - steps), self._later(steps))
+            later, back = max(steps, 0.0), min(steps, 0.0)
+            time = max(self._count.time(done + later), now) if later else now
+            self._trial = self._contacts.trial(self.sign * self.length * (size - later), time)
+            return self.imbalance(self._trial) + steep * back
 
-        self._steep = secant(imbalance, share * size, self._steep, self._close * size, 0.0)
-        return self._trial
+        found, self._steep = secant(imbalance, self._share * size, steep, CLOSE * size)
+        return found, self._trial
 
-    def step_to(self, end: float, guess: float) -> Trial:
-        """A balanced step up to the time `end`, from a guess of its travel."""
+    def up_to_slip(self, time: float, trial: Trial, size: float) -> Trial | None:
+        """The step up to the beginning of a slip, if one begins within a step that is given.
 
-        def imbalance(way: float) -> float:
-            return self._try(self.sign * way, end)
-
-        secant(imbalance, self.sign * guess, -self._spring - 1.0, self._close * self.length)
-        return self._trial
-
-    def step_by(self, travel: float) -> Trial:
-        """The step by a travel up to the time of balance; in no time if that has passed."""
-
-        def imbalance(steps: float) -> float:
-            return self._try(travel, self._later(steps))
-
-        missing = -imbalance(NO_TIME)
-        if missing <= 0.0:
-            return self._trial
-        low, high = NO_TIME, max(2.0 * CLOSE, 1.1 * missing / self._rise)
-        for _ in range(60):
-            if imbalance(high) >= 0.0:
-                self._rise = missing / brentq(imbalance, low, high, xtol=CLOSE)
-                return self._trial
-            low, high = high, 2.0 * high
-        raise StoppedError("no steps were found that follow the slider")
-
-    def slip_begins(self, trial: Trial, size: float) -> bool:
-        """Whether a slip begins within a step of this size."""
-        if trial.now <= self.contacts.now:
-            return True
+        time, trial : of this step, as `step` returns them; size : the one asked for
+        """
+        size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
         # while slider and drive move alike, the time's share of the size is some LESS; it is far
         # below where the slider runs ahead
-        return self.counted(trial.now) < 0.3 * LESS * size and self._drive_slope(trial) <= 0.0
-
-    def _drive_slope(self, trial: Trial) -> float:
-        """Derivative of the uniform steps by the size of steps, at the end of a step."""
-        last = self._nodes[-5:]
-        sizes = [*(node.size for node in last), last[-1].size + self.size(trial)]
-        steps = [self.counted(time) for time in (*(node.time for node in last), trial.now)]
-        return float(KroghInterpolator(sizes, steps).derivative(sizes[-1]))
-
-    def up_to_slip(self, travel: float) -> Trial:
-        """The step up to the beginning of a slip, within a step that goes beyond it."""
-
-        def slope(way: float) -> float:
-            trial = self.step_by(way)
-            # no balance: the drive would have to move back
-            return -1.0 if self.counted(trial.now) < 2.0 * NO_TIME else self._drive_slope(trial)
-
-        way = low = 0.01 * travel  # an earlier beginning counts as this
-        if slope(travel) > 0.0:
-            way = travel  # possible by the error of a coarse step before
-        elif slope(low) > 0.0:
-            way = float(brentq(slope, low, travel, xtol=self._close * abs(travel)))
-        return self.step_by(way)
+        if time > 0.3 * LESS * size or 0.0 < time > self.step(0.99 * size)[0]:
+            self._share = time / size
+            return None
+        options = {"xatol": CLOSE_TO_SLIP * size}
+        found = minimize_scalar(
+            lambda part: -self.step(part)[0], bounds=(0.0, size), method="bounded", options=options
+        )
+        self._share = 0.5
+        return self.step(float(found.x))[1]
 
 
 def secant(
-    function: Callable[[float], float],
-    guess: float,
-    slope: float,
-    close: float,
-    least: float = -np.inf,
-) -> float:
-    """Find a root by the secant method, from guesses of it and of the slope there; returns the slope.
+    function: Callable[[float], float], guess: float, slope: float, close: float
+) -> tuple[float, float]:
+    """The root of an increasing function, where it is called last, and the slope there.
 
-    The function's last call is at the root, or at `least` where an increasing function has no root
-    above. A secant step that leaves the bracket of the root is replaced by bisection.
+    Both are found from guesses by the secant method. A step that leaves the bracket of the root is
+    replaced by bisection.
     """
-    given, rises = slope, float(np.sign(slope))
-    low, high = -np.inf, np.inf
-    a, fa = guess, function(guess)
-    if abs(fa / slope) <= close and a >= least:
-        return slope
+    low, high, at, value = -np.inf, np.inf, guess, function(guess)
     for _ in range(40):
-        low, high = (max(low, a), high) if rises * fa < 0.0 else (low, min(high, a))
-        b = max(a - fa / slope, least) if slope != 0.0 else np.inf
-        if not low < b < high and np.isfinite(high - low):
-            b = 0.5 * (low + high)
-        fb = function(b)
-        if abs(b - a) <= close or (b == least and fb >= 0.0) or fb == 0.0:
+        low, high = (at, high) if value < 0.0 else (low, at)
+        after = at - value / slope
+        if abs(after - at) <= close:
             break
-        if fb != fa:
-            slope = (fb - fa) / (b - a)
-        # the next correction would be below the required accuracy
-        if rises * slope > 0.0 and abs(fb / slope) <= close:
-            break
-        a, fa = b, fb
-    return slope if rises * slope > 0.0 else given
+        if not low < after < high and np.isfinite(high - low):
+            after = 0.5 * (low + high)
+        before, at, value = (at, value), after, function(after)
+        rise = (value - before[1]) / (at - before[0])
+        slope = rise if rise > 0.0 else slope
+    return at, slope
