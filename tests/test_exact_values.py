@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from solving import held_to_claim
 
+import master
 import origins
 
 
@@ -61,3 +62,12 @@ def test_exact_values_beside_a_rectangle(value, share, low, high, start):
     x = np.sort(np.append(np.linspace(0.0, 4.0, 401), more))
     exact = exact_force(value, share, low, high, x + start)
     assert held_to_claim(contacts, x, 1e-8, exact).nodes < 100_000
+
+
+def test_contacts_born_in_a_hold_meet_an_exact_value_together() -> None:
+    """At X = 2.8 those born at X = 2 come to 0.8, and the force that they bore is gone."""
+    law = origins.mixture([origins.identical(0.8), origins.gaussian(1.0, 0.2)], [0.3, 0.7])
+    warm = origins.Contacts(law, thermal=origins.Thermal("soft", 0.05))
+    path, time = [0.0, 2.0, 2.0, 2.8 - 1e-9, 2.8, 3.0], [0.0, 2.0, 22.0, 22.8 - 1e-9, 22.8, 23.0]
+    found = master.solve(warm, path, 1e-5, time=time)
+    assert found.success and found.force[3] - found.force[4] > 0.04

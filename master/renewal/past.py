@@ -147,7 +147,7 @@ class Past:
         Each row lies within one panel, at the same shares of it. Returns an array of shape
         (2, rows, columns), interpolated from fewer times on legs where these suffice.
         """
-        first, width = grid[:, :1], np.ptp(grid, axis=1, keepdims=True)
+        first, width = grid.min(axis=1, keepdims=True), np.ptp(grid, axis=1, keepdims=True)
         way = float(width[0, 0]) * abs(float(self._motion.speeds[self.leg]))
         if self._legs.size and not self._life.quick and 0.0 < way < self._wide:
             few = rule.lobatto(TIMES)
