@@ -161,6 +161,5 @@ def test_survivals_that_leave_out_thresholds_claim_it() -> None:
     for way, width in zip(4.0 * node, 4.0 * weight, strict=True):
         threshold = way + (5.0 - way) * node
         spent = weight @ warm.thermal.rates.rate(way * node[:, None], threshold, 1.0) * way
-        held = weight @ (warm.thresholds.pdf(threshold) * np.exp(-spent)) * (5.0 - way)
-        direct += width * held * np.exp(decay * way)
+        direct += width * np.exp(decay * way) * (5.0 - way) * weight @ (warm.thresholds.pdf(threshold) * np.exp(-spent))
     assert found.held_error[0] / direct > 1e-8 and abs(found.held[0] - direct) <= found.held_error[0]

@@ -104,8 +104,10 @@ class ThermalLife(LawLife):
         felt = self._mass * weight[:, None] > _NO_WEIGHT
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-        # the error is about the square; if it were larger, tables of these sums would resolve it
-        accuracy = max(0.1 * self.resolved, 2e-12)
+        # the error is about the square; if it were larger, tables of these sums would resolve it; where
+        # few contacts hold, they are stretched far and their error counts the more
+        few = np.maximum(weight * self.law.sf(least), 1e-4)
+        accuracy = max(0.1 * self.resolved, 2e-12) * few
         out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)
         self.error = max(self.error, MARGIN * float(missed.max()))
         for position, share in zip(self.atoms, self.atom_weights, strict=True):
