@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.lives.averages import Pieces
+from master.lives.life import MARGIN
 from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import (
@@ -42,8 +43,8 @@ Array = npt.NDArray[np.float64]
 # Where the survival takes long: nodes of a piece that are tried first, and times from which the sums
 # are interpolated on short legs.
 FEW, TIMES = 8, 11
-# The survival jumps at exact thresholds: it is evaluated this share of a piece inside its ends, and on
-# panels that begin or end there, this share of the panel inside.
+# The survival jumps at exact thresholds: on panels that begin or end there it is evaluated this share
+# of the panel inside.
 INSIDE = 1e-9
 
 
@@ -153,7 +154,9 @@ class Past:
             few = rule.lobatto(TIMES)
             found = self._summed(first + width * few.nodes)
             tail = np.abs(found @ few.tails).max(axis=(1, 2))
-            if max(tail[0], tail[1] / self._life.reach) <= self._accuracy:
+            wrong = MARGIN * float(max(tail[0], tail[1] / self._life.reach))
+            if wrong <= self._accuracy:
+                self.error = max(self.error, wrong)  # a smooth interpolant hides it from the panels
                 return np.asarray(found @ few.at((grid - first)[0] / width[0]))
             self._wide = 0.5 * way
         return self._summed(grid)
@@ -188,14 +191,13 @@ class Past:
         if not self._legs.size:
             return
         births, pieces = self._births, self._pieces(t)
-        # between exact thresholds a piece is looked at just inside its ends
-        inside = INSIDE if self._life.atoms.size else 0.0
+        # pieces may end at exact thresholds, where the survival jumps
+        nodes = rule.gauss if self._life.atoms.size else rule.lobatto
         size = rule.GAUSS if self._life.quick else FEW
         while pieces.owner.size:
             owner, low, high = pieces
-            few = rule.lobatto(size)
-            share = np.clip(few.nodes, inside, 1.0 - inside)
-            place = low[:, None] + (high - low)[:, None] * share
+            few = nodes(size)
+            place = low[:, None] + (high - low)[:, None] * few.nodes
             births.count(owner.size)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
             series = held @ few.series
