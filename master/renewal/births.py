@@ -33,8 +33,8 @@ Rows = npt.NDArray[np.intp]
 TINY = float(np.finfo(float).tiny)
 # Two places of birth nearer than this share of the whole range count as equal.
 CLOSE = 1e-13
-# Most pieces of births that are integrated, if quickly, before halving of panels ends: some 30 s, and two minutes with
-# heat on hundreds of legs.
+# Work (see Births.work) after which panels and pieces are no longer halved: it takes some 30 s, and two
+# minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
 
 

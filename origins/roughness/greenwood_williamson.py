@@ -30,12 +30,9 @@ class Summits:
     """
 
     def __init__(
-        self,
-        moments: SpectralMoments,
-        material: Material,
-        regime: str,
-        height_law: str,
+        self, moments: SpectralMoments, material: Material, regime: str, height_law: str
     ) -> None:
+        """Keep the moments of the summits, and find the load of one by the regime."""
         one_of("regime", regime, REGIMES)
         self.heights = one_of("height_law", height_law, ("gaussian", "exponential"))
         self.radius, self.std = moments.summit_radius, moments.summit_std

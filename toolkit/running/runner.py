@@ -93,7 +93,7 @@ def solve(
     kept: Checkpoint | None = None,
     show_progress: bool = False,
 ) -> tuple[Result, bool]:
-    """Run the scene's solvers; returns the result and whether it is finished. Progress is shown on stderr."""
+    """Run the scene's solvers, showing progress on stderr if asked; returns the result and whether it is finished."""
     interface, law, deadline = scene.contacts.interface, scene.contacts.thresholds, scene.deadline()
 
     def shown(what: str) -> Any:

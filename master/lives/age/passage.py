@@ -10,8 +10,8 @@ unit of the way t,
 That is number conservation again, and both probabilities are known in closed form, as free
 thresholds are an Ornstein-Uhlenbeck process. It is solved panel by panel; on each 2 s b is a Legendre
 series in s = t^(1/2), in which b is smooth from the start. A stretch that begins below 0 turns at 0,
-where a panel ends. (With the shares above in place of those
-below, b would be lost in rounding where thresholds move away from |stretch|.)
+where a panel ends. (The probabilities above |stretch| obey the same equation, but they are nearly 1
+where thresholds move away from |stretch|, and b would be lost in their rounding.)
 """
 
 from __future__ import annotations

@@ -67,7 +67,7 @@ class Strands:
 
         Returns times since its beginning, shape (n,), and what is `left` then, shape (n, 2, strands).
         """
-        # where a leg begins thresholds may have gathered right above |x|
+        # where a leg begins, thresholds may have gathered right above |x|: the first steps are short
         self._speed, self._steady_for = speed, 0.0
         times, shares = self._cells[0].steps(speed, 0.0, duration), [self.left()]
         for time in np.diff(times):

@@ -112,8 +112,8 @@ def extrapolated(
         crossed = [_beside(path, *pair) for pair in pairwise(rows[0] / spring for rows in slips)]
         told = np.append(np.tile(~(crossed[0] | crossed[1]), 2), np.ones(slips[0].size, dtype=bool))
         changes = np.abs(second + (second - first) / 3.0)[told]
-        # three times the last change: changes fall irregularly where births jump or P_c bends, and by
-        # a half with growing thresholds; once with ageing, whose method is of third order
+        # three times the last change, as changes fall irregularly where births jump or P_c bends, and
+        # by a half where thresholds grow; once with ageing, whose method is of third order
         error = (3.0 if contacts.ageing is None else 1.0) * float(changes.max(initial=0.0))
         answer = answer + np.where(told, second / 3.0, 0.0)
     # round-off of the force grows with the number of steps

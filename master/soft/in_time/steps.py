@@ -139,8 +139,8 @@ class Steps:
         time, trial : of this step, as `step` returns them; size : the one asked for
         """
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
-        # while slider and drive move alike, the time's share of the size is some LESS; it is far
-        # below where the slider runs ahead
+        # no slip is near while a step takes some LESS of its size in time, as it does where the slider
+        # follows the drive, or while a shorter step would take less time
         if time > 0.3 * LESS * size or 0.0 < time > self.step(0.99 * size)[0]:
             self._share = time / size
             return None
