@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ndtr, ndtri
+import scipy
 
 from origins.errors import TEMPERATURE, InputError, finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
@@ -57,12 +57,12 @@ class GaussianStart(Start):
     def __init__(self, mean: float, std: float) -> None:
         reach = 8.3 * std  # beyond which lie 1e-16 of the weight
         super().__init__(mean, (mean - reach, mean + reach))
-        self.pdf = lambda x: (
-            np.exp(-0.5 * ((np.asarray(x) - mean) / std) ** 2) / (std * np.sqrt(2.0 * np.pi))
-        )
-        self.cdf = lambda x: ndtr((np.asarray(x) - mean) / std)
-        self.sf = lambda x: ndtr((mean - np.asarray(x)) / std)
-        self.ppf, self.isf = lambda q: mean + std * ndtri(q), lambda q: mean - std * ndtri(q)
+        norm = std * np.sqrt(2.0 * np.pi)
+        self.pdf = lambda x: np.exp(-0.5 * ((np.asarray(x) - mean) / std) ** 2) / norm
+        self.cdf = lambda x: scipy.special.ndtr((np.asarray(x) - mean) / std)
+        self.sf = lambda x: scipy.special.ndtr((mean - np.asarray(x)) / std)
+        self.ppf = lambda q: mean + std * scipy.special.ndtri(q)
+        self.isf = lambda q: mean - std * scipy.special.ndtri(q)
 
 
 def gaussian_start(mean: float, std: float) -> Start:

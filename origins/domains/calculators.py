@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 
 from origins.domains.islands import points_of
 from origins.domains.substrates import Substrate, checked_substrate
@@ -42,10 +43,8 @@ def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None 
 
     Raises InputError for other values, for atoms in one place and where no two atoms are bonded.
     """
-    from scipy.spatial import KDTree
-
     stiffness, points = positive("stiffness", stiffness), points_of(atoms)
-    tree = KDTree(points)
+    tree = scipy.spatial.KDTree(points)
     shortest = tree.query(points, k=2)[0][:, 1].min()
     if shortest == 0.0:
         refuse("atoms", atoms, "must not hold two atoms in one place")

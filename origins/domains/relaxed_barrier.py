@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from origins.domains.islands import points_of
 from origins.domains.lowest_saddle import lowest_saddles
@@ -164,8 +165,6 @@ class _MovingIsland:
     def relaxed(self, share: npt.ArrayLike, change: Array) -> tuple[float, Array]:
         """Energy, and what is added to the shifts by `share` of the periods, at the minimum that L-BFGS finds from a
         `change` of them, the centre kept along x and y."""
-        from scipy.optimize import minimize
-
         place = self.shifted(share)
         if self.rigid and self.planar:
             return self.energy_and_forces(place)[0], change
@@ -179,12 +178,13 @@ class _MovingIsland:
             return energy / (self.radian * self.force), -inner(forces).ravel() / self.force
 
         options, start = {"gtol": _RELAXED, "ftol": 0.0, "maxiter": 2000}, np.zeros(place.size)
-        found = minimize(energy_and_slope, start, jac=True, method="L-BFGS-B", options=options)
+        found = scipy.optimize.minimize(
+            energy_and_slope, start, jac=True, method="L-BFGS-B", options=options
+        )
         return float(found.fun) * self.radian * self.force, change + self.radian * inner(found.x)
 
     def without_force(self, shifts: Array) -> Array:
         """The nearby shifts at which the forces vanish; `shifts` themselves where none is found."""
-        from scipy.optimize import root
 
         def forces(q: Array) -> Array:
             moved = shifts + self.radian * self.permitted(q)
@@ -193,7 +193,7 @@ class _MovingIsland:
         start, options = np.zeros(shifts.size), {"fatol": 1e-10, "maxiter": 200}
         if np.abs(forces(start)).max() <= 1e-10:
             return shifts
-        q = root(forces, start, method="krylov", options=options).x
+        q = scipy.optimize.root(forces, start, method="krylov", options=options).x
         settled = np.abs(forces(q)).max() <= 1e-8 and np.abs(q).max() <= 0.5
         return shifts + self.radian * self.permitted(q) if settled else shifts
 

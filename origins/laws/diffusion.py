@@ -2,7 +2,7 @@
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import exprel
+import scipy
 
 from origins.errors import InputError, finite_array, refuse
 from origins.thresholds.law import Array, Thresholds
@@ -48,8 +48,8 @@ class Diffusion:
             rule = "use a law whose density is positive between the outermost edges"
             raise InputError(f"final: {fault}; {rule}")
         uphill, distances = -np.diff(log_density), np.diff(middles)
-        self.up = 1.0 / (exprel(uphill) * widths[:-1] * distances)
-        self.down = 1.0 / (exprel(-uphill) * widths[1:] * distances)
+        self.up = 1.0 / (scipy.special.exprel(uphill) * widths[:-1] * distances)
+        self.down = 1.0 / (scipy.special.exprel(-uphill) * widths[1:] * distances)
 
     def weights(self, law: Thresholds, name: str = "law") -> Array:
         """Weight of `law` in each cell, shape (n,); InputError, with `name`, for more than 1e-12 beyond the walls."""

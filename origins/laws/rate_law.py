@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-import numpy.typing as npt
 
 from origins.errors import TEMPERATURE, positive
+from origins.thresholds.law import Array
 
-Array = npt.NDArray[np.float64]
 Numbers = float | Array
 
 # ln of the integral of h at which no contact holds any more; its exponential is still finite

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import dawsn
+import scipy
 
 from origins.laws.compiled import CompiledRates, inlined
 from origins.laws.rate_law import ActivatedRates, Array, Numbers, quiet
@@ -41,7 +41,8 @@ class SoftRates(ActivatedRates):
         spring, across = self.spring * np.asarray(stiffness), np.asarray(far - near)
         root, rise = np.sqrt(spring), spring * across * (far + near)
         # the integral over h(far), a length
-        length = (dawsn(root * far) - np.exp(-rise) * dawsn(root * near)) / root
+        lower, upper = (scipy.special.dawsn(root * end) for end in (near, far))
+        length = (upper - np.exp(-rise) * lower) / root
         flat = (rise < 1.0) & np.greater(near, 0.0)
         if np.any(flat):
             # the difference of two integrals would lose digits; a sum over Gauss nodes back from `far` does not
@@ -60,7 +61,7 @@ class SoftRates(ActivatedRates):
         level = level + spring * threshold * threshold
         if np.any(near):
             y = np.sqrt(spring) * near
-            level = np.logaddexp(level, y * y + np.log(dawsn(y)))
+            level = np.logaddexp(level, y * y + np.log(scipy.special.dawsn(y)))
         x = inverse_log_growth(level) / np.sqrt(spring)
         return np.minimum(np.maximum(x, near), threshold)
 
@@ -82,7 +83,7 @@ def inverse_log_growth(level: npt.ArrayLike) -> Array:
     rough = np.sqrt(np.maximum(goal, 0.0) + 1.0)
     y = np.minimum(np.exp(goal), np.sqrt(np.maximum(goal, 0.0) + np.log(2.0 * rough + 3.0)))
     for _ in range(5):  # from within 1.3 of y; each step squares the error
-        slope = dawsn(y)
+        slope = scipy.special.dawsn(y)
         y = y * np.exp(-(y * y + np.log(slope) - goal) * slope / y)
     return np.where(level == goal, y, np.exp(level))[()]
 
@@ -106,10 +107,10 @@ _CELLS, _LOW, _HIGH, _STEP = 2048.0, -12.0, 64.0, 1.0 / 64.0
 def _tables() -> tuple[Array, Array]:
     part = np.arange(1.0, _CELLS + 1.0) / _CELLS
     y = 1.0 / part - 1.0
-    values = np.append(0.0, dawsn(y))
-    slopes = np.append(0.5, (2.0 * y * dawsn(y) - 1.0) / part**2)
+    values = np.append(0.0, scipy.special.dawsn(y))
+    slopes = np.append(0.5, (2.0 * y * scipy.special.dawsn(y) - 1.0) / part**2)
     inverse = inverse_log_growth(np.arange(_LOW, _HIGH + _STEP, _STEP))
-    tables = [values, slopes / _CELLS], [inverse, _STEP * dawsn(inverse)]
+    tables = [values, slopes / _CELLS], [inverse, _STEP * scipy.special.dawsn(inverse)]
     return np.transpose(tables[0]).copy(), np.transpose(tables[1]).copy()
 
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from scipy.special import erf
+import scipy
 
 from origins.errors import InputError, between, one_of, positive, refuse
 from origins.roughness.greenwood_williamson import Summits
@@ -152,7 +152,7 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
     # the square root of the stress has the law (PcPersson3)
     roots = persson(centre=float(np.sqrt(pressure)), width=float(np.sqrt(width)))
     plastic = None if material.hardness is None else float(roots.sf(np.sqrt(material.hardness)))
-    area_fraction = float(erf(pressure / width))
+    area_fraction = float(scipy.special.erf(pressure / width))
     return _joined(
         roots,
         straight(patch_area, 2.0),

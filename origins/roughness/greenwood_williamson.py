@@ -7,7 +7,7 @@ continuous there, but the threshold as a function of delta has a kink and P_c ha
 """
 
 import numpy as np
-from scipy.special import log_ndtr
+import scipy
 
 from origins.errors import between, finite, one_of, positive, refuse
 from origins.roughness.interface import Material
@@ -53,7 +53,7 @@ class Summits:
 
     def log_contact_density(self, z: float) -> float:
         """Log of the contacts per nominal area in 1/m²."""
-        log_touching = log_ndtr(-z) if self.heights == "gaussian" else -z
+        log_touching = scipy.special.log_ndtr(-z) if self.heights == "gaussian" else -z
         return float(np.log(self.density) + log_touching)
 
     def area_fraction(self, z: float) -> float:
@@ -68,7 +68,6 @@ class Summits:
 
     def separation(self, pressure: float) -> float:
         """z = h0/sigma_h under a nominal pressure in Pa; at least -1e6, which is taken for covered."""
-        from scipy.optimize import brentq
 
         def excess(z: float) -> float:
             return self.log_pressure(z) - float(np.log(pressure))
@@ -78,7 +77,9 @@ class Summits:
         # half of the summits are compressed by more than -h0; the pressure falls faster than e^(-z²/2)
         deepest = straight(1.0, 1.0).against(self.load)(2.0 * pressure / self.density) / self.std
         low, high = max(-float(deepest), -1e6), np.sqrt(2.0 * max(excess(0.0), 0.0))
-        return brentq(excess, low, high, xtol=1e-14, rtol=1e-14) if excess(low) > 0.0 else low
+        if not excess(low) > 0.0:
+            return low
+        return scipy.optimize.brentq(excess, low, high, xtol=1e-14, rtol=1e-14)
 
     def pressed(self, pressure: float) -> float:
         """z under a nominal pressure in Pa; InputError for one too large for the model."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import exprel
+import scipy
 
 from origins.errors import InputError, one_of, positive, positive_array, refuse, whole
 from origins.roughness.surface import as_topography, detrended
@@ -182,7 +182,8 @@ def moments_of_spectrum(
     isotropic = one_of("convention", convention, ("isotropic", "profile")) == "isotropic"
     orders, rise = np.arange(0.0, 5.0, 2.0)[:, None] + isotropic, np.log(q[1:] / q[:-1])
     growth = np.log(c[1:] / c[:-1]) + (orders + 1.0) * rise
-    sums = (c[:-1] * q[:-1] ** (orders + 1.0) * rise * exprel(growth)).sum(axis=1) / np.pi
+    pieces = c[:-1] * q[:-1] ** (orders + 1.0) * rise * scipy.special.exprel(growth)
+    sums = pieces.sum(axis=1) / np.pi
     # averages of cos² and of cos⁴ over all directions
     m0, m2, m4 = (sums * [0.5, 0.25, 0.1875] if isotropic else sums).tolist()
     return SpectralMoments(m0=m0, m2_axes=(m2, m2), m4_axes=(m4, m4))

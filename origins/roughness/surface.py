@@ -5,11 +5,9 @@ import os
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from origins.errors import between, one_of, pair, positive, refuse, whole
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "nm": 1e-9, "pm": 1e-12}
 METRES |= dict.fromkeys(("\u00b5m", "\u03bcm", "um"), 1e-6)

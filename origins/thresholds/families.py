@@ -1,7 +1,7 @@
 """Families of thresholds: one value, rectangles, exponential summits, lubricant films, Persson's stresses."""
 
 import numpy as np
-from scipy.special import erf, exprel, gammaln, poch, xlogy
+import scipy
 
 from origins.errors import finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
@@ -99,18 +99,19 @@ class GeneralisedGamma(Thresholds):
     def __init__(self, width: float, power: float, decay: float) -> None:
         self._width, self.onset_power, self._decay = width, power, decay
         self._order = (power + 1.0) / decay
-        self._log_front = float(np.log(decay / width) - gammaln(self._order))
+        self._log_front = float(np.log(decay / width) - scipy.special.gammaln(self._order))
 
     def _logpdf(self, x: Array) -> Array:
         u = x / self._width
         with np.errstate(divide="ignore", over="ignore"):
-            return self._log_front + xlogy(self.onset_power, u) - u**self._decay
+            return self._log_front + scipy.special.xlogy(self.onset_power, u) - u**self._decay
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
         if centre != 0.0:
             return super()._moment(n, centre)
         with np.errstate(over="ignore"):
-            return float(np.float64(self._width) ** n * poch(self._order, n / self._decay))
+            at_width_one = scipy.special.poch(self._order, n / self._decay)
+            return float(np.float64(self._width) ** n * at_width_one)
 
 
 class Weibull(GeneralisedGamma):
@@ -157,7 +158,8 @@ class Persson(Thresholds):
     def __init__(self, centre: float, width: float) -> None:
         self._centre, self._width, self._a = centre, width, (centre / width) ** 2
         # (2a/sqrt(pi)) / erf(a), 1 at a = 0
-        kappa = 2.0 * self._a / np.sqrt(np.pi) / float(erf(self._a)) if self._a > 0.0 else 1.0
+        erf = float(scipy.special.erf(self._a))
+        kappa = 2.0 * self._a / np.sqrt(np.pi) / erf if self._a > 0.0 else 1.0
         self._log_front = float(np.log(4.0 * kappa / width))
 
     def _logpdf(self, x: Array) -> Array:
@@ -165,5 +167,5 @@ class Persson(Thresholds):
         with np.errstate(divide="ignore", over="ignore"):
             # f - a, without the cancellation
             off = (x - self._centre) / self._width * ((x + self._centre) / self._width)
-            peaks = np.log(exprel(-4.0 * self._a * u * u)) - off * off
+            peaks = np.log(scipy.special.exprel(-4.0 * self._a * u * u)) - off * off
             return self._log_front + 3.0 * np.log(u) + peaks

@@ -3,7 +3,7 @@
 from typing import Literal
 
 import numpy as np
-from scipy.special import erfcx, log_ndtr, ndtr, ndtri, ndtri_exp
+import scipy  # imports its parts when they are first used
 
 from origins.errors import between, finite, one_of, positive, refuse
 from origins.thresholds.law import Array, Thresholds
@@ -51,9 +51,8 @@ class CutGaussian(Thresholds):
         self.parent_mean, self.parent_std = parent_mean, parent_std
         self._least = -parent_mean / parent_std
         # log P_c(0), by a form that stays finite however small the part of the parent above 0 is
-        self._log_at_zero = float(
-            0.5 * np.log(2.0 / np.pi) - np.log(parent_std * erfcx(self._least / np.sqrt(2.0)))
-        )
+        front = parent_std * scipy.special.erfcx(self._least / np.sqrt(2.0))
+        self._log_at_zero = float(0.5 * np.log(2.0 / np.pi) - np.log(front))
 
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(over="ignore"):
@@ -66,7 +65,8 @@ class UpperGaussian(CutGaussian):
 
     def __init__(self, parent_mean: float, parent_std: float) -> None:
         super().__init__(parent_mean, parent_std)
-        self._kept, self._log_kept = float(ndtr(-self._least)), float(log_ndtr(-self._least))
+        self._kept = float(scipy.special.ndtr(-self._least))
+        self._log_kept = float(scipy.special.log_ndtr(-self._least))
         self._log_peak = -float(np.log(np.sqrt(2.0 * np.pi) * parent_std)) - self._log_kept
 
     def _z(self, x: Array) -> Array:
@@ -77,13 +77,13 @@ class UpperGaussian(CutGaussian):
             return -0.5 * self._z(x) ** 2 + self._log_peak
 
     def _logsf(self, x: Array) -> Array:
-        return log_ndtr(-self._z(x)) - self._log_kept
+        return scipy.special.log_ndtr(-self._z(x)) - self._log_kept
 
     def _sf(self, x: Array) -> Array:
-        return np.minimum(ndtr(-self._z(x)) / self._kept, 1.0)
+        return np.minimum(scipy.special.ndtr(-self._z(x)) / self._kept, 1.0)
 
     def _cdf(self, x: Array) -> Array:
-        out = (ndtr(self._z(x)) - ndtr(self._least)) / self._kept
+        out = (scipy.special.ndtr(self._z(x)) - scipy.special.ndtr(self._least)) / self._kept
         near = x * max(1.0, -self._least) < 0.3 * self.parent_std  # just above 0 these cancel
         if near.any():
             nodes, weights = gauss(np.zeros(int(near.sum())), x[near])
@@ -92,8 +92,8 @@ class UpperGaussian(CutGaussian):
 
     def _quantiles(self, below: Array, above: Array) -> Array:
         """In closed form, except near x = 0, where that loses digits."""
-        lower = ndtri(ndtr(self._least) + below * self._kept)
-        z = np.where(below < above, lower, -ndtri_exp(np.log(above) + self._log_kept))
+        lower = scipy.special.ndtri(scipy.special.ndtr(self._least) + below * self._kept)
+        z = np.where(below < above, lower, -scipy.special.ndtri_exp(np.log(above) + self._log_kept))
         x = self.parent_mean + self.parent_std * z
         near = ~(x > 0.5 * self.parent_mean)
         x[near] = super()._quantiles(below[near], above[near])

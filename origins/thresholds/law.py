@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError, refuse, whole
-from origins.thresholds.numerical import NumericalLaw
+from origins.thresholds.numerical import Array, NumericalLaw
 
-Array = npt.NDArray[np.float64]
-RandomState = None | int | np.random.Generator
+RandomState: TypeAlias = "int | np.random.Generator | None"
 
 
 @runtime_checkable

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ndtr
+import scipy
 
 from origins.contacts import Contacts
 from origins.errors import InputError
@@ -119,8 +119,8 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
         mean, width, first = thresholds.parent_mean, thresholds.parent_std, start.mean()
         spread = 0.0 if start.is_single else 1.0 / (np.sqrt(2.0 * np.pi) * float(start.pdf(first)))
         narrowest, reach = float(np.hypot(width, spread)), float(path[-1]) + abs(first) + abs(mean)
-        cut = ndtr((first - mean) / narrowest) + ndtr((-first - mean) / narrowest)
-        cut += (reach / abs(mean) + 1.0) * ndtr(-mean / width)
+        cut = scipy.special.ndtr((np.array([first, -first]) - mean) / narrowest).sum()
+        cut += (reach / abs(mean) + 1.0) * scipy.special.ndtr(-mean / width)
         # the error for a contact that the cut affects, in any generation, is at most its travel
         if mean > 0.0 and cut * reach <= 1e-16 * mean:
             force, count, z = first + path, 0, np.zeros(1)
@@ -129,7 +129,7 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
                 scatter = np.sqrt(count * width**2 + spread**2)
                 z = (path - count * mean + first) / scatter
                 bell = np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
-                force -= mean * ndtr(z) - width**2 / scatter * bell
+                force -= mean * scipy.special.ndtr(z) - width**2 / scatter * bell
             # each term and its argument are rounded, and the latter matters more the narrower the laws are
             return force, float(2.0**-53 * (count + 4.0 + mean / narrowest) * reach / mean)
     rule = "needs F in closed form: Gaussian thresholds far from 0, from one stretch or a Gaussian"
