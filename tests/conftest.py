@@ -34,9 +34,8 @@ def clean_environment(**extra: str) -> dict[str, str]:
 @pytest.fixture(autouse=True)
 def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     """What commands say does not tell whether they are the first to compile, nor how fast the machine is."""
-    monkeypatch.setattr(
-        "toolkit.running.progress.PATIENCE", 1e6
-    )  # s; an event can wait no infinite time
+    # s; an event can wait no infinite time
+    monkeypatch.setattr("toolkit.running.progress.PATIENCE", 1e6)
 
 
 def _ended(

@@ -1,11 +1,11 @@
 """The command `mesofriction`: subcommands are functions of toolkit.commands."""
 
+import os
 import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # else imported in functions, so that `main` catches an interrupt
     import argparse
-    from collections.abc import Sequence
 
     from toolkit.running.signals import Launch
 
@@ -18,30 +18,37 @@ COMMANDS = {
 }
 
 
-def main(words: "Sequence[str] | None" = None) -> int:
+def main(words: list[str] | None = None) -> int:
     """Run the command and return its exit status: 0 done, 1 a solver or the program failed, 2 bad input, 130
-    interrupted, 143 terminated."""
+    interrupted, 141 nobody reads its output, 143 terminated."""
     # these cover the time of the imports, before there is a run to end
     try:
         from toolkit.running.signals import Terminated, terminable
 
         try:
             with terminable():
-                return _run(list(sys.argv[1:] if words is None else words))
+                try:
+                    return _run(sys.argv[1:] if words is None else words)
+                finally:
+                    sys.stdout.flush()
         except Terminated:
             print("mesofriction: terminated; nothing was written", file=sys.stderr, flush=True)
             return 143
     except KeyboardInterrupt:
         print("mesofriction: interrupted; nothing was written", file=sys.stderr, flush=True)
         return 130
+    except BrokenPipeError:  # `head` has read enough; Python shall not complain about the rest
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
 
 
 def _run(words: list[str]) -> int:
-    import os
     from contextlib import redirect_stderr, redirect_stdout
 
     from toolkit.running.signals import read_environment
 
+    # numpy reads it: matrices are small here, and BLAS's threads would cost more than they save
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     launched = read_environment()
     if launched.rank == 0:
         return _execute(_parse(words), launched)

@@ -6,16 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.start import GaussianStart
 from origins.thresholds.gaussian import CutGaussian
+from origins.thresholds.law import Array
 from toolkit.scene.scene import Scene
-
-Array = npt.NDArray[np.float64]
 
 RUNGS: dict[str, tuple[float, ...]] = {  # the settings of each method, the cheapest first
     "master": tuple(10.0**-n for n in range(2, 13)),  # tolerances

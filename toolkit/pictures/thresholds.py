@@ -8,10 +8,8 @@ import numpy.typing as npt
 
 from origins.domains.rotated import DomainSamples
 from origins.samples.from_samples import Sampled
-from origins.thresholds.law import Thresholds
+from origins.thresholds.law import Array, Thresholds
 from toolkit.results.records import Result, ThresholdCurve
-
-Array = npt.NDArray[np.float64]
 
 INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
 _SPIKE = 10.0  # a density is cut off at this multiple of its largest value for 95 % of the contacts

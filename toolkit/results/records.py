@@ -9,14 +9,12 @@ import numpy.typing as npt
 
 from origins.brief import brief
 from origins.domains.rotated import DomainSamples
-from origins.thresholds.law import Thresholds
+from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import panel_edges
 from toolkit.scene.drive import make_drive
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import SceneTable, read_table
-
-Array = npt.NDArray[np.float64]
 
 OWN_UNIT = "length unit of the thresholds"
 _PER_PANEL = 24
@@ -171,7 +169,7 @@ class Deviation(NamedTuple):
     """Ensemble minus master equation, `off`, in standard errors, at the `points` (indices) that can be compared."""
 
     points: npt.NDArray[np.intp]
-    off: npt.NDArray[np.float64]
+    off: Array
 
     @property
     def worst(self) -> float | None:

@@ -9,10 +9,9 @@ import numpy.typing as npt
 from origins.contacts import Contacts
 from origins.drive import Drive
 from origins.errors import InputError, positive, refuse
+from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import DriveTable, EqTable
-
-Array = npt.NDArray[np.float64]
 
 _SPRING = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) (N/m|N_c<k>)")
 

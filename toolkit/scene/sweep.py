@@ -11,10 +11,9 @@ import numpy.typing as npt
 from origins.brief import brief
 from origins.contacts import Contacts, TooHot
 from origins.errors import InputError, refuse
+from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import RangeTable, SweepTable
-
-Array = npt.NDArray[np.float64]
 
 QUANTITIES = ("velocity", "temperature", "rate", "delay")
 _SPRINGS = ("critical_spring", "critical_spring_error")
