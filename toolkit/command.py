@@ -1,5 +1,7 @@
 """The command `mesofriction`: subcommands are functions of toolkit.commands."""
 
+import atexit
+import gc
 import os
 import sys
 from typing import TYPE_CHECKING, Any
@@ -49,6 +51,8 @@ def _run(words: list[str]) -> int:
 
     # numpy reads it: matrices are small here, and BLAS's threads would cost more than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # else Python would search all memory for what to free, just before all of it is freed
+    atexit.register(gc.freeze)
     launched = read_environment()
     if launched.rank == 0:
         return _execute(_parse(words), launched)

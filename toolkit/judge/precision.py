@@ -111,9 +111,8 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
     F = x_0 + X - sum over n of E[threshold n; X_n < X].
     """
     thresholds, start = contacts.thresholds, contacts.start
-    if isinstance(thresholds, CutGaussian) and (
-        start.is_single or isinstance(start, GaussianStart)
-    ):
+    is_known = start.is_single or isinstance(start, GaussianStart)
+    if isinstance(thresholds, CutGaussian) and is_known:
         mean, width, first = thresholds.parent_mean, thresholds.parent_std, start.mean()
         spread = 0.0 if start.is_single else 1.0 / (np.sqrt(2.0 * np.pi) * float(start.pdf(first)))
         narrowest, reach = float(np.hypot(width, spread)), float(path[-1]) + abs(first) + abs(mean)

@@ -219,9 +219,8 @@ def slips_beside(result: Result) -> list[dict[str, Any]]:
 
 def slip_line(result: Result) -> str:
     """The comparison slip by slip, as a line of text."""
-    solved, eq = result.master, result.eq
+    solved, eq, unit = result.master, result.eq, result.mean_threshold
     line = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
-    unit = result.mean_threshold
     if solved is not None and solved.slips is not None:
         line += f", {solved.slips.drive.size} of the master equation"
     late = [

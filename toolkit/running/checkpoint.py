@@ -181,6 +181,5 @@ def _flat(value: Any, where: str) -> Iterator[tuple[str, str]]:
 
 def _drawn(law: Thresholds) -> str:
     """Twelve letters that identify a law, as the scene may only name a file."""
-    quantiles = law.ppf(np.linspace(0.0, 1.0, 66)[1:-1])
-    numbers = [*quantiles, law.mean(), law.moment(2), *law.support()]
+    numbers = [*law.ppf(np.linspace(0.0, 1.0, 66)[1:-1]), law.mean(), law.moment(2), *law.support()]
     return sha256(" ".join(f"{x:.10g}" for x in numbers).encode()).hexdigest()[:12]
