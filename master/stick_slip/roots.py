@@ -155,8 +155,6 @@ class Transform:
 def crowding_rate(travel: Travel, wait: float) -> float:
     """Decay rate (per length) near which infinitely many roots of ever higher frequency crowd, due to
     exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
-    from scipy.optimize import brentq
-
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     # the share that breaks at each is that just before less that just after it
     before, after = (
@@ -167,6 +165,8 @@ def crowding_rate(travel: Travel, wait: float) -> float:
         return np.inf
     if shares.sum() > 1.0 - 1e-14:
         return 0.0
+    from scipy.optimize import brentq  # takes 0.1 s, which few laws need
+
     logs = np.log(shares)
     ends = 0.0, -float(logs.max()) / float(ways.min())
     return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))
