@@ -2,9 +2,8 @@
 
 Newton's method finds all points of a cell where the gradient vanishes; on a torus there are as many saddles as minima
 and maxima together, which shows whether some are missing. From each saddle the landscape falls to a minimum on both
-sides. The minima are then joined over the saddles in order of rising energy, on a torus of twice the period in both
-directions: the barrier is the first energy at which the lowest minimum meets one of its copies, as a region that winds
-round the first torus holds a loop that winds an odd number of times in one direction.
+sides. As water that rises, the minima are then joined to pools over the saddles in order of rising energy: the barrier
+is the first energy at which the pool of the lowest minimum meets a copy of itself.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from origins.errors import refuse
 from origins.thresholds.law import Array
 
 Complex = npt.NDArray[np.complex128]
@@ -113,12 +113,14 @@ def lowest_saddle(indices: npt.ArrayLike, amplitudes: Complex) -> LowestBarrier:
     where all critical points are found. Some are missing on the finest grid in valleys that are flat within rounding.
     """
     sizes = np.abs(amplitudes)
-    scale = max(float(sizes.max()), 1e-300)
+    scale = float(sizes.max(initial=0.0))
     kept = sizes > _NOTHING * scale
     waves, sizes = np.asarray(indices, dtype=float)[kept], sizes[kept] / scale
+    if not kept.any() or np.linalg.matrix_rank(waves) < 2:  # there is no barrier across them
+        return LowestBarrier(0.0, -float(sizes.sum()) * scale, np.zeros(2), np.zeros(2))
     landscape = _Landscape(waves, sizes, np.angle(amplitudes[kept]))
     # 16 nodes per oscillation find each critical point from several nodes
-    curvature = sizes @ (waves**2).sum(-1) / max(float(sizes.sum()), 1e-300)
+    curvature = np.average((waves**2).sum(-1), weights=sizes)
     nodes = int(np.clip(np.ceil(16.0 * np.sqrt(curvature)), 16, 160))
     for n in (nodes, 2 * nodes, 4 * nodes):
         points, kind = landscape.critical_points(n)
@@ -136,30 +138,28 @@ def _same(points: Array) -> npt.NDArray[np.intp]:
 
 
 def _over_saddles(landscape: _Landscape, tops: Array) -> LowestBarrier:
-    """The lowest barrier over saddles at `tops` (m, 2), in units of the landscape."""
-    # without the waves that are smaller than the largest one there is no barrier
-    flat = LowestBarrier(0.0, -float(landscape.sizes.sum()), np.zeros(2), np.zeros(2))
-    if not len(tops):
-        return flat
+    """The lowest barrier over saddles at `tops` (m, 2), in units of the landscape; InputError where none is found."""
     downhill = 1e-3 * landscape.local(tops).directions[:, 1]
-    minima = landscape.descended(np.concatenate([tops + downhill, tops - downhill]))
-    levels, energies = landscape.energy(tops), landscape.energy(minima)
-    first = _same(minima)
-    copy = np.rint((minima - minima[first]) / _TURN).astype(int) % 2 @ [1, 2]
-    distinct, kind = np.unique(first, return_inverse=True)
-    (near, far), apart = kind.reshape(2, -1), np.bitwise_xor(*copy.reshape(2, -1))
-    # the energy at which two of the minima's four copies are joined, first by one saddle, then over all ways
-    count = distinct.size
-    joined = np.full((4 * count, 4 * count), np.inf)
-    for shift in range(4):
-        np.minimum.at(joined, (shift * count + near, (shift ^ apart) * count + far), levels)
-    joined = np.minimum(joined, joined.T)
-    for through in range(len(joined)):
-        joined = np.minimum(joined, np.maximum(joined[:, [through]], joined[through]))
-    depth = float(energies.min())
-    lowest = np.flatnonzero(energies[distinct] <= depth + _NOTHING)
-    climb = float(joined[lowest[:, None], lowest[:, None] + count * np.array([1, 2, 3])].min())
-    if climb == np.inf:
-        return flat
-    top, minimum = tops[np.flatnonzero(levels == climb)[0]], minima[energies.argmin()]
-    return LowestBarrier(max(climb - depth, 0.0), depth, minimum, top)
+    feet = landscape.descended(np.concatenate([tops + downhill, tops - downhill]))
+    levels, energies = landscape.energy(tops), landscape.energy(feet)
+    distinct, number = np.unique(_same(feet), return_inverse=True)
+    depth = float(energies.min(initial=np.inf))
+    lowest = energies[distinct] <= depth + _NOTHING
+    # of each minimum: the place of the copy in its pool, the number of the pool; of a pool: whether it meets a copy
+    places, pool = feet[distinct], np.arange(distinct.size)
+    winds = np.zeros(distinct.size, dtype=bool)
+    for top in np.argsort(levels):
+        side = top + len(tops)
+        near, far = number[top], number[side]
+        apart = np.rint((places[near] - feet[top] + feet[side] - places[far]) / _TURN)
+        if pool[near] == pool[far]:
+            winds[pool[near]] |= apart.any()
+        else:
+            winds[pool[near]] |= winds[pool[far]]
+            joining = pool == pool[far]
+            places[joining] += _TURN * apart
+            pool[joining] = pool[near]
+        if winds[pool[lowest]].any():
+            barrier = max(float(levels[top]) - depth, 0.0)
+            return LowestBarrier(barrier, depth, feet[energies.argmin()], tops[top])
+    refuse("wavevectors", landscape.waves, "no way over saddles is found; leave small waves out")

@@ -266,8 +266,6 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     # one of each pair of opposite waves; small ones move the stationary points only a little
     half = (K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))
     kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
-    if not kept.any():
-        return [np.zeros(island.rest.shape)] * 2, noise
     lowest = lowest_saddle(K[kept], 2.0 * waves[kept])
     found = []
     for share in np.array([lowest.minimum, lowest.saddle]) / (2.0 * np.pi):
