@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
 from origins.domains.islands import positions_of
-from origins.domains.lowest_saddle import Complex, lowest_saddles
+from origins.domains.lowest_saddle import Complex, lowest_saddle
 from origins.domains.relaxed_barrier import relaxed_barrier
 from origins.domains.substrates import Substrate, checked_substrate, vectors
 from origins.errors import InputError, finite_array, positive, refuse, whole
@@ -75,9 +75,10 @@ def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, 
         return np.zeros(sizes.shape[:-1]), -sizes.sum(-1)
     if sizes.shape[-1] == 2:
         return 2.0 * sizes.min(-1), -sizes.sum(-1)
-    lowest = lowest_saddles(substrate.indices, amplitudes.reshape(-1, sizes.shape[-1]))
-    both = np.array([(each.barrier, each.depth) for each in lowest]).T
-    return both[0].reshape(sizes.shape[:-1]), both[1].reshape(sizes.shape[:-1])
+    waves = amplitudes.reshape(-1, sizes.shape[-1])
+    found = np.array([lowest_saddle(substrate.indices, each)[:2] for each in waves])
+    barriers, depths = found.T.reshape(2, *sizes.shape[:-1])
+    return barriers, depths
 
 
 class Island(NamedTuple):

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import scipy
 
 from origins.domains.islands import points_of
-from origins.domains.lowest_saddle import lowest_saddles
+from origins.domains.lowest_saddle import lowest_saddle
 from origins.domains.substrates import vectors
 from origins.errors import refuse
 from origins.thresholds.law import Array
@@ -266,9 +266,7 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     # one of each pair of opposite waves; small ones move the stationary points only a little
     half = (K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))
     kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
-    if not kept.any():
-        return [np.zeros(island.rest.shape)] * 2, noise
-    (lowest,) = lowest_saddles(K[kept], 2.0 * waves[None, kept])
+    lowest = lowest_saddle(K[kept], 2.0 * waves[kept])
     found = []
     for share in np.array([lowest.minimum, lowest.saddle]) / (2.0 * np.pi):
         nearest = np.rint(share * count).astype(int) % count @ [count, 1]

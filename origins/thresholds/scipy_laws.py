@@ -99,47 +99,41 @@ class ScipyDensity(Thresholds):
 class FrozenThresholds(ScipyDensity):
     """Delegates to a frozen distribution on x >= 0, whose own quantiles contradict its cdf in some far tails.
 
-    Beyond `last` its survival counts as 0: far out some distributions give NaN there, or 1. Raises InputError where
-    that happens too near.
+    Far out the survival of some distributions is NaN, or 1. It counts as 0 where it is no number, or above twice
+    Markov's bound, <x>/x. Raises InputError where that happens too near.
     """
 
     def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
-        """Find the last place where the survival falls."""
-        self.distribution, self._last = distribution, np.inf
-        self._median = float(distribution.ppf(0.5))
-        away = self._median * np.append(1.0, 2.0**2.0 ** np.arange(10))
-        tail = self._ask("sf", np.minimum(away, ends[1]))
-        wrong = np.isnan(tail) | (tail > np.minimum.accumulate(tail) + 1e-12)
-        if wrong.any():
-            last = max(int(wrong.argmax()) - 1, 0)
-            self._last = float(away[last])
-            if not tail[last] <= _ROUNDING:
-                rule = f"the distribution's sf is no survival beyond x = {self._last:g}, where it is {tail[last]:.2g}"
-                raise InputError(f"thresholds: {rule}")
+        """Look at the survival further and further out."""
+        self.distribution, self._mean = distribution, float(distribution.mean())
+        median = float(distribution.ppf(0.5))
+        x = np.minimum(median * np.append(1.0, 2.0**2.0 ** np.arange(10)), ends[1])
+        tail = self._ask("sf", x)
+        wrong = int((~(tail * x <= 2.0 * self._mean)).argmax())
+        if wrong and not tail[wrong - 1] <= _ROUNDING:
+            last = f"{tail[wrong - 1]:.2g} at x = {x[wrong - 1]:g}"
+            rule = f"the distribution's sf, {last}, is no survival beyond"
+            raise InputError(f"thresholds: {rule}; use another distribution")
         super().__init__(distribution, ends, below)
 
-    def _given(self, method: str, x: Array, below: Any, above: Any) -> Array:
-        """What the distribution gives; where it gives no number and beyond the last place, the limit on that side."""
-        value = self._ask(method, x)
-        unknown = np.isnan(value) | (x > self._last)
-        return np.where(unknown, np.where(x < self._median, below, above), value)
-
     def _logpdf(self, x: Array) -> Array:
-        return self._given("logpdf", x, -np.inf, -np.inf)
+        density = self._ask("logpdf", x)
+        return np.where(np.isnan(density), -np.inf, density)
 
     def _cdf(self, x: Array) -> Array:
-        return np.clip(self._given("cdf", x, 0.0, 1.0), 0.0, 1.0)
+        below = np.clip(self._ask("cdf", x), 0.0, 1.0)
+        return np.where((1.0 - below) * x <= 2.0 * self._mean, below, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        return np.clip(self._given("sf", x, 1.0, 0.0), 0.0, 1.0)
+        above = np.clip(self._ask("sf", x), 0.0, 1.0)
+        return np.where(above * x <= 2.0 * self._mean, above, 0.0)
 
     def _logsf(self, x: Array) -> Array:
-        with np.errstate(divide="ignore"):
-            else_known = np.log(self._sf(x))
-        return self._given("logsf", x, else_known, else_known)
+        above = self._ask("logsf", x)
+        return np.where(np.exp(above) * x <= 2.0 * self._mean, above, -np.inf)
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
-        mean = float(self.distribution.mean())
+        mean = self._mean
         if n == 2 and centre != 0.0:
             return float(self.distribution.var()) + (mean - centre) ** 2
         value = mean if n == 1 else float(self.distribution.moment(n))
