@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import stats
 from scipy.special import log_ndtr, ndtr
 from solving import held_to_claim
 
