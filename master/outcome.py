@@ -12,6 +12,10 @@ Progress = Callable[[float], None]
 """Called with the error estimate, in mean thresholds, that a solution has after each refinement."""
 
 
+class StoppedError(Exception):
+    """The slider cannot be followed any further, for the reason that the message gives."""
+
+
 def unheard(error: float) -> None:
     """The default progress callback: do nothing."""
 

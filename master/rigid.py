@@ -67,7 +67,7 @@ def solve_rigid(
     t = np.minimum(moments[kept], march.steady_since)
     return Solution(
         path=drive.path[kept],
-        time=times_of(drive)[kept],
+        time=drive.arrival_times()[kept],
         force=_read(march, march.force, t),
         force_error=error,
         holding=holding_at(march, t),
@@ -79,13 +79,6 @@ def solve_rigid(
         _by_index=drive.time is not None or (not drive.forward and bool(contacts.laws)),
         _moments=moments[kept],
     )
-
-
-def times_of(drive: Drive) -> Array:
-    """Times at which the path's points are reached."""
-    if drive.time is not None:
-        return drive.time
-    return np.asarray(np.abs(np.diff(drive.path, prepend=0.0)).cumsum() / drive.velocity)
 
 
 def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:
@@ -102,7 +95,7 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
         told = f"is {away[furthest]:.3g} mean thresholds; {limit} {most:.0e} of them"
         refuse(f"path[{place}]", drive.path[furthest], told)
     moves = np.diff(drive.path, prepend=0.0)
-    times = np.asarray(np.abs(moves).cumsum()) if timeless else times_of(drive)
+    times = np.asarray(np.abs(moves).cumsum()) if timeless else drive.arrival_times()
     steps = np.diff(times, prepend=0.0)
     moved = np.flatnonzero(steps > 0.0)
     speed = float(moves[moved[-1]] / steps[moved[-1]]) if moved.size else drive.velocity

@@ -59,6 +59,12 @@ class Drive:
         self._back = np.flatnonzero(self.path < _before(self.path))
         self.forward = not self._back.size
 
+    def arrival_times(self, begin: float = 0.0) -> Array:
+        """When the points are reached, shape (n,), from the position `begin` at t = 0 on."""
+        if self.time is not None:
+            return self.time
+        return np.asarray(np.abs(np.diff(self.path, prepend=begin)).cumsum() / self.velocity)
+
     def only_forward(self, solver: str) -> Drive:
         """`self` for a rigid slider that moves forward; else InputError, which says that `solver` takes only that."""
         if self.spring is not None:

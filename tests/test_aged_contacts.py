@@ -78,10 +78,17 @@ def test_far_on_with_delay_and_births_at_other_stretches(birth: float, wait: flo
     )
 
 
-def test_far_on_with_another_final_law() -> None:
-    contacts = Contacts(FRESH, ageing=Ageing(origins.lubricated(1.0), 0.1))
+@pytest.mark.parametrize(
+    ("fresh", "final"),
+    [
+        (FRESH, origins.lubricated(1.0)),
+        (origins.lubricated(1.0, -0.2), origins.gaussian(0.8, 0.25)),
+    ],
+)
+def test_far_on_with_another_final_law_or_a_density_that_diverges_at_0(fresh, final) -> None:
+    contacts = Contacts(fresh, ageing=Ageing(final, 0.1))
     steady = master.steady_state(contacts, velocity=2.0)
-    far = master.solve(contacts, np.linspace(28.0, 30.0, 41), 1e-6, velocity=2.0)
+    far = master.solve(contacts, np.linspace(28.0, 30.0, 41), 1e-5, velocity=2.0)
     assert 0.0 < steady.force_error < 1e-6 and np.abs(far.force - steady.force).max() < 1e-6
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from phase_type import gaussian_force
@@ -219,3 +221,14 @@ def test_wall_time_cuts_the_path(thermal, drive):
     assert found.path.size == found.force.size == found.holding.size < path.size
     if drive:
         assert found.position.size == found.path.size and found.regime.verdict == "undecided"
+
+
+def test_wall_time_ends_the_work_on_births_that_age(monkeypatch) -> None:
+    """By a clock that counts how often it is looked at: the work ends at the next look."""
+    ageing, looks = origins.Ageing(origins.gaussian(1.0, 0.05), 0.01), itertools.count()
+    contacts = origins.Contacts(origins.gaussian(0.5, 0.1), ageing=ageing)
+    monkeypatch.setattr("time.monotonic", lambda: float(next(looks)))
+    assert master.solve(contacts, [1.0, 0.0], 1e-3, wall_time=1e9).success
+    most, looks = next(looks) - 100, itertools.count()
+    found = master.solve(contacts, [1.0, 0.0], 1e-3, wall_time=most)
+    assert found.path.tolist() == [1.0] and next(looks) < most + 4

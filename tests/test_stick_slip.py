@@ -87,6 +87,21 @@ def test_a_table_is_the_propensity_at_each_point_and_the_steepest_fall() -> None
         )
 
 
+def test_few_contacts_that_break_last_and_errors_of_earlier_panels_count() -> None:
+    few = Contacts(
+        origins.mixture([origins.gw_plastic(400.0), origins.rectangular(0.8, 1.0)], [0.97, 0.03])
+    )
+    path = np.linspace(0.98, 1.0, 401)
+    steepest = -np.diff(master.solve(few, path, 1e-9).force).min() / 5e-5
+    assert master.propensity(few, 1e-4).critical_spring == pytest.approx(steepest, rel=1e-3)
+    behind = Contacts(origins.rectangular(0.0, 1.0), reforming=-0.0515)
+    coarse, fine = (master.propensity(behind, tolerance) for tolerance in (1e-3, 1e-10))
+    off = abs(coarse.critical_spring - fine.critical_spring)
+    assert 1e-9 < off <= coarse.critical_spring_error
+    off = abs(coarse.static_to_kinetic - fine.static_to_kinetic)
+    assert 1e-10 < off <= coarse.static_to_kinetic_error
+
+
 def test_slow_contacts_age_and_let_go_more_steeply() -> None:
     # the laws of Fig. A06; where ageing ends stick-slip is found by another road
     contacts = Contacts(FRESH, 0.02, ageing=Ageing(origins.gaussian(1.0, 0.02), 5e-4))

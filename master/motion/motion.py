@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from origins import Drive
+
 Array = npt.NDArray[np.float64]
 
 
@@ -105,6 +107,12 @@ class Motion:
         t and s broadcast to shape (rows, columns); all t lie on one leg, and so do the s of a row.
         """
         return History(self, t, s)
+
+
+def drive_motion(drive: Drive, balance: float) -> Motion | None:
+    """X_T(t) of the drive of a spring that is balanced at t = 0; None where the path is the balance alone."""
+    times = np.append(0.0, drive.arrival_times(balance))
+    return Motion(times, np.append(balance, drive.path)) if times[-1] > 0.0 else None
 
 
 class History:

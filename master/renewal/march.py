@@ -19,6 +19,7 @@ from copy import copy
 import numpy as np
 import numpy.typing as npt
 
+from master.outcome import StoppedError
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, Lump, Panels
 from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
@@ -91,12 +92,15 @@ class March:
 
     def run(self) -> March:
         """Solve all panels; on a single leg, those until breaks have become steady."""
-        for _ in self.runs():
-            if self.motion.one_leg and self._steady():
-                # nothing changes later, while times and numbers of breaks would lose digits
-                self.steady_since = self.reached - 0.5 * self.width[-1]
-                self.wrong[-1] += 0.25 * self.tolerance
-                break
+        try:
+            for _ in self.runs():
+                if self.motion.one_leg and self._steady():
+                    # nothing changes later, while times and numbers of breaks would lose digits
+                    self.steady_since = self.reached - 0.5 * self.width[-1]
+                    self.wrong[-1] += 0.25 * self.tolerance
+                    break
+        except StoppedError:
+            self.unfinished = True
         return self
 
     def runs(self) -> Iterator[None]:
@@ -110,8 +114,6 @@ class March:
                 self.widest = self._duration(self.grain, leg) if moving else 0.25 * (end - begin)
             before, leg_begin = leg, self.motion.times[leg]
             yield from self._segment(begin - leg_begin, end - leg_begin, leg)
-            if self.unfinished:
-                break
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
         """Solve from one edge to the next; both are times since the leg's beginning.
@@ -125,8 +127,7 @@ class March:
         narrowest = min(grain, end - begin) * (1e-10 if quick else 1e-18)
         while end - t > 1e-9 * min(self.widest, end - begin):
             if clock.monotonic() > self.births.until:
-                self.unfinished = True
-                break
+                raise StoppedError("stopped by wall_time")
             left = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
                 width = (end - t) / left

@@ -49,7 +49,9 @@ class StrandBirths:
         left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
-        self._strands = life.begin(births.law).aged(speed, ages)
+        fresh = life.begin(births.law)
+        fresh.until = births.until
+        self._strands = fresh.aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)
         found = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
         # weights of the pieces' nodes in a sum over all births

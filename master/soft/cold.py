@@ -7,9 +7,10 @@ import time as clock
 import numpy as np
 import numpy.typing as npt
 
+from master.outcome import StoppedError
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.moves import ColdContacts, Move, MoveWithoutBirths, Past
-from master.soft.slips import MOST_SLIPS, Followed, Slips, StoppedError
+from master.soft.slips import MOST_SLIPS, Followed, Slips
 from origins import Contacts
 from origins.drive import Drive
 

@@ -14,13 +14,13 @@ import numpy.typing as npt
 
 from master.lives.life import ColdLife
 from master.motion.motion import Motion
+from master.outcome import StoppedError
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, reforming_law
 from master.renewal.edges import SMOOTHER, Moment, edges
 from master.renewal.kernels import TARGETS, Run
 from master.renewal.march import March
 from master.soft.curve import LoadCurve, SlipBegin
-from master.soft.slips import StoppedError
 from origins import Contacts
 from origins.start import Start
 

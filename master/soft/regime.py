@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from master.soft.in_time.drive import drive_motion, reached
+from master.motion.motion import drive_motion
 from master.soft.slips import Followed
 from master.stick_slip.extremes import critical_spring
 from origins import Contacts
@@ -121,7 +121,7 @@ def _oldest(contacts: Contacts, drive: Drive, found: Followed) -> float:
     """About the mean threshold of the oldest contacts present at the end of the path (a length)."""
     grains = contacts.grains
     if grains is not None and grains.age is not None:
-        end = reached(drive, found.balance)[-1:]
+        end = drive.arrival_times(found.balance)[-1:]
         return float(grains.quantile(1.0, grains.age + end)[0])
     final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
     return max(contacts.mean_threshold, final)
@@ -143,7 +143,7 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
     if motion is None or not moving.size or not RATES.intersection(contacts.laws):
         return ", and K < K*: it ends before the first slip"
-    times, place = reached(drive, found.balance), np.append(0.0, found.position)
+    times, place = drive.arrival_times(found.balance), np.append(0.0, found.position)
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
     slid = abs(place[-1] - np.interp(begin, np.append(0.0, times), place))
     # largest thresholds that the slider must have passed without slip, more on a spring below K*

@@ -17,10 +17,6 @@ Array = npt.NDArray[np.float64]
 MOST_SLIPS = 20_000  # as many take some 20 s at T = 0
 
 
-class StoppedError(Exception):
-    """The slider cannot be followed any further, for the reason that the message gives."""
-
-
 @dataclass(frozen=True)
 class Slips:
     """Slips in the order in which they happen; arrays of shape (n,).

@@ -67,7 +67,7 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
         if march.tolerance >= solved_to:  # the finest already
             break
         solved_to = march.tolerance
-        fall, force = _of(march.run(), velocity, travel.typical)
+        fall, force = _of(march.run(), velocity, travel)
         good = fall.error <= tolerance * (1.0 + fall.value) and force.error <= tolerance * unit
         if good or diverges:
             break
@@ -124,22 +124,24 @@ def unit_of(contacts: Contacts, travel: Travel) -> float:
     return contacts.mean_threshold if plain else travel.length
 
 
-def _of(march: March, velocity: float, typical: float) -> tuple[Largest, Largest]:
-    """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `typical` is the travel to a break."""
+def _of(march: March, velocity: float, travel: Travel) -> tuple[Largest, Largest]:
+    """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `travel` as in `forward_march`."""
     begin, width = velocity * np.array(march.begin), velocity * np.array(march.width)
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
     errors = (np.maximum(march.wrong, 2e-15) + march.life_error) * march.stretch
-    force = _largest(series, errors, begin, width)
+    # births that earlier panels got wrong shift F, over the length over which contacts break
+    shifted = np.maximum.accumulate(errors)
+    force = _largest(series, shifted, begin, width)
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
     force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
         return Largest(np.inf, 0.0, march.lumps[1].time * velocity), force
     # on panels narrower than this the change of F is rounding, and so would be its slope
-    wide = width > 1e-6 * typical
+    wide = width > 1e-6 * travel.typical
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
-    errors = 2.0 * rule.DEGREE**2 * (errors / width)[wide]
-    fall = _largest(slopes, errors, begin[wide], width[wide])
+    errors = 2.0 * rule.DEGREE**2 * errors / width + shifted / travel.grain
+    fall = _largest(slopes, errors[wide], begin[wide], width[wide])
     return fall._replace(value=max(fall.value, 0.0)), force
 
 
@@ -167,8 +169,8 @@ def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
     if life.reach - low < 2.0 * life.quiet - high - again:
         # F is followed for 0.01 mean thresholds beyond the last break of the first generation
         return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
-    unit, ways = unit_of(contacts, travel), travel.table.begin
-    many = ways[travel.table(ways)[0] * ways > FEW * travel.length].max(initial=0.0)
+    unit, begin, end = unit_of(contacts, travel), travel.table.begin, travel.table.end
+    many = end[travel.table(begin)[0] * end > FEW * travel.length].max(initial=0.0)
     furthest = max(LIVES * unit, many + unit)
     horizon = min(furthest, MOST_LIVES * unit)
     return horizon - min(low, 0.0), bool(furthest <= horizon)

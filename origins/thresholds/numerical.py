@@ -13,7 +13,7 @@ Array = npt.NDArray[np.float64]
 _NODES = 12  # of Gauss and Legendre on each panel
 _ACCURACY = 1e-13  # of the polynomial, relative to the largest density on its panel
 _NOISE = 1e-8  # an error below it that halving does not reduce may be rounding of the density
-_NOTHING = 745.0  # minus the log of the smallest relative weight: exp(-745) is the smallest float
+_NOTHING = 708.0  # minus the log of the smallest relative weight: smaller floats have fewer digits
 _STEPS = 2.0 ** np.arange(-432.0, 433.0)  # distances at which panels end, in any unit of length
 _EPSILON = float(np.finfo(float).eps)
 
@@ -153,7 +153,7 @@ class NumericalLaw:
             rough = (missed > _ACCURACY + rounding) & ((missed < 0.7 * before) | (missed > _NOISE))
             # the log-density changes little over a panel, so that small densities are as accurate
             rough |= spread > 1.6
-            rough &= (highest > -_NOTHING - 20.0) & (width > 64.0 * _EPSILON * place)
+            rough &= (highest > -_NOTHING) & (width > 64.0 * _EPSILON * place)
             rough &= (left > self._lower) & (right < self._upper)
             done.append(np.column_stack([left, missed, np.exp(log)])[~rough])
             left, right, before = left[rough], right[rough], np.tile(missed[rough], 2)

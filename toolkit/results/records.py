@@ -140,11 +140,8 @@ class Result:
         """Time of each point of the path, in s for a surface, else in the scene's unit; empty without a drive."""
         if self.asked.drive is None:
             return np.empty(0)
-        drive = make_drive(self.asked.drive)
-        if drive.time is not None:
-            return drive.time
         begin = getattr(self.master or self.eq, "balance", None) or 0.0
-        return np.abs(np.diff(drive.path, prepend=begin)).cumsum() / drive.velocity
+        return make_drive(self.asked.drive).arrival_times(begin)
 
     @property
     def success(self) -> bool:

@@ -1,11 +1,11 @@
 """Survival of contacts whose thresholds age independently.
 
 At one speed it is a function of the time since the birth, for each stretch at birth. For a Gaussian
-final law without heat it comes from the integral equation of the first passage; for other final
-laws, or with heat, strands follow the thresholds in time (master.lives.age.strands). Strands have two
-resolutions, whose errors differ by a factor of eight; their survivals are extrapolated, and the error
-is measured. On a path that turns round, rests or changes its speed, contacts of the start, and births
-of earlier legs, are strands that follow the slider leg by leg.
+final law without heat, and fresh densities that hardly diverge at 0, it comes from the integral equation
+of the first passage; else strands follow the thresholds in time (master.lives.age.strands). Strands
+have two resolutions, whose errors differ by a factor of eight; their survivals are extrapolated, and
+the error is measured. On a path that turns round, rests or changes its speed, contacts of the start,
+and births of earlier legs, are strands that follow the slider leg by leg.
 """
 
 from __future__ import annotations
@@ -73,7 +73,12 @@ class AgeingLife(Life):
         longest = LONGEST * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
         # of each leg the time until it ends or hardly any contact holds
         self._lasts = np.minimum(np.diff(motion.times), longest)
-        self._closed = ageing.normal is not None and contacts.thermal is None
+        # where the fresh density diverges at 0, so do the breaks right after a birth: below this power
+        # (measured) panels would have to be shorter than rounding allows
+        fresh = contacts.thresholds
+        diverges = fresh.support()[0] == 0.0 and fresh.onset_power < -0.15
+        normal = ageing.normal is not None and not diverges
+        self._closed = normal and contacts.thermal is None
         self._rules: dict[Start, StretchRule] = {}
         self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
         self._errors: dict[str, float] = {}

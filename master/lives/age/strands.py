@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Callable
 from copy import copy
 from itertools import pairwise
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.lives.age.cells import Cells
+from master.outcome import StoppedError
 
 Array = npt.NDArray[np.float64]
 
@@ -33,6 +35,8 @@ class Strands:
     Attributes
     ----------
     stretch : array (strands, parts), now (lengths)
+    until : float
+        Reading of time.monotonic() after which `advance` raises StoppedError.
     error : float
         Largest estimate so far of the error of the finer resolution, which is extrapolated.
     """
@@ -41,6 +45,7 @@ class Strands:
         """Begin with one strand, of fresh thresholds."""
         self._cells, self._share, self.stretch = cells, share, stretch[None].copy()
         self._steady_for, self._speed, self.error = 0.0, np.nan, 0.0
+        self.until = np.inf
         # arrays (strands, parts, cells) for both resolutions
         self._weights = [each.fresh(stretch)[None] for each in cells]
 
@@ -48,6 +53,8 @@ class Strands:
         """All strands move on at the speed dX/dt for a time."""
         if not duration:
             return
+        if clock.monotonic() > self.until:
+            raise StoppedError("stopped by wall_time")
         if speed != self._speed:
             self._speed, self._steady_for = speed, 0.0
         steps = self._cells[0].steps(speed, self._steady_for, duration)

@@ -23,9 +23,9 @@ import numpy.typing as npt
 from scipy.interpolate import KroghInterpolator
 
 from master.lives.averages import StretchRule, stretch_rule
+from master.outcome import StoppedError
 from master.renewal.births import reforming_law
 from master.soft.in_time.memory import Leg, Memory
-from master.soft.slips import StoppedError
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]

@@ -13,13 +13,13 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from master.outcome import Progress, unheard
+from master.motion.motion import drive_motion
+from master.outcome import Progress, StoppedError, unheard
 from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
-from master.soft.in_time.drive import drive_motion, reached
 from master.soft.in_time.memory import MeanRateMemory, Memory
 from master.soft.in_time.slider import Slider, read
-from master.soft.slips import Followed, Slips, StoppedError
+from master.soft.slips import Followed, Slips
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -64,7 +64,7 @@ def refined(
 
     Raises InputError where the coarsest steps take too long.
     """
-    motion, asked = drive_motion(drive, balance), reached(drive, balance)
+    motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     levels, best, level = list[Slider](), None, 0
     while True:
@@ -159,7 +159,7 @@ def solve_stiff(
     stiff = Drive(drive.path, drive.velocity, drive.time, 1e10, drive.slip)
     found = refined(contacts, stiff, 0.0, tolerance, progress, until)
     success, message = found.outcome(contacts, drive, tolerance, "X")
-    times = reached(drive, 0.0)[: found.force.size]
+    times = drive.arrival_times()[: found.force.size]
     return Solution(
         path=drive.path[: times.size],
         force=found.force,
