@@ -8,12 +8,12 @@ from typing import Any, Literal
 import numpy as np
 
 from origins.errors import one_of, positive, refuse
-from origins.laws.rate_law import Array, Numbers, RateLaw
+from origins.laws.rate_law import ActivatedRates, Array, Numbers, RateLaw
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
 
 # the laws that Thermal and scene files take by name
-RATE_LAWS: dict[str, type[SoftRates] | type[StiffRates]] = {"soft": SoftRates, "stiff": StiffRates}
+RATE_LAWS: dict[str, type[ActivatedRates]] = {"soft": SoftRates, "stiff": StiffRates}
 
 
 class BreakingRate:
