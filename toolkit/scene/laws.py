@@ -54,7 +54,7 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "substrate": SUBSTRATES,
 }
 
-# Python's values in messages, and their forms in TOML
+# how messages write None, True and False, as Python has them, and as TOML says the same
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
 _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
 
