@@ -51,7 +51,7 @@ NOWHERE = {
 # What a newcomer looks for first, and the functions or classes that answer, wherever they stand.
 QUESTIONS = {
     "the force F(X) that (Q5a) gives": ("master:solve", "master:March"),
-    "F_k, the force of steady sliding": ("master:steady_state",),
+    "F_k, the force of steady sliding; at many speeds": ("master:Travel.force", "master:summed"),
     "K*, the critical spring": ("master:propensity",),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "ageing, and the paper's (Q15)": ("origins:Ageing", "master:solve_q15"),
