@@ -74,7 +74,7 @@ HEAD = """# Code map: where things stand
 
 Made by `python tests/code_map.py` from the first lines of docstrings, and held by tests/test_code_map.py. Numbers are
 those that LaTeX counts; equations without a label are steps from one of these to the next. How the equation that is
-solved follows from (Q5a): [equations.md](equations.md).
+solved follows from (Q5a): [equations.md](equations.md). Words of several meanings: end of [extending.md](extending.md).
 
 | number | label | where |
 |---|---|---|
