@@ -20,8 +20,8 @@ from origins.errors import refuse
 
 Array = npt.NDArray[np.float64]
 
-# Longest path, in mean thresholds, and most lives of a contact on it: the square of a longer one
-# would overflow.
+# Longest path, in mean thresholds, and most lives of a contact on it: no physics lies beyond, and squares
+# of lengths stay far from overflow in any unit.
 FURTHEST = 1e100
 # The same for a path that turns round or changes its speed: stretches on later legs are differences
 # of positions, which lose digits to rounding far from 0, and each leg's births are followed on the next.
@@ -166,7 +166,7 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
 
 
 def error_of(march: March, mean: float) -> float:
-    """Bound on the error of the force, in mean thresholds: panels, the life itself, round-off."""
+    """Estimate from above of the error of the force, in mean thresholds: panels, the life itself, round-off."""
     wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
     return float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
 

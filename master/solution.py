@@ -43,7 +43,7 @@ class StretchDistribution:
 
 @dataclass(frozen=True)
 class Solution:
-    """F along the path of a rigid slider, with a bound on its error.
+    """F along the path of a rigid slider, with an estimate of its error.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Solution:
     time : array of shape (n,)
         When the positions are reached.
     force_error : float
-        Bound on the largest error of `force` over the path, in units of the mean threshold.
+        Estimate from above of the largest error of `force` over the path, in units of the mean threshold.
     holding : array of shape (n,)
         Fraction of contacts that hold: 1 unless there is a delay.
     run_time : float

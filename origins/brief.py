@@ -10,8 +10,7 @@ _FEW, _LONGEST = 3, 100
 
 
 def brief(record: Any) -> str:
-    """The repr of a dataclass, with the shape and range of arrays in place of their values, and with long texts cut:
-    set it as `__repr__` in the class."""
+    """The `__repr__` of a dataclass, with the shape and range of arrays in place of values, and long texts cut."""
     shown = (field.name for field in fields(record) if field.repr)
     values = (f"{name}={_short(getattr(record, name))}" for name in shown)
     return f"{type(record).__name__}({', '.join(values)})"

@@ -44,8 +44,7 @@ def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
 
 
 def positive(name: str, value: object, instead: str = "") -> float:
-    """`value` as a finite float above zero; else InputError, whose message ends in what to write `instead`, for
-    example "such as 1e-8"."""
+    """`value` as a finite float above zero; else the message ends in what to write `instead`."""
     number = finite(name, value, instead or "such as 1.0")
     if number <= 0.0:
         refuse(name, value, ", ".join(filter(None, ["must be above zero", instead])))

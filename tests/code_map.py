@@ -51,7 +51,7 @@ NOWHERE = {
 # What a newcomer looks for first, and the functions or classes that answer, wherever they stand.
 QUESTIONS = {
     "the force F(X) that (Q5a) gives": ("master:solve", "master:March"),
-    "F_k, the force of steady sliding": ("master:steady_state",),
+    "F_k, the force of steady sliding; at many speeds": ("master:Travel.force", "master:summed"),
     "K*, the critical spring": ("master:propensity",),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "ageing, and the paper's (Q15)": ("origins:Ageing", "master:solve_q15"),
@@ -74,7 +74,7 @@ HEAD = """# Code map: where things stand
 
 Made by `python tests/code_map.py` from the first lines of docstrings, and held by tests/test_code_map.py. Numbers are
 those that LaTeX counts; equations without a label are steps from one of these to the next. How the equation that is
-solved follows from (Q5a): [equations.md](equations.md).
+solved follows from (Q5a): [equations.md](equations.md). Words of several meanings: end of [extending.md](extending.md).
 
 | number | label | where |
 |---|---|---|

@@ -32,11 +32,11 @@ class Reference:
         return -mp.diff(self.sf, x)
 
     def moment(self, n: int) -> mp.mpf:
-        """<x^n> = n times the integral of x^(n-1) sf, in lengths of the mean, between quantiles."""
+        """<x^n> = n times the integral of x^(n-1) sf, in lengths of the mean, cut at quantiles."""
         law, unit = self.law, mp.mpf(float(self.law.mean()))
         quantiles = [*law.ppf([1e-9, 1e-3, 0.1]), *law.isf(10.0 ** -np.array([0.3, 1, 3, 7, 20]))]
-        ends = [*law.support(), *law.breakpoints, *quantiles]
-        marks = {mp.mpf(0), *(mp.mpf(float(x)) / unit for x in ends if np.isfinite(x))}
+        ends = [0.0, *law.support(), *law.breakpoints, *quantiles]
+        marks = {mp.mpf(float(x)) / unit for x in ends}
         with mp.workdps(25):
             return unit**n * mp.quad(
                 lambda y: n * y ** (n - 1) * self.held(unit * y), sorted(marks)

@@ -32,10 +32,10 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 8513, 200, 146),
+    "master": Room(7500, 8508, 200, 146),
     "eq_model": Room(2200, 3283, 60, 35),
-    "origins": Room(4500, 6244, 120, 69),
-    "toolkit": Room(4000, 3992, 100, 65),
+    "origins": Room(4500, 6250, 120, 69),
+    "toolkit": Room(4000, 3989, 100, 64),
 }
 Graph = dict[str, set[str]]
 

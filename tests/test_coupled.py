@@ -133,7 +133,6 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
 
 # -- beside the master equation, extrapolated to infinitely many contacts --------------------------
 
-
 SIZES = np.array([4_000, 32_000, 256_000])
 SLIPS = {  # contacts, and a spring below 0.7 K*
     "gaussian": (origins.Contacts(origins.gaussian(1.0, 0.05)), 1.0),

@@ -15,7 +15,6 @@ EPSILON = np.finfo(float).eps
 UPPER = 10.0 ** -np.array([0.02, 0.3, 1, 2, 5, 10, 30, 80, 150, 220, 280])
 LOWER = 10.0 ** -np.array([0.05, 0.5, 1, 3, 8, 15, 22, 30])
 
-
 CASES = {
     "gw_elastic": lambda: exact.gw_elastic(1.0),
     "gw_plastic": lambda: exact.gw_plastic(1.0),
@@ -218,7 +217,6 @@ def test_mixture_with_atoms_and_gaps() -> None:
 
 
 # -- laws of scipy and of one's own ----------------------------------------------------------------
-
 
 HISTOGRAM = np.array([1.0, 3.0]), np.array([0.0, 1.0, 2.0])
 FROZEN = {

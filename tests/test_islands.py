@@ -93,7 +93,6 @@ def test_substrates_repeat_and_push(substrate) -> None:
 
 # -- structure factors -----------------------------------------------------------------------------
 
-
 LONG = np.longdouble
 COMMENSURATE = [2 * np.pi, 4 * np.pi, np.pi, 4 * np.pi / np.sqrt(3.0), 2 * np.pi / np.sqrt(3.0)]
 

@@ -8,7 +8,7 @@ import tomllib
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import msgspec
 import numpy as np
@@ -18,6 +18,7 @@ from scipy import stats
 import master
 import origins
 import toolkit
+from origins.laws.thermal import RATE_LAWS
 from toolkit.scene import laws, tables
 from toolkit.scene.scene import shipped_scenes
 
@@ -115,13 +116,16 @@ def test_readme_is_a_door() -> None:
     assert len(found) >= 4 and set(found) <= set(shipped_scenes())
 
 
-def test_examples_of_extending_run() -> None:
+def test_examples_of_extending_run(monkeypatch: pytest.MonkeyPatch) -> None:
     names = executed("extending.md")
     law = names["half_cosine"](1.0)
     x = np.array([0.2, 0.7])
     np.testing.assert_allclose(law.cdf(x), x + np.sin(np.pi * x) / np.pi, rtol=1e-12)
     held = master.steady_state(names["contacts"])
     assert held.success and 0.0 < held.force < law.moment(2) / (2.0 * law.mean())
+    named = names["Tilted"](0.1)
+    monkeypatch.setitem(RATE_LAWS, named.name, names["Tilted"])
+    assert names["Contacts"](law, thermal=named).thermal == origins.Thermal("tilted", 0.1)
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -166,11 +170,7 @@ def test_rough_surfaces(tmp_path: Path) -> None:
 
 # -- docs/scenes.md --------------------------------------------------------------------------------
 
-
-SCENES_PAGE = Path(__file__).parents[1] / "docs" / "scenes.md"
 GIVEN = ("folder", "comm")  # not for a scene to say
-
-
 STRUCTS = {
     "The file": tables.SceneTable,
     "[contacts]": tables.ContactsTable,
@@ -200,7 +200,7 @@ CALLS = {
 def sections() -> dict[str, list[list[str]]]:
     """The rows of each table, cells without their backticks, by the heading above it."""
     found: dict[str, list[list[str]]] = {}
-    for line in SCENES_PAGE.read_text(encoding="utf-8").splitlines():
+    for line in TEXTS["scenes.md"].splitlines():
         if line.startswith("## "):
             rows = found.setdefault(line.removeprefix("## ").strip("`"), [])
         elif re.match(r"\| (`|\|)", line):
@@ -239,6 +239,12 @@ def test_table_of_fixed_keys(heading: str) -> None:
 @pytest.mark.parametrize("heading", CALLS)
 def test_table_of_one_function(heading: str) -> None:
     assert dict(map(told, sections()[heading])) == of_function(CALLS[heading])
+
+
+def test_named_laws_of_rates() -> None:
+    (row,) = (row for row in sections()["[contacts.thermal]"] if row[0] == "`law`")
+    assert re.findall(r'"(\w+)"', row[-1]) == list(RATE_LAWS)
+    assert get_args(get_type_hints(origins.Thermal)["law"]) == tuple(RATE_LAWS)
 
 
 @pytest.mark.parametrize("heading", OF_KINDS)

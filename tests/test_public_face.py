@@ -92,7 +92,6 @@ def test_kinds_commands_and_shipped_scenes_are_there() -> None:
 
 # -- imports ---------------------------------------------------------------------------------------
 
-
 HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.stats", "h5py"]
 
 

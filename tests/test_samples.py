@@ -182,7 +182,6 @@ def test_samples_inside_a_mixture_are_drawn_anew() -> None:
 
 # -- samples in scenes -----------------------------------------------------------------------------
 
-
 SAMPLES = 0.2 + np.random.default_rng(3).weibull(2.5, 100)
 
 

@@ -21,7 +21,6 @@ GLASS = origins.Material(
 )
 GRAINS = origins.growing_grains(1.0, 1.0, age=4.0)
 
-
 SAMPLES = {
     "power": lambda r: r.weibull(2.5, 3000),
     "diverging": lambda r: r.gamma(0.5, size=1000),

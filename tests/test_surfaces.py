@@ -13,7 +13,6 @@ import toolkit
 
 # -- from moments to thresholds --------------------------------------------------------------------
 
-
 MOMENTS = origins.SpectralMoments(
     m0=4e-14,
     m2_axes=(0.004, 0.003),
@@ -200,7 +199,6 @@ SUMMITS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 
 
 # -- stiffness of contacts -------------------------------------------------------------------------
-
 
 COMMON = {"contact_modulus": 3e9, "local_friction": 0.3, "hardness": 3e8, "shear_strength": 2e7}
 AREA = np.array([1e-16, 3e-13, 2e-10])

@@ -20,7 +20,7 @@ from origins.thresholds.quadrature import finite_density
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
-# Last coefficients below which pieces of the stretches at birth are not halved.
+# Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
 RESOLVED = 1e-9
 # Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
 # taken as 0. Panels with a share of contacts below _NO_WEIGHT are left out.
@@ -104,8 +104,8 @@ class ThermalLife(LawLife):
         felt = self._mass * weight[:, None] > _NO_WEIGHT
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-        # the error is about the square; if it were larger, tables of these sums would resolve it; where
-        # few contacts hold, they are stretched far and their error counts the more
+        # the error of a sum is about the square of this; a larger one would show as roughness in tables of
+        # such sums; where few contacts hold, they are stretched far and their error counts the more
         few = np.maximum(weight * self.law.sf(least), 1e-4)
         accuracy = max(0.1 * self.resolved, 2e-12) * few
         out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)

@@ -34,8 +34,8 @@ class Life:
 
     The method `left` gives the survival E(t, s) and the force kernel K(t, s) of number conservation for
     contacts born at the stretches at which broken contacts re-form, and G_0(t) and M_0(t) for contacts
-    born at t = 0 at the stretches of the start. Each law of contacts is a subclass; the attributes are
-    those of contacts that depend on time and whose survival has no bends.
+    born at t = 0 at the stretches of the start. Each law of contacts is a subclass; attributes that it
+    does not set are those of a survival that depends on time and has no bends.
 
     Attributes
     ----------
@@ -62,11 +62,11 @@ class Life:
     timeless : bool
         Whether the survival depends only on the way, and not on the time that it took.
     error : float
-        Bound on the error of the share that `left` returns, which finer panels do not reduce.
+        Estimate from above of the error of the share that `left` returns, which finer panels do not reduce.
     left_out : float
         Share of the contacts that the survival may leave out: its error however few of them hold.
     resolved : float
-        Last coefficients below which pieces of the stretches at birth are not halved.
+        Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
     has_strands : bool
         Whether births of earlier legs have to be followed, since `left` does not know them.
     """
@@ -205,7 +205,7 @@ class ColdLife(LawLife):
                 "point ends; leave such contacts out and count them apart"
             )
         super().__init__(contacts)
-        self.grain *= 0.5  # these panels are those of the survival, with 12 nodes
+        self.grain *= 0.5  # a first guess: no heat smooths the survival
         # a narrow law breaks only between `quiet` and `reach`
         lowest = float(law.support()[0])
         self.quiet = min([lowest or float(law.ppf(NONE_LEFT)), *self.atoms])

@@ -69,13 +69,13 @@ def edges(
     def breaks(birth: float, size: float, law: Start) -> Iterator[Moment]:
         """When births with a jump or bend of this size make breaks jump or bend.
 
-        A jump of P_c smooths it. An exact threshold keeps its order and multiplies its size by the
-        share of contacts with that threshold.
+        Where P_c jumps, the effect comes back one order smoother; at an exact threshold as sharp, times
+        the share of the contacts that have it.
         """
         for stretch in [law.mean()] if law.is_single else law.breakpoints.tolist():
-            for t, mark in passings(motion, birth, stretch, life.bends):
+            for t, bend in passings(motion, birth, stretch, life.bends):
                 if t > since + CLOSE * (t + grain):
-                    yield Moment(t, size * (life.atom_share(mark, stretch) or SMOOTHER))
+                    yield Moment(t, size * (life.atom_share(bend, stretch) or SMOOTHER))
 
     first = [*known, *breaks(0.0, 1.0, start)]
     for time, speed in zip(motion.times[1:-1].tolist(), motion.speeds.tolist(), strict=False):
@@ -114,10 +114,10 @@ def edges(
 
 
 def passings(
-    motion: Motion, born: float, stretch: float, marks: Array
+    motion: Motion, born: float, stretch: float, bends: Array
 ) -> Iterator[tuple[float, float]]:
-    """When the |x| of contacts born at a time, at a stretch, first passes each mark, and that mark;
-    and when it comes back to its largest (mark = nan)."""
+    """When the |x| of contacts born at a time, at a stretch, first passes each of the lengths `bends`,
+    and that length; and when it comes back to its largest (nan)."""
     furthest, begin, x = abs(stretch), born, stretch
     first = int(motion.leg(born + CLOSE * motion.times[-1]))
     for leg in range(first, motion.speeds.size):
@@ -126,9 +126,9 @@ def passings(
         reached = abs(last) * (1.0 + CLOSE)
         if reached > furthest and speed and end > begin:
             back = [(furthest, np.nan)] if leg > first or x * speed < 0.0 else []
-            new = marks[(furthest < marks) & (marks <= reached)].tolist()
-            for goal, mark in [*back, *zip(new, new, strict=True)]:
+            new = bends[(furthest < bends) & (bends <= reached)].tolist()
+            for goal, bend in [*back, *zip(new, new, strict=True)]:
                 t = begin + (np.sign(speed) * goal - x) / speed
                 if t > begin:
-                    yield min(t, end), mark
+                    yield min(t, end), bend
         furthest, begin, x = max(furthest, abs(x), abs(last)), end, last

@@ -29,7 +29,7 @@ SHORTEST = 1e-13
 # Ratio of the lags at which the survival is sampled to find where contacts break; and how many lags
 # are sampled together, from the longest down.
 RATIO, TOGETHER = 4.0, 6
-# Shares of contacts: UNBROKEN broken ones count as none; NONE is negligible in integrals.
+# Shares of contacts: until UNBROKEN have broken a table needs no further edges; NONE is negligible in integrals.
 UNBROKEN, NONE = 1e-3, 1e-17
 
 
@@ -39,13 +39,13 @@ class Straight:
     Parameters
     ----------
     life, born : Life, Start
-        Theirs, and the stretches at which they are born.
+        Of the contacts, and the law of the stretches at which they are born.
     speed : float
         dX/dt, of either sign, or 0.
     longest : float
         The longest lag.
     accuracy : float
-        Last coefficients of E, and of K over `scale`, below which a panel of the table is not halved.
+        Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not halved.
     steady : bool
         Whether lags are ways instead of times, and followed beyond the longest until hardly any
         contact holds.
@@ -57,7 +57,7 @@ class Straight:
     edges : array of shape (n,)
         Lags between which E and K are polynomials, or nearly so.
     table : Table
-        E and K/`scale` over the lag; there is none for a life that is as quick, unless `steady`.
+        E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick as a table.
     typical : float
         The lag after which about half of the contacts have broken.
     scale : float
@@ -81,7 +81,7 @@ class Straight:
     ) -> None:
         """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest, self.error = life, born, longest, 0.0
-        self._speed, self._per_time = speed, speed if steady else 1.0
+        self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale = life.reach
         bends = self._bends(np.append(life.bends, life.reach))
         self._read: Callable[[Array], Array] = self.scaled
@@ -179,8 +179,8 @@ class Run(NamedTuple):
 
     breaks : array of shape (panels, DEGREE + 1), breaks since each panel's beginning, at 0 and nodes
     force : array of shape (panels, DEGREE + 1), the force at 0 and the nodes
-    wrong : array of shape (panels,), bound on the error of the number of breaks, and of the force
-        divided by the longest stretch, on each panel
+    wrong : array of shape (panels,), estimate from above of the error of the number of breaks, and of
+        the force divided by the longest stretch, on each panel
     """
 
     breaks: Array
@@ -286,6 +286,7 @@ def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> R
     number, force = both[:, :targets], both[:, targets:]
     missing = np.abs(number[:, size:] - 1.0).max(axis=1)
     bent = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
-    # sampled at a few points: the largest residual is up to twice the largest sample
+    # the residual of conservation is the share of contacts miscounted, which bear the longest stretch at
+    # most; of samples at a few points the largest is at least half of the true one (measured)
     wrong = np.nan_to_num(2.0 * (missing + bent / stretch), nan=np.inf)
     return Run(panels[before:], force[:, :size], wrong)

@@ -58,7 +58,7 @@ class Past:
     began : float
         When the leg begins.
     error : float
-        Bound on the error of the number, the largest of all legs so far.
+        Estimate from above of the error of the number, the largest of all legs so far.
     """
 
     def __init__(self, births: Births) -> None:

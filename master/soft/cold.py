@@ -40,7 +40,7 @@ class ColdSlider:
         self.position = np.zeros(self.path.size)
         self.force = np.full(self.path.size, self._start_force)
         self.slips = list[Array]()
-        # bounds on the errors of the force and of K X_T at slips, and of X_T at slips (lengths)
+        # estimates from above of the errors of the force and of K X_T at slips, and of X_T at slips (lengths)
         self.error = self.drive_error = 0.0
         # X at which the history `_past` begins, and the error of that X
         self._base, self._base_error = 0.0, 0.0
@@ -50,7 +50,7 @@ class ColdSlider:
 
     def follow(self) -> Followed:
         """The results along the path, as far as work and time allow."""
-        balance, unit, short = self._start_force / self.spring, self.contacts.unit, ""
+        balance, unit, stopped = self._start_force / self.spring, self.contacts.unit, ""
         steps, each = np.diff(self.path, prepend=balance), np.arange(self.path.size)
         # a first point this near the balance, in mean thresholds, counts as the balance
         steps[0] = 0.0 if abs(steps[0]) <= 1e-12 * unit else steps[0]
@@ -62,7 +62,7 @@ class ColdSlider:
                 if signs[points[0]]:
                     self._move(int(signs[points[0]]), points)
         except StoppedError as why:
-            short = str(why)
+            stopped = str(why)
         drives, before, after, above, below = np.reshape(self.slips, (-1, 5)).T
         return Followed(
             balance=balance,
@@ -72,7 +72,7 @@ class ColdSlider:
             slips=Slips(drives, before, after, above, below, self.drive_error),
             error=self.error / unit,
             nodes=self.contacts.nodes,
-            short=short,
+            stopped_because=stopped,
         )
 
     def _move(self, direction: int, points: npt.NDArray[np.intp]) -> None:
@@ -137,7 +137,7 @@ class ColdSlider:
         )
         curve, y = held.slip_ends(0.0, slip.load - spring * slip.travel, slip)
         self._note(move, slip, begin, begin + slip.travel + y, float(curve.force(y)))
-        # share of contacts misjudged as out or as holding, by the error of where the slip begins
+        # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         error = (1.0 + spring) * slip.misplaced * y / self.contacts.unit
         self._base_error += float(curve.misplaced(y, 0.0, slip.error + error))
         # errors of the history do not affect contacts that broke

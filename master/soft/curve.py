@@ -32,7 +32,7 @@ class LoadCurve:
     begin, width : arrays of shape (n,), of panels one after the other from 0
     force : array of shape (n, DEGREE + 1), along the motion, at share 0 and at the nodes (lengths)
     rough : array of shape (n,), error of the polynomials, which may oscillate (lengths)
-    error : array of shape (n,), bound on the error of the force on each panel (lengths)
+    error : array of shape (n,), estimate from above of the error of the force on each panel (lengths)
     drops : array of shape (m,), travels, sorted, at which finite shares of the contacts break at once
     spring : K/(N_c <k>)
     """
@@ -77,7 +77,7 @@ class LoadCurve:
         return np.abs(self._values(_slopes(self._rate) * (2.0 / self.width[:, None]), y))
 
     def error_at(self, y: Travel) -> Array:
-        """Bound on the error of the force at travels y."""
+        """Estimate from above of the error of the force at travels y."""
         return np.asarray(self.error[self.panel(y)])
 
     def _values(self, coefficients: Array, y: Travel) -> Array:
@@ -178,7 +178,7 @@ class SlipBegin(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Bound on the error of the load (a length)."""
+        """Estimate from above of the error of the load (a length)."""
         return float(self.curve.error_at(self.travel))
 
     @property

@@ -167,12 +167,12 @@ class Move:
         begin, width, force, wrong = (np.array(values[self._first :]) for values in lists)
         begin, rough = begin - past.end, wrong * reach
         # a drop by more than this share of the contacts, well above rounding, makes a slip
-        drops = [one.time for one in march.lumps if one.time > past.end and one.weight > 1e-13]
+        times = [one.time for one in march.lumps if one.time > past.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
         error = past.error + np.maximum.accumulate(rough) + rounding
-        drop, load = np.array(drops) - past.end, self.direction * force
-        return LoadCurve(begin, width, load, rough, error, drop, self.contacts.spring)
+        drops, force_along = np.array(times) - past.end, self.direction * force
+        return LoadCurve(begin, width, force_along, rough, error, drops, self.contacts.spring)
 
     def stopped(self, y: float, error: float) -> Past:
         """The history after the travel y; `error` is that of the force due to it."""

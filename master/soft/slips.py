@@ -30,7 +30,7 @@ class Slips:
     force_before, force_after : array
         F/(N_c <k>) (lengths).
     drive_error : float
-        Bound on the error of `drive` (a length). The error of `before` is larger, as F + K X is
+        Estimate from above of the error of `drive` (a length). The error of `before` is larger, as F + K X is
         flat where a slip begins.
     """
 
@@ -62,7 +62,7 @@ class Followed(NamedTuple):
 
     balance, nodes : see SoftSolution
     position, force, holding : arrays of shape (k,), at the first k points of the path
-    short : why the path was not followed to its end, or on finer steps
+    stopped_because : why the path was not followed to its end, or steps were not halved further
     """
 
     balance: float
@@ -72,7 +72,7 @@ class Followed(NamedTuple):
     slips: Slips
     error: float
     nodes: int
-    short: str = ""
+    stopped_because: str = ""
 
     def outcome(
         self, contacts: Contacts, drive: Drive, tolerance: float, place: str
@@ -81,7 +81,7 @@ class Followed(NamedTuple):
         solved = self.force.size
         if solved == drive.path.size:
             above = f"error estimate {self.error:.1e} is above the tolerance {tolerance:.1e}"
-            short = self.short or f"{above}; shorten the path or loosen the tolerance"
-            return outcome(contacts, self.error, tolerance, short)
+            reason = self.stopped_because or f"{above}; shorten the path or loosen the tolerance"
+            return outcome(contacts, self.error, tolerance, reason)
         last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
-        return False, f"{self.short}: the path is cut at {last}"
+        return False, f"{self.stopped_because}: the path is cut at {last}"

@@ -48,8 +48,8 @@ class SoftSolution:
     force : array of shape (n,)
         F/(N_c <k>) = K (X_T - X) (lengths).
     force_error : float
-        Bound on the largest error of `force` along the path, and of K X_T at slips, in units of the
-        mean threshold; except at points so near a slip that its error moves them across it.
+        Estimate from above of the largest error of `force` along the path, and of K X_T at slips, in
+        units of the mean threshold; except at points so near a slip that its error moves them across it.
     holding : array of shape (n,)
         Fraction of contacts that hold: 1, as slips take no time.
     slips : Slips

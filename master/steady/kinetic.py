@@ -2,7 +2,7 @@
 
 A delay does not change what happens between birth and break: with C the slider's travel from one to
 the other, v tau its travel during the delay and F_0 the force without delay, F_k = F_0 C/(C + v tau).
-So points that differ only in the delay share one steady state, as do all at which C and F_0 agree.
+So points that differ only in the delay share one steady state.
 """
 
 from __future__ import annotations
@@ -186,7 +186,6 @@ def kinetic_curve(
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
     asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
     points = Points(contacts.replace(start=None), **asked)
-    # the state between birth and break is the same at any delay
     cases, which = np.unique(points.rows[:, :3], axis=0, return_inverse=True)
     steady = np.empty((4, len(cases)))
     for laws in np.unique(cases[:, 1:], axis=0):

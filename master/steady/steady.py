@@ -74,7 +74,7 @@ class SteadyState:
 
 
 def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
-    """Kinetic force and stretches in steady sliding (paper, Eqs. Q10, Q11c and Q11d).
+    """Kinetic force and stretches in steady sliding (paper, Eq. Q10).
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """C and the kinetic force of contacts that break by heat, at many speeds at once.
 
 A relaxed contact of threshold x_s that breaks by its own rate does so at min(x_s, x), where the
-rate integrated from 0 to x is A(x) = v e, with e drawn from the exponential law of mean 1. As a
-function of u = ln A the stretch x is smooth at any temperature, and the speed only shifts the weight
+rate integrated from 0 to x is J(x) = v e, with e drawn from the exponential law of mean 1. As a
+function of u = ln J the stretch x is smooth at any temperature, and the speed only shifts the weight
 of u, so that the same stretches serve all speeds:
 
     C = <x_b>,    integral of the force = <k x_b^2>/2.
@@ -30,8 +30,8 @@ EVEN, WIDTH, ROUND_OFF = -1.0, 0.6, 2e-12
 # Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root
 # of the distance in u: the stretch is smooth in this root.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
-# Last coefficients, in units of typical values, below which a panel of thresholds is not halved (the
-# error of its integral is about their square); and its least width, in mean thresholds.
+# Last two Legendre coefficients on a panel of thresholds, in units of typical values, below which it is
+# not halved (the error of its integral is about their square); and its least width, in mean thresholds.
 ACCURACY, SHORTEST = 1e-9, 1e-13
 # Thresholds are summed up to this survival.
 TAIL = 1e-80

@@ -31,18 +31,18 @@ FEW = 1e-4
 
 
 class Travel(Straight):
-    """E and K of contacts born at some stretches, tabulated over the way, and their integrals.
+    """E and K of contacts born at some stretches, tabulated over the way, and their integrals (paper, Eq. Q11c).
 
     Parameters
     ----------
     contacts : Contacts
     life, born : Life, Start
-        Theirs, and the stretches at which they are born.
+        Of the contacts, and the law of the stretches at which they are born.
     velocity : float
         v > 0, length per time.
     accuracy : float, optional
-        Last coefficients of E, and of K over `scale`, below which a panel is not halved: the error
-        of integrals is then about its square. Kept as an attribute.
+        Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not
+        halved: the error of integrals is then about its square. Kept as an attribute.
 
     Attributes, beside those of Straight, where lags are ways
     ----------
@@ -82,7 +82,7 @@ class Travel(Straight):
         self.grain = float(table.widths @ lost / lost.sum())
         self.length, self.area = (table.integrals() * [1.0, self.scale]).tolist()
         if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
-            # at T = 0 both are moments of P_c, and their differences to the integrals the errors
+            # at T = 0 both are moments of P_c; by how much the integrals miss these counts as their error
             law, power = contacts.thresholds, power_of(contacts)
             length, area = self.length, self.area
             self.length = law.mean()
@@ -105,7 +105,7 @@ class Travel(Straight):
         self.area_error = float(off[1]) * self.scale + 1e-13 * abs(self.area)
 
     def force(self, wait: float) -> tuple[float, float]:
-        """F_k/(N_c <k>) and its error (lengths), where contacts are out for the travel `wait`."""
+        """F_k/(N_c <k>) and its error (paper, Eq. Q11d), lengths, where contacts are out for the travel `wait`."""
         whole = self.length + wait
         force = self.area / whole
         return force, (self.area_error + abs(force) * self.length_error) / whole

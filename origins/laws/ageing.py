@@ -29,8 +29,8 @@ class Ageing:
         "paper": one P_c(x; X) for all contacts is both the law of fresh thresholds and their histogram (Eq. Q15).
 
     Raises InputError for a rate that is negative or not finite, for a P_cf with atoms or gaps, where Ũ is infinite, and
-    in the exact closure for one that jumps inside its support; solvers refuse there one that begins above 0 or ends.
-    In the paper's closure thresholds are reflected where P_cf ends at a positive density.
+    in the exact closure for one that jumps inside its support. In that closure the solvers refuse a P_cf that begins
+    above 0 or ends; in the paper's thresholds are reflected where it ends at a positive density.
     """
 
     final: Thresholds

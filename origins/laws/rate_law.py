@@ -26,7 +26,7 @@ class RateLaw(Protocol):
     Methods take numbers or arrays that broadcast, and return their common shape. Arguments are not checked, and no
     method warns. x, near and far are stretches (lengths), 0 <= x <= threshold; the rate of a contact that is stretched
     backward is that of |x|. `threshold` is x_s > 0 (a length), `stiffness` k_i/<k> > 0 (no unit). At a constant speed
-    v a contact survives the way from near to far with the probability exp(-passed/v).
+    v a contact survives the way from near to far with the probability exp(-J/v), J = exp(log_passed).
 
     A law of your own defines `name`, as messages call it, `scale`, the attempt frequency ω per time, which no rate
     exceeds, `log_rate`, `log_passed` and `reached`; as a subclass of RateLaw it inherits the rest. Give it to
@@ -53,7 +53,7 @@ class RateLaw(Protocol):
     def log_passed(
         self, near: Numbers, far: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """ln of the integral of h over the stretches from near to far >= near (a length per time), -inf where equal.
+        """ln J, J the integral of h over the stretches from near to far >= near (a length per time), -inf where equal.
 
         To 1e-13 of max(1, |ln|), also where near ~ far: do not subtract two large integrals.
         """
@@ -62,7 +62,7 @@ class RateLaw(Protocol):
     def reached(
         self, log_amount: Numbers, near: Numbers, threshold: Numbers, stiffness: Numbers
     ) -> Array:
-        """Stretch at which ln of the integral of h from near is log_amount; the threshold where it stays below.
+        """Stretch at which ln J, integrated from near, is log_amount; the threshold where it stays below.
 
         Accurate to 1e-12 of the threshold, or in the integral up to the stretch.
         """

@@ -8,12 +8,12 @@ from typing import Any, Literal
 import numpy as np
 
 from origins.errors import one_of, positive, refuse
-from origins.laws.rate_law import Array, Numbers, RateLaw
+from origins.laws.rate_law import ActivatedRates, Array, Numbers, RateLaw
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
 
 # the laws that Thermal and scene files take by name
-RATE_LAWS: dict[str, type[SoftRates] | type[StiffRates]] = {"soft": SoftRates, "stiff": StiffRates}
+RATE_LAWS: dict[str, type[ActivatedRates]] = {"soft": SoftRates, "stiff": StiffRates}
 
 
 class BreakingRate:
@@ -53,16 +53,16 @@ class BreakingRate:
     def cumulative(
         self, x: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
     ) -> Array:
-        """Integral A >= 0 of h over the stretches between `start` and x, in either direction: a length per time.
+        """Integral J >= 0 of h over the stretches between `start` and x, in either direction: a length per time.
 
-        At a speed v a contact that holds at `start` still holds at x with the probability exp(-A/v).
+        At a speed v a contact that holds at `start` still holds at x with the probability exp(-J/v).
         """
         return np.exp(self.log_cumulative(x, threshold, start, stiffness))
 
     def log_cumulative(
         self, x: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
     ) -> Array:
-        """ln A, finite where A underflows; -inf where x = start, where A = 0."""
+        """ln J, finite where J underflows; -inf where x = start, where J = 0."""
         end, begin, limit, spring = _checked(threshold, stiffness, x=x, start=start)
         near, far = np.sort(np.abs([end, begin]), axis=0)
         # through 0 the shorter part is passed, too
@@ -73,9 +73,9 @@ class BreakingRate:
     def inverse(
         self, amount: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
     ) -> Array:
-        """Stretch x >= start at which A, integrated from `start`, reaches `amount` >= 0 (a length per time).
+        """Stretch x >= start at which J, integrated from `start`, reaches `amount` >= 0 (a length per time).
 
-        The threshold where A stays below it. At a speed v a contact breaks at inverse(v e, x_s, start)
+        The threshold where J stays below it. At a speed v a contact breaks at inverse(v e, x_s, start)
         with e from the exponential law of mean 1. Backward motion is the mirror image:
         -inverse(amount, threshold, -start).
         """

@@ -129,7 +129,7 @@ class LogPolynomial(Thresholds):
         nodes, weights = legendre.leggauss(degree + 1)
         third = legendre.legval(nodes, legendre.legder(np.eye(degree + 1), 3, axis=0))[1:]
         bends[:degree, :degree] = (third * weights) @ third.T / degree
-        # m = 10 costs 1/2 of the log-likelihood, so that its error is finite
+        # m = 10 takes 0.5 off the log-likelihood, so that the error of m is finite
         ridge[-1, -1] = self.power * 0.01 / size
         weaker = np.multiply.outer(10.0 ** np.arange(2.0, -10.5, -1.0), bends)
         cost = min(0.5 * float(np.log(size)), 2.0)
@@ -144,7 +144,7 @@ class LogPolynomial(Thresholds):
             likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
             score = likelihood - cost * count * size / max(size - count - 1.0, 1.0)
             score -= _EDGE * (self.power and start[-1] < 0.0)
-            # a tail that falls by e over 1/2 of the last sample is as heavy as x^-2
+            # refused: a tail that begins to fall as x^-0.75 or slower, by e over 4/3 of the last sample
             if self.open_above and -(self._above @ start) * self._last < 0.75:
                 score = -np.inf
             tried.append(start)

@@ -56,7 +56,8 @@ class Thresholds:
     - optional, where a closed form is shorter or faster than the NumericalLaw of the density, which gives the rest:
       `_cdf` together with `_sf` (each to a relative 1e-10 where it is small, never as 1 less the other; also asked at
       the support's lower end), `_logsf` (finite where the survival underflows), `_quantiles(below, above)` (1e-12 in
-      x, or 1e-10 in the probability) and `_moment(n, centre)` (1e-10). A family with atoms defines `_cdf` and `_sf`.
+      x, or 1e-10 in the probability) and `_moment(n, centre)` (1e-10). A family with atoms defines `_cdf` and `_sf`,
+      one whose tail is a power of x these and `_logsf`: there the NumericalLaw ends before the survival underflows.
 
     Raises InputError, with the family's name, where its survival leaves [0, 1].
 

@@ -1,6 +1,6 @@
 """Named laws: a scene's table with a `kind` becomes the call of one function.
 
-A kind is one entry here. Its keys are the function's parameters, so scenes and functions always agree.
+A kind is one word here. Its keys are the function's parameters, so scenes and functions always agree.
 """
 
 import inspect
@@ -24,9 +24,9 @@ def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
     return {kind: f"origins:{pattern.format(kind.replace('-', '_'))}" for kind in kinds.split()}
 
 
-_PLAIN = "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian persson lubricated grains"
 _OWN = "toolkit.scene.kinds:"
-THRESHOLDS = _origins(f"{_PLAIN} growing-grains") | {"domains": f"{_OWN}domains"}
+THRESHOLDS = _origins("identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian")
+THRESHOLDS |= _origins("persson lubricated grains growing-grains") | {"domains": f"{_OWN}domains"}
 THRESHOLDS |= {"from-samples": f"{_OWN}from_samples", "from-topography": f"{_OWN}from_topography"}
 START = _origins("gaussian", "{}_start") | {"identical": f"{_OWN}identical_start"}
 REFORMING = START | _origins("boltzmann", "{}_reforming")
@@ -54,7 +54,7 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "substrate": SUBSTRATES,
 }
 
-# Python's values in messages, and their forms in TOML
+# how messages write None, True and False, as Python has them, and as TOML says the same
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
 _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
 

@@ -77,7 +77,7 @@ class Cells:
         if low > 0.0 or high < np.inf:
             raise InputError(
                 f"ageing: the final law ends at {low:g} and {high:g}, where thresholds would be reflected: "
-                "only eq_model.simulate takes it; use one from 0 on that does not end, such as gaussian"
+                "no solver takes it; use one from 0 on that does not end, such as gaussian"
             )
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
         self._diffusion, self.resolution = ageing.rate, resolution

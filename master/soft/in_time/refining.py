@@ -1,8 +1,8 @@
 """Refining: the whole path solved with steps halved each time, and extrapolated.
 
-Errors of the answers are series in the square of the step. The error estimate is the last change of
-the answers extrapolated to step 0, plus the error of the contacts' memory and rounding, or what the
-steps do not resolve if that is larger.
+Errors of the answers fall about as the square of the step, faster with ageing, more slowly where thresholds grow
+or births jump; all are extrapolated to step 0 as if by the square. The error estimate is one to three times the last
+change, plus the error of the contacts' memory and rounding, or what the steps do not resolve if that is larger.
 """
 
 from __future__ import annotations
@@ -74,12 +74,12 @@ def refined(
         try:
             slider.run()
         except StoppedError as why:
-            if best is not None:
-                return best._replace(short=str(why))
-            if time.monotonic() <= until:
-                refuse("path[-1]", drive.path[-1], f"{why}; end the path sooner")
-            asked = asked[asked <= cohorts.now]
-            return extrapolated([slider], contacts, drive, balance, asked)._replace(short=str(why))
+            if best is None:
+                if time.monotonic() <= until:
+                    refuse("path[-1]", drive.path[-1], f"{why}; end the path sooner")
+                asked = asked[asked <= cohorts.now]
+                best = extrapolated([slider], contacts, drive, balance, asked)
+            return best._replace(stopped_because=str(why))
         # only levels with the same number of slips can be compared
         same = [one for one in levels[-2:] if len(one.slips) == len(slider.slips)]
         levels = [*same, slider]
@@ -113,7 +113,7 @@ def extrapolated(
         told = np.append(np.tile(~(crossed[0] | crossed[1]), 2), np.ones(slips[0].size, dtype=bool))
         changes = np.abs(second + (second - first) / 3.0)[told]
         # three times the last change, as changes fall irregularly where births jump or P_c bends, and
-        # by a half where thresholds grow; once with ageing, whose method is of third order
+        # by a half where thresholds grow; once with ageing, where errors fall faster
         error = (3.0 if contacts.ageing is None else 1.0) * float(changes.max(initial=0.0))
         answer = answer + np.where(told, second / 3.0, 0.0)
     # round-off of the force grows with the number of steps

@@ -77,8 +77,8 @@ class Slider:
         contacts.bend()
         slip = None
         while slip is None and contacts.now < end:
-            time, trial = steps.step(self._size)
-            slip = steps.up_to_slip(time, trial, self._size)
+            takes, trial = steps.step(self._size)
+            slip = steps.up_to_slip(takes, trial, self._size)
             trial = slip or trial
             if trial.travel or trial.now > contacts.now:
                 size = max(steps.size(trial), 0.0)

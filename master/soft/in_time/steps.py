@@ -1,8 +1,8 @@
 """Steps: one step of a slider that a spring pulls, K (X_T - X) = F, and where a slip begins.
 
-The size of a step combines X and time, dX/length + d(uniform steps of time). So steps are uniform both
-where the slider creeps and just before a slip, where dX/dt diverges while X_T is smooth in X. A
-slip begins where the time of balance, as a function of the size, is the latest.
+This is pseudo-arclength continuation: the size of a step combines X and time, dX/length + d(uniform
+steps of time), so that steps are uniform both where the slider creeps and just before a slip, where dX/dt
+diverges. A slip begins at a fold, where the time of balance, as a function of the size, is the latest.
 """
 
 from __future__ import annotations
@@ -117,9 +117,9 @@ class Steps:
         return float(self.sign * (self._spring * ahead - trial.force))
 
     def step(self, size: float) -> tuple[float, Trial]:
-        """A balanced step of this size, or up to the next bend; and its uniform steps of time.
+        """The uniform steps of time that a balanced step of this size, or up to the next bend, takes; and it.
 
-        If there is no balance from now on, these are below 0, and the step takes no time.
+        If there is no balance from now on, they are below 0, and the step takes no time.
         """
         now, steep = self._contacts.now, self._steep
         done = self._count.steps(now)
@@ -133,16 +133,16 @@ class Steps:
         found, self._steep = secant(imbalance, self._share * size, steep, CLOSE * size)
         return found, self._trial
 
-    def up_to_slip(self, time: float, trial: Trial, size: float) -> Trial | None:
+    def up_to_slip(self, takes: float, trial: Trial, size: float) -> Trial | None:
         """The step up to the beginning of a slip, if one begins within a step that is given.
 
-        time, trial : of this step, as `step` returns them; size : the one asked for
+        takes, trial : of this step, as `step` returns them; size : the one asked for
         """
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
         # no slip is near while a step takes some LESS of its size in time, as it does where the slider
         # follows the drive, or while a shorter step would take less time
-        if time > 0.3 * LESS * size or 0.0 < time > self.step(0.99 * size)[0]:
-            self._share = time / size
+        if takes > 0.3 * LESS * size or 0.0 < takes > self.step(0.99 * size)[0]:
+            self._share = takes / size
             return None
         options = {"xatol": CLOSE_TO_SLIP * size}
         found = minimize_scalar(
