@@ -76,10 +76,8 @@ class ThermalLife(LawLife):
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
         out = np.zeros((2, born.size))
-        together = 4000  # contacts whose panels are halved together
-        for begin in range(0, born.size, together):
-            some = slice(begin, begin + together)
-            replay = Replay(self._contacts, born[some], history.pick(some).legs())
+        for some, moves in history.by_birth():
+            replay = Replay(self._contacts, born[some], moves.legs())
             out[:, some] = self._held(replay, 1.0 / self.law.sf(np.abs(born[some])), side[some])
         return np.stack([np.minimum(out[0], 1.0), out[1] * (born + history.now)])
 
@@ -153,14 +151,17 @@ class Replay:
         if self._offset is not None:
             level = self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row]
             return np.maximum(level, least)
-        spent = np.zeros(threshold.shape)
-        for leg in range(self._duration.shape[1]):
-            some = np.flatnonzero(self._duration[row, leg] > 0.0)
-            if some.size:
-                own = row[some]
-                near, far = (self._stretch[own, leg + k, None] for k in (0, 1))
-                mean = self._mean_rate(near, far, threshold[some])
-                spent[some] += mean * self._duration[own, leg, None]
+        spent, (contact, leg) = np.zeros(threshold.shape), np.nonzero(self._duration[row] > 0.0)
+        together = max(
+            4096 // threshold.shape[1], 1
+        )  # moves whose rates stay in the processor's cache
+        for begin in range(0, contact.size, together):
+            on, some = leg[begin : begin + together, None], contact[begin : begin + together]
+            own = row[some, None]
+            near, far = self._stretch[own, on], self._stretch[own, on + 1]
+            passed = self._mean_rate(near, far, threshold[some]) * self._duration[own, on]
+            first = np.flatnonzero(np.diff(some, prepend=-1))
+            spent[some[first]] += np.add.reduceat(passed, first, axis=0)
         return np.log(np.maximum(spent, np.exp(least)))
 
     def _mean_rate(self, near: Array, far: Array, threshold: Array) -> Array:
@@ -171,13 +172,12 @@ class Replay:
         begin = np.where(across, 0.0, low)
         passed, way = self._passed(begin, high, threshold, stiffness), high - begin
         if across.any():
-            passed += across * self._passed(0.0 * low, low, threshold, stiffness)
-            way += across * low
+            some = np.flatnonzero(across)
+            back, way[some] = low[some], high[some] + low[some]
+            passed[some] += self._passed(0.0 * back, back, threshold[some], stiffness[some])
         # this mean hardly suffers from the rounding of the way's ends, unlike the integral
-        mean = np.divide(passed, way, out=np.zeros(way.shape), where=way > 0.0)
-        if not way.all():
-            mean = np.where(way > 0.0, mean, self._rates.rate(high, threshold, stiffness))
-        return mean
+        mean = passed if way.all() else self._rates.rate(high, threshold, stiffness)
+        return np.divide(passed, way, out=mean, where=way > 0.0)
 
     def _passed(self, low: Array, high: Array, threshold: Array, stiffness: Array) -> Array:
         """Integral of h over stretches from low to high; all of one shape."""
@@ -274,18 +274,16 @@ class MeanRateLife(LawLife):
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
-        displacement, duration, speeds = history.legs()
-        spent, rounded, share = np.zeros(born.size), np.zeros(born.size), np.ones(born.size)
-        x = born
-        for leg, speed in enumerate(speeds):
-            lasts, before, x = duration[:, leg], x, born + displacement[:, leg + 1]
-            if speed:
-                grown = self.grown(x) / speed
-                spent += np.abs(grown - self.grown(before) / speed)
-                rounded += _EPSILON * np.abs(grown) * (lasts > 0.0)  # may exceed the difference
-            else:
-                spent += lasts * self.rate(np.abs(x))
-            share *= self.unmet(before, x, np.abs(born), side)
-        share = np.minimum(share, 1.0) * np.exp(-spent)
-        self.error = max(self.error, float((share * rounded).max(initial=0.0)))
-        return np.stack([share, share * x])
+        share = np.zeros(born.size)
+        for some, moves in history.by_birth():
+            displacement, duration, speeds = moves.legs()
+            x, rests = born[some, None] + displacement, speeds == 0.0
+            grown, speeds = self.grown(x), np.where(rests, np.inf, np.abs(speeds))
+            spent = np.abs(np.diff(grown)) / speeds
+            spent[:, rests] = duration[:, rests] * self.rate(np.abs(x[:, 1:][:, rests]))
+            # may exceed the difference
+            rounded = (_EPSILON * np.abs(grown[:, 1:]) / speeds * (duration > 0.0)).sum(axis=1)
+            unmet = self.unmet(x[:, :-1], x[:, 1:], np.abs(born[some, None]), side[some, None])
+            share[some] = np.minimum(unmet.prod(axis=1), 1.0) * np.exp(-spent.sum(axis=1))
+            self.error = max(self.error, float((share[some] * rounded).max(initial=0.0)))
+        return np.stack([share, share * (born + history.now)])

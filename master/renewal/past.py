@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-# Where the survival takes long: nodes of a piece that are tried first, and times from which the sums
-# are interpolated on short legs.
-FEW, TIMES = 8, 11
+# Where the survival takes long: nodes of a piece that are tried first, and numbers of times from which
+# the sums are interpolated where these suffice.
+FEW, TIMES = 5, (5, 11)
 # The survival jumps at exact thresholds: on panels that begin or end there it is evaluated this share
 # of the panel inside.
 INSIDE = 1e-9
@@ -72,7 +72,8 @@ class Past:
         self._over, self._faded = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
-        self._wide = np.inf  # the slider's way on a panel for which few times do not suffice
+        # the slider's way on a panel for which so many times do not suffice
+        self._wide = dict.fromkeys(() if births.life.quick else TIMES, np.inf)
 
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
@@ -94,14 +95,24 @@ class Past:
         few = np.bincount(legs, np.abs(panels.breaks).max(axis=1), leg) <= self._negligible
         self._over |= self._faded | set(np.flatnonzero(few).tolist())
         self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
-        self._faded = set()
 
-    def at(self, x: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force at times x, in rows, of births on the legs before, and of all lumps.
+    def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
+        """Number and force, at times in rows, of births on the legs before, and of all lumps.
 
-        Each row lies within one panel of the leg. Returns an array of shape (2, *x.shape).
+        Each row lies within one panel of the leg, at the same shares of it. Returns an array of shape
+        (2, rows, columns), interpolated from fewer times where these suffice.
         """
-        return self.sums(x) + self._of_lumps(lumps, x)
+        first, width = grid.min(axis=1, keepdims=True), np.ptp(grid, axis=1, keepdims=True)
+        way = float(width[0, 0]) * abs(float(self._motion.speeds[self.leg]))
+        often = [size for size, wide in self._wide.items() if 0.0 < way < wide and self._legs.size]
+        for few in map(rule.lobatto, often):
+            found = self._summed(first + width * few.nodes, lumps)
+            wrong = MARGIN * float(few.beyond(found, self._life.reach).max())
+            if wrong <= self._accuracy:
+                self.error = max(self.error, wrong)  # a smooth interpolant hides it from the panels
+                return np.asarray(found @ few.at((grid - first)[0] / width[0]))
+            self._wide[few.nodes.size] = 0.5 * way
+        return self._summed(grid, lumps)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
         """Number and force of lumps at times of shape (rows, columns), (2, rows, columns).
@@ -110,8 +121,7 @@ class Past:
         """
         births, motion, middle = self._births, self._motion, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
-        laws = (lumps[0].law, lumps[:1]), (births.law, lumps[1:])
-        for law, some in laws[: len(lumps)]:
+        for law, some in [(part[0].law, part) for part in (lumps[:1], lumps[1:]) if part]:
             time, weight = np.array([[lump.time, lump.weight] for lump in some]).T
             s = time[:, None] - self.began
             out[0] += (weight @ (s > middle))[:, None]  # still out
@@ -142,27 +152,8 @@ class Past:
         self._strands = [each for each, holds in zip(self._strands, alive, strict=True) if holds]
         self.error = max(self.error, sum(each.missed for each in self._strands))
 
-    def sums(self, grid: Array) -> Array:
-        """Number and force at times of shape (rows, columns) of births on the legs before.
-
-        Each row lies within one panel, at the same shares of it. Returns an array of shape
-        (2, rows, columns), interpolated from fewer times on legs where these suffice.
-        """
-        first, width = grid.min(axis=1, keepdims=True), np.ptp(grid, axis=1, keepdims=True)
-        way = float(width[0, 0]) * abs(float(self._motion.speeds[self.leg]))
-        if self._legs.size and not self._life.quick and 0.0 < way < self._wide:
-            few = rule.lobatto(TIMES)
-            found = self._summed(first + width * few.nodes)
-            tail = np.abs(found @ few.tails).max(axis=(1, 2))
-            wrong = MARGIN * float(max(tail[0], tail[1] / self._life.reach))
-            if wrong <= self._accuracy:
-                self.error = max(self.error, wrong)  # a smooth interpolant hides it from the panels
-                return np.asarray(found @ few.at((grid - first)[0] / width[0]))
-            self._wide = 0.5 * way
-        return self._summed(grid)
-
-    def _summed(self, grid: Array) -> Array:
-        """See `sums`."""
+    def _summed(self, grid: Array, lumps: Sequence[Lump]) -> Array:
+        """See `at`."""
         t = grid
         if self._life.atoms.size and not self._motion.speeds[: self.leg].all():
             # at an edge the births of a hold may meet an exact threshold, all at once
@@ -170,9 +161,9 @@ class Past:
             inside = INSIDE * (last - first)
             t = np.clip(grid, first + inside, last - inside)
         t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
-        out = np.zeros((2, t.size))
+        out = np.zeros((3, t.size))  # the third: the error of the number
         for strand in self._strands:
-            out += strand.sums(t)
+            out[:2] += strand.sums(t)
         held = np.zeros(self.leg)  # by leg, at the latest time
         for (owner, low, high), found in self._resolved(t):
             for sums, added in zip(out, found, strict=True):
@@ -180,11 +171,12 @@ class Past:
             late = t[owner] == t.max()
             leg = self._motion.leg(0.5 * (low + high)[late])
             held += np.bincount(leg, found[0, late], held.size)
+        self.error = max(self.error, float(out[2].max()))
         self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
-        return out.reshape(2, *grid.shape)
+        return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
-        """Pieces of the births, as seen from times t, and their number and force, shape (2, pieces).
+        """Pieces of the births, as seen from times t; their number, force and error, shape (3, pieces).
 
         Pieces are halved until the survival is a polynomial on each.
         """
@@ -198,24 +190,21 @@ class Past:
             owner, low, high = pieces
             few = nodes(size)
             place = low[:, None] + (high - low)[:, None] * few.nodes
-            births.count(owner.size)
+            births.count(owner.size * size // rule.GAUSS)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
-            series = held @ few.series
             born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
-            tail = np.abs(series[..., -2:]).max(axis=-1)
-            wrong = np.maximum(tail[0], tail[1] / self._life.reach) * born
+            wrong = few.beyond(held, self._life.reach) * born
             leg = self._motion.leg(place[:, 1])
             narrowest = CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
-            rough = (wrong > self._accuracy) & (high - low > narrowest)
-            if births.work > MOST_WORK or clock.monotonic() > births.until:
-                self.error = max(self.error, float(wrong[rough].sum()))
-                rough[:] = False
+            rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
+            rough &= births.work <= MOST_WORK and clock.monotonic() <= births.until
             good = pieces.pick(~rough)
             weights = moments(self._ends, self._slopes, good.low, good.high, size)
-            yield good, (series[:, ~rough] * weights).sum(axis=-1)
+            found = (held[:, ~rough] @ few.series * weights).sum(axis=-1)
+            yield good, np.append(found, wrong[None, ~rough], axis=0)
             pieces = pieces.pick(rough)
             pieces = pieces.halves() if size == rule.GAUSS else pieces
-            size = rule.GAUSS
+            size = min(2 * size, rule.GAUSS)
 
     def _pieces(self, t: Array) -> Pieces:
         """Pieces of the births on each leg, for each target, with ends where the survival bends."""

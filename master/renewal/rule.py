@@ -29,14 +29,20 @@ class Points:
     nodes : array of shape (size,), the shares
     series : array of shape (size, size), matrix from values to Legendre coefficients; its first column
         holds the weights of an integral
-    tails : its last two columns, of shape (size, 2)
     """
 
     def __init__(self, z: Array) -> None:
         """From the nodes in [-1, 1]."""
         self.nodes: Array = 0.5 * (z + 1.0)
         self.series = np.asarray(np.linalg.inv(legendre.legvander(z, z.size - 1)).T, dtype=float)
-        self.tails: Array = self.series[:, -2:]
+
+    def beyond(self, values: Array, scale: float) -> Array:
+        """About the first coefficient left out, by the decay of the last four, of number or force/scale."""
+        size = np.abs(values @ self.series[:, -4:])
+        size = np.maximum(size[0], size[1] / scale)
+        before, last = size[..., :2].max(axis=-1), size[..., 2:].max(axis=-1)
+        fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
+        return np.asarray(last * np.sqrt(fall))
 
     def at(self, share: Array) -> Array:
         """The matrix from values at the nodes to those at shares, shape (size, shares)."""
