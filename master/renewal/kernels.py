@@ -24,6 +24,8 @@ Array = npt.NDArray[np.float64]
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
+# Pieces of births that are summed together: 0.1 GB.
+TOGETHER_PIECES = 100_000
 # Width of the narrowest panel of a table, in units of the typical lag from a birth to the break.
 SHORTEST = 1e-13
 # Ratio of the lags at which the survival is sampled to find where contacts break; and how many lags
@@ -246,10 +248,13 @@ class Kernels:
 
         ends : array of shape (panels + 1,), times at which panels of births end; breaks : on these
         """
-        nodes, values = self._integrals(speed, t, ends)
-        slopes = (breaks @ rule.SLOPES.T)[nodes.panel]
-        parts = (values * rule.legendre_sum(slopes, 2.0 * nodes.share - 1.0)).sum(axis=2)
-        return np.stack([np.bincount(nodes.target, part, t.size) for part in parts])
+        pieces, sums = t.size * (ends.size + self.straight(speed).edges.size), []
+        for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
+            nodes, values = self._integrals(speed, some, ends)
+            slopes = (breaks @ rule.SLOPES.T)[nodes.panel]
+            parts = (values * rule.legendre_sum(slopes, 2.0 * nodes.share - 1.0)).sum(axis=2)
+            sums.append([np.bincount(nodes.target, part, some.size) for part in parts])
+        return np.concatenate(sums, axis=1)
 
     def _integrals(self, speed: float, t: Array, ends: Array) -> tuple[Nodes, Array]:
         """Nodes of births on panels of a leg, as seen from times t, and share and force there times
