@@ -209,13 +209,10 @@ def _integral(law, x, threshold, k):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _break_at(law, x, begun, log_amount, threshold, k):  # type: ignore[no-untyped-def]
-    """The stretch >= x at which the integral of the rate, `begun` at x, is e^log_amount larger in forward motion."""
-    sign = 1.0
-    if x != 0:
-        goal = begun + np.exp(log_amount)
-        log_amount, sign = np.log(max(abs(goal), 1e-300)), np.copysign(1.0, goal)
-    far = sign * min(reached(law.rates, log_amount, 0.0, threshold, k), threshold)
+def _break_at(law, x, goal, threshold, k):  # type: ignore[no-untyped-def]
+    """The stretch >= x at which the integral of the rate from 0 reaches the goal in forward motion."""
+    log_amount = np.log(max(abs(goal), 1e-300))
+    far = np.copysign(min(reached(law.rates, log_amount, 0.0, threshold, k), threshold), goal)
     return max(whole(np.floor(far * (1.0 / law.unit) + 0.5)), x)
 
 
@@ -239,8 +236,8 @@ def _in_row(law, n, x, first, rows, legs, work):  # type: ignore[no-untyped-def]
         r = -rows.stretch[i] if work.way.directions[legs[i]] < 0 else rows.stretch[i]
         if r != 0 or work.linked:
             threshold, k = real(x[i]) * law.unit, real(x[i]) / work.mean if work.linked else 1.0
-            begun = _integral(law, r, threshold, k)
-            first[i] = _break_at(law, r, begun, log_amounts[i], threshold, k)
+            goal = _integral(law, r, threshold, k) + np.exp(log_amounts[i])
+            first[i] = _break_at(law, r, goal, threshold, k)
     return first
 
 
@@ -260,10 +257,11 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
             if spent >= remaining:
                 return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn)
         else:
-            log_amount = np.log(remaining) - law.log_slow[leg]
-            moved = _break_at(law, d * x, d * here, log_amount, threshold, k) - d * x
-            if moved <= room:
-                return Break(clock + moved, leg, contact.drawn)
+            if leg != contact.leg:
+                goal = d * here + remaining * (law.unit / pace)
+                moved = _break_at(law, d * x, goal, threshold, k) - d * x
+                if moved <= room:
+                    return Break(clock + moved, leg, contact.drawn)
             x += d * room
             there = _integral(law, x, threshold, k)
             spent, here = d * (there - here) * (pace / law.unit), there

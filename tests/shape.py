@@ -33,7 +33,7 @@ class Room(NamedTuple):
 
 ROOMS = {
     "master": Room(7500, 8513, 200, 146),
-    "eq_model": Room(2200, 3281, 60, 35),
+    "eq_model": Room(2200, 3279, 60, 35),
     "origins": Room(4500, 6282, 120, 70),
     "toolkit": Room(4000, 3992, 100, 65),
 }
