@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError
+from origins.thresholds.law import Array
 
 Whole = npt.NDArray[np.int64]
-Array = npt.NDArray[np.float64]
 
 BLOCK = 1 << 16  # most contacts of a block: whole sums over one must fit 63 bits
 _NO_ROWS = np.zeros((0, 0))  # a single one, which messages between ranks contain once

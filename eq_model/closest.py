@@ -3,6 +3,8 @@
 It is the plain twin of an ensemble without laws, with the same statistics; every break takes a pass over all contacts.
 """
 
+from itertools import chain, count
+
 import numpy as np
 import numpy.typing as npt
 
@@ -10,8 +12,7 @@ from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import whole
 from origins.start import Births
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 def closest(
@@ -27,25 +28,19 @@ def closest(
     births = Births("start", contacts.start, contacts.thresholds)
     x, threshold = births.draw(whole("n_contacts", n_contacts, 1), generator)
     gap = threshold - x
-    fresh, used = contacts.thresholds.rvs(1024, generator), 0
+    fresh = chain.from_iterable(contacts.thresholds.rvs(1024, generator) for _ in count())
     force, breaks, here = np.empty(positions.size), 0, 0.0
     for j, goal in enumerate(positions):
-        while True:
+        reached = False
+        while not reached:
             i = int(np.argmin(gap))
-            step = gap[i]
-            if here + step > goal:
-                break
+            reached = here + gap[i] > goal
+            step = goal - here if reached else gap[i]
             x += step
             gap -= step
             here += step
-            if used == fresh.size:
-                fresh, used = contacts.thresholds.rvs(1024, generator), 0
-            x[i], gap[i] = 0.0, fresh[used]
-            used += 1
-            breaks += 1
-        step = goal - here
-        x += step
-        gap -= step
-        here = goal
-        force[j] = x.mean()
+            if not reached:
+                x[i], gap[i] = 0.0, next(fresh)
+                breaks += 1
+        here, force[j] = goal, x.mean()
     return force, breaks

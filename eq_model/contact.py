@@ -26,6 +26,7 @@ class Contact(NamedTuple):
     stretch: np.int64
     threshold: np.int64
     log_exposure: float  # ln of the integral of its rate at which it breaks
+    first: np.int64  # the stretch at which its rate breaks it if its first leg goes on
     stiffness: float  # over the mean one
     fresh: bool  # False for contacts of the start
     lane: np.int64
@@ -52,6 +53,7 @@ class Work(NamedTuple):
     again: Births
     exposures: Table  # ln e, e of the exponential law of mean 1
     law: Any
+    forward: bool  # whether it is a Forward
     way: WholeDrive
     mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
@@ -207,19 +209,44 @@ def _integral(law, x, threshold, k):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _break_at(law, x, begun, amount, log_amount, threshold, k):  # type: ignore[no-untyped-def]
-    """The stretch >= x at which the integral of the rate, `begun` at x, is `amount` larger in forward motion."""
-    sign = 1.0
-    if x != 0:
-        goal = begun + amount
-        log_amount, sign = np.log(max(abs(goal), 1e-300)), np.copysign(1.0, goal)
-    far = sign * min(reached(law.rates, log_amount, 0.0, threshold, k), threshold)
+def _break_at(law, x, goal, threshold, k):  # type: ignore[no-untyped-def]
+    """The stretch >= x at which the integral of the rate from 0 reaches the goal in forward motion."""
+    log_amount = np.log(max(abs(goal), 1e-300))
+    far = np.copysign(min(reached(law.rates, log_amount, 0.0, threshold, k), threshold), goal)
     return max(whole(np.floor(far * (1.0 / law.unit) + 0.5)), x)
+
+
+@bare
+def _from_rest(law, n, x, log_amounts, first):  # type: ignore[no-untyped-def]
+    """As `_in_row`, for contacts of the mean stiffness that form relaxed."""
+    for i in range(unsigned(n)):
+        threshold = real(x[i]) * law.unit
+        far = min(reached(law.rates, log_amounts[i], 0.0, threshold, 1.0), threshold)
+        first[i] = whole(np.floor(far * (1.0 / law.unit) + 0.5))
+
+
+def _in_row(law, n, x, first, rows, legs, work):  # type: ignore[no-untyped-def]
+    """Set `first`, the stretches in the directions of their legs at which n contacts break if the legs go on."""
+    others, log_amounts = work.linked, rows.log_amount
+    for i in range(unsigned(n)):
+        others |= rows.stretch[i] != 0
+        log_amounts[i] = real(rows.log_exposure[i]) * LEVEL_UNIT - law.log_slow[unsigned(legs[i])]
+    _from_rest(law, n, x, log_amounts, first)
+    for i in range(n if others else 0):
+        r = -rows.stretch[i] if work.way.directions[legs[i]] < 0 else rows.stretch[i]
+        if r != 0 or work.linked:
+            threshold, k = real(x[i]) * law.unit, real(x[i]) / work.mean if work.linked else 1.0
+            goal = _integral(law, r, threshold, k) + np.exp(log_amounts[i])
+            first[i] = _break_at(law, r, goal, threshold, k)
+    return first
 
 
 def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact, where the integral of its rate over time reaches e^exposure."""
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
+    moved, d = contact.first - way.directions[leg] * x, way.directions[leg]
+    if d != 0 and moved <= way.begins[leg + 1] - clock:
+        return Break(clock + moved, leg, contact.drawn)
     legs, threshold = way.directions.size, real(contact.threshold) * law.unit
     remaining, here = np.exp(contact.log_exposure), _integral(law, x, threshold, k)
     while leg < legs:
@@ -230,11 +257,11 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
             if spent >= remaining:
                 return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn)
         else:
-            amount = remaining * law.unit / pace
-            moved = _break_at(law, d * x, d * here, amount, np.log(amount), threshold, k) - d * x
-            # on the last leg no test is made, as its branch could not be predicted
-            if leg + 1 == legs or moved <= room:
-                return Break(clock + min(moved, room + 1), leg, contact.drawn)
+            if leg != contact.leg:
+                goal = d * here + remaining * (law.unit / pace)
+                moved = _break_at(law, d * x, goal, threshold, k) - d * x
+                if moved <= room:
+                    return Break(clock + moved, leg, contact.drawn)
             x += d * room
             there = _integral(law, x, threshold, k)
             spent, here = d * (there - here) * (pace / law.unit), there
@@ -244,16 +271,8 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     return Break(clock + 1, leg, contact.drawn)
 
 
-def _row_by_rates(law, n, x, e, r):  # type: ignore[no-untyped-def]
-    """Replace the thresholds x of n contacts by the stretches at which they break, moving steadily forward from r."""
-    log_slow = law.log_slow[0]
-    for i in range(unsigned(n)):
-        threshold, log_amount = real(x[i]) * law.unit, real(e[i]) * LEVEL_UNIT - log_slow
-        begun = _integral(law, r[i], threshold, 1.0)
-        x[i] = _break_at(law, r[i], begun, np.exp(log_amount), log_amount, threshold, 1.0)
-
-
 BREAKS |= {Cold: _at_threshold, Warm: _by_rate}
 AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: real(contact.threshold))
-# break_row(law, n, x, e, r): breaks in steady forward motion; cold contacts break at their thresholds x
-break_row = by_law({Cold: lambda law, n, x, e, r: None, Warm: _row_by_rates}.__getitem__)
+# breaks_in_row(law, n, x, first, rows, legs, work): the stretches `first` at which contacts break in steady motion, or
+# their thresholds x under laws that do not give them
+breaks_in_row = by_law(lambda law: _in_row if law is Warm else lambda law, n, x, *rest: x)

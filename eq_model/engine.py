@@ -1,20 +1,19 @@
-"""Blocks of independent contacts: their events as sums of whole numbers, and the force from these sums."""
+"""Blocks of independent contacts: the law by which they break, their events as whole sums, and the force from these."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import Blocks, State, is_measured
+from eq_model.blocks import Blocks, State, Whole, is_measured
+from eq_model.draws.tables import DEEPEST
 from eq_model.histogram import BINS, chosen_points, histogram, make_edges
-from eq_model.lattice import STIFFNESS_UNIT, TIE, whole_drive
-from eq_model.physics import Reach, law_of, seconds_of
-from origins import Contacts, Drive
+from eq_model.lattice import STIFFNESS_UNIT, TIE, WholeDrive, durations, whole_drive
+from origins import Contacts, Drive, Thermal
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
+from origins.laws.compiled import CompiledRates, called
+from origins.thresholds.law import Array
 
 
 class Moments(NamedTuple):
@@ -71,6 +70,7 @@ class Engine:
             *births_of(contacts, way.unit),
             exposures=exposures(),
             law=Forward(law) if forward else law,
+            forward=forward,
             way=way._replace(
                 watched=watched,
                 before=np.searchsorted(watched, np.arange(way.bin_ends.size + 2)),
@@ -83,18 +83,14 @@ class Engine:
             linked=linked,
             measured=False,
         )
+        # of sums: limbs; kinds (all, measured, with ageing coarser steps); bins; columns of count_event
+        self._shape = 2, 2 + (contacts.ageing is not None), way.bin_ends.size, 6 if linked else 3
 
     def nothing(self) -> State:
         """The state of no blocks."""
         kind = np.uint32 if self._total < 1 << 32 else np.uint64
         counts = np.zeros((self._points.size, 2, BINS), kind)
         return State(np.zeros(self._shape, np.int64), counts)
-
-    @property
-    def _shape(self) -> tuple[int, ...]:
-        """Shape of the sums: limbs; kinds (all, measured, with ageing coarser steps); bins; columns of count_event."""
-        kinds = 2 if self.contacts.ageing is None else 3
-        return 2, kinds, self._work.way.bin_ends.size, 6 if self._work.linked else 3
 
     def follow(self, blocks: Blocks, block: int) -> State:
         """Follow a block of contacts to the drive's end; -1 only compiles."""
@@ -112,8 +108,7 @@ class Engine:
             work = work._replace(law=work.law.coarser(self.COARSER), measured=True)
             follow(work, -(-count // self.COARSER), coarse, counts[:0])
         found = np.stack([sums, sums * measured, coarse][:kinds])[:, :-1]
-        limbs = np.stack([found >> 32, found & 0xFFFFFFFF])
-        return State(limbs, counts, breaks=int(breaks))
+        return State(np.stack([found >> 32, found & 0xFFFFFFFF]), counts, breaks=int(breaks))
 
     def fields(self, blocks: Blocks, state: State) -> dict[str, Any]:
         """Fields of the result."""
@@ -201,3 +196,96 @@ class Engine:
         fine, coarse = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])
         doubt = np.sqrt(fine.variance / n + coarse.variance / some)
         return (np.abs(coarse.force - fine.force) + doubt) / (self.COARSER - 1.0)
+
+
+def law_of(contacts: Contacts, way: WholeDrive, tie: int) -> Any:
+    """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
+    from eq_model import contact
+
+    # without a thermal law, the rates of any law stand in: kernels do not use them then
+    rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
+    found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
+    contact.RATES.setdefault(type(found.law), found)
+    heat = contacts.thermal is not None, found.law, way.unit
+    grains, ageing = contacts.grains, contacts.ageing
+    if ageing is not None:
+        from eq_model.laws.diffusing import make_diffusing
+
+        return make_diffusing(ageing, contacts.thresholds, *heat)
+    if grains is not None and grains.age is not None:
+        from eq_model.laws.growing import make_growing
+
+        return make_growing(grains, way, *heat)
+    if contacts.thermal is None:
+        return contact.Cold(np.int64(tie))
+    # in holds, where the value is not used, only the logarithm of 0 is avoided
+    return contact.Warm(*heat[1:], np.log(np.maximum(way.paces / way.unit, 1e-300)))
+
+
+class Reach:
+    """How far contacts may be stretched on a drive, lengths.
+
+    furthest : the largest stretch at which contacts form; largest : the largest threshold at any time; longest : the
+    largest stretch; span : shape (n,), the range of slider positions up to each point of the path; begun : shape (n,),
+    the largest stretch up to there of contacts of the start that have not broken.
+    """
+
+    def __init__(self, contacts: Contacts, drive: Drive) -> None:
+        """Compute the limits from the supports of the laws and from the path."""
+        from eq_model.draws.births import laws_of, tables_of
+
+        path, ends = np.append(0.0, drive.path), contacts.start.span
+        high, low = np.maximum.accumulate(path)[1:], np.minimum.accumulate(path)[1:]
+        self.span = high - low
+        self.begun = np.maximum(np.maximum(ends[1] + high, -ends[0] - low), max(np.abs(ends)))
+        self.largest = tables_of(contacts)["thresholds"].largest
+        born = max(abs(end) for law in laws_of(contacts).values() for end in law.span)
+        self.furthest = min(born, self.largest)
+        if (grains := contacts.grains) is not None and grains.age is not None:
+            # at the end of the drive, for contacts of the start, the oldest
+            oldest = grains.age + float(durations(drive).sum())
+            self.largest = max(self.largest, float(grains.quantile(1.0, oldest)))
+        if (ageing := contacts.ageing) is not None:
+            # less than one threshold in 1e17 diffuses by more than 9 standard deviations
+            self.largest = max(self.largest, float(ageing.final.isf(DEEPEST)))
+            self.largest += 9.0 * ageing.normal.std if ageing.normal is not None else 0.0
+        self.longest = min(self.largest, float(self.span[-1]) + self.furthest)
+
+
+def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
+    """Estimated seconds for one contact.
+
+    Raises InputError where it breaks, pins again or takes steps of ageing more than 3e7 times.
+    """
+    lasts, moved = durations(drive), np.abs(np.diff(drive.path, prepend=0.0))
+    total, travel = float(lasts.sum()), float(moved.sum())
+    thermal, again, grains = contacts.thermal, contacts.reforming, contacts.grains
+    often = {"ageing": 0.0 if contacts.ageing is None else total / law.longest}
+    if again is not None and again.law.is_single:
+        # half of the contacts break again within this distance
+        stretch, thresholds = abs(again.law.mean()), contacts.thresholds
+        distance = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
+        often["reforming"] = travel / max(distance, 1e-300)
+    if thermal is not None and grains is None and total > 0.0:
+        fresh = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
+        # contacts hold longest while they are relaxed, so the number of breaks may be underestimated
+        with np.errstate(over="ignore"):
+            holds = np.exp(-thermal.log_rate(0.0, fresh, contacts.relative_stiffness(fresh)))
+        often["thermal"] = total / (np.minimum(holds, total).mean() + contacts.waiting_time)
+    elif thermal is not None:
+        often["thermal"] = thermal.rates.scale * total
+    if grains is not None:
+        # a threshold is at most about alpha (time)^(1/3) / B^(1/2)
+        with np.errstate(all="ignore"):
+            holds = (grains.growth.alpha * lasts / (np.sqrt(grains.growth.B) * moved)) ** 1.5
+        pinned = grains.growth.first_pinning_time + np.nan_to_num(holds)
+        often["grains"] = float((lasts / pinned).sum())
+    key = max(often, key=lambda each: often[each])
+    if often[key] > 3e7:  # which take some ten seconds without interruption
+        name = "ages in steps," if key == "ageing" else "breaks"
+        raise InputError(
+            f"{key}: each contact {name} about {often[key]:.0e} times on the drive, which takes {total:.1g}; "
+            "take a shorter or faster drive, other units of time, or the master equation"
+        )
+    # seconds of a cold break, and of one under other laws or of a step of ageing
+    return 2e-8 * travel / contacts.mean_threshold + 1e-7 * sum(often.values())

@@ -67,10 +67,8 @@ class Ensemble:
             rule = "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None"
             refuse("comm", comm, rule)
         self.comm, self._threads, self._stopped = comm, whole("threads", threads, 1), False
-        each, self._replicas = (
-            whole("n_contacts", n_contacts, 1),
-            whole("n_replicas", n_replicas, 1),
-        )
+        each = whole("n_contacts", n_contacts, 1)
+        self._replicas = whole("n_replicas", n_replicas, 1)
         if self._replicas >= 1 << 28:
             refuse("n_replicas", n_replicas, f"must be below {1 << 28}")
         self.total = self.expected = each * self._replicas
@@ -160,7 +158,7 @@ class Ensemble:
         # if an earlier run went beyond this round, the round was not enough
         if late or any(part.stop > one_round.stop for part in self._before):
             return late
-        found = self._result(histograms=False)
+        found = self.result(histograms=False)
         ends = (self.blocks.before(part.stop) for part in self.blocks.rounds(True))
         self.expected = next((end for end in ends if end >= self._wanted(found)), self.total)
         return found.success
@@ -174,20 +172,18 @@ class Ensemble:
         """The largest standard error, in units of the mean threshold."""
         return float(found.force_standard_error.max()) / self.contacts.mean_threshold
 
-    def result(self) -> EnsembleResult:
-        """The result of all ranks; every rank must call, and gets the same bits."""
-        return self._result(histograms=True)
-
-    def _result(self, histograms: bool) -> EnsembleResult:
-        """The result, with or without histograms."""
+    def result(self, histograms: bool = True) -> EnsembleResult:
+        """The result of all ranks, if asked with histograms; every rank must call, and gets the same bits."""
         started, own, comm = self.clock(), self.state, self.comm
-        sums, counts = own.sums, own.counts if histograms else own.counts[:0]
+        totals = [own.sums, own.counts if histograms else own.counts[:0]]
         states = [own.without_sums()]
         if comm is not None:
             states = comm.allgather(states[0])
-            # sums of whole numbers do not depend on the order
-            sums, counts = (_sum_over(comm, array) for array in (sums, counts))
-        joined = replace(reduce(State.joined, states), sums=sums, counts=counts)
+            for k, array in enumerate(totals):
+                totals[k] = np.empty_like(array)
+                if array.size:  # sums of whole numbers do not depend on the order
+                    comm.Allreduce(array, totals[k])
+        joined = replace(reduce(State.joined, states), sums=totals[0], counts=totals[1])
         if not joined.contacts:
             rule = "no block of contacts is finished yet; iterate over it first, or give it more"
             raise InputError(f"ensemble: {rule} wall_time")
@@ -224,14 +220,6 @@ class Ensemble:
         elif more > Engine.MOST:
             needs = f"it takes more than {Engine.MOST:.1e} contacts, the most there can be"
         return False, f"{says}, above the tolerance {self._tolerance:.1e}; {needs}"
-
-
-def _sum_over(comm: Any, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """The sum of the arrays of all ranks; every rank must call."""
-    out = np.empty_like(array)
-    if array.size:
-        comm.Allreduce(array, out)
-    return out
 
 
 CoupledEnsemble = Ensemble

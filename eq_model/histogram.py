@@ -8,8 +8,7 @@ import numpy.typing as npt
 
 from origins import Contacts
 from origins.errors import refuse
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 BINS = 4096
 
@@ -43,9 +42,7 @@ class Histogram:
 
 def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     """Indices of points of a path of this size, checked; raises InputError, named histograms."""
-    points = np.atleast_1d(np.asarray(histograms))
-    if not points.size:
-        return np.empty(0, np.intp)
+    points = np.atleast_1d(np.asarray(histograms, None if np.size(histograms) else np.intp))
     whole = points.ndim == 1 and points.dtype.kind in "iu"
     if not whole or (points < -size).any() or (points >= size).any():
         rule = f"must be indices of points of the path, such as [0, {size - 1}]"

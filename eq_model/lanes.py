@@ -14,24 +14,29 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import compiled, inlined, real, unsigned, whole
+from eq_model.blocks import Whole
+from eq_model.compiling import compiled, real, unsigned, whole
 from eq_model.contact import (
     Contact,
     aged_threshold,
     bin_of,
     break_of,
-    break_row,
+    breaks_in_row,
     by_law,
     count_event,
     later,
     look_at,
     place_of,
 )
-from eq_model.draws.births import LEVEL_UNIT, draw_stretches, draw_thresholds
-from eq_model.draws.quantiles import draw_values, make_scratch
+from eq_model.draws.births import (
+    LEVEL_UNIT,
+    draw_stretches,
+    draw_thresholds,
+    draw_values,
+    make_scratch,
+)
 from eq_model.draws.streams import EXPOSURES, LANES
-
-Whole = npt.NDArray[np.int64]
+from origins.thresholds.law import Array
 
 
 class Forward(NamedTuple):
@@ -56,33 +61,19 @@ class Rows(NamedTuple):
     threshold: Whole
     stretch: Whole  # at which the contact forms
     log_exposure: Whole
-    drawn: Whole  # the threshold, where steady motion replaces it by the stretch at which the contact breaks
+    first: Whole  # where its rate breaks it if the leg goes on, as contact.breaks_in_row has it
     bins: npt.NDArray[np.int32]
-
-
-@inlined
-def _bins_of(n, moments, way, bins):  # type: ignore[no-untyped-def]
-    """The bin of each moment; way.bin_ends.size for those beyond the end."""
-    beyond, end = way.bin_ends.size, way.end
-    if way.even:
-        for i in range(unsigned(n)):
-            inside = whole(unsigned(max(moments[i] + way.offset, 0)) >> unsigned(way.shift))
-            bins[i] = np.int32(beyond if moments[i] > end else inside)
-    else:
-        for i in range(unsigned(n)):
-            bins[i] = np.int32(beyond if moments[i] > end else bin_of(moments[i], way))
+    log_amount: Array  # ln of the integral of the rate over the way to the break
 
 
 def _advance_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Move n contacts forward to their breaks, by a law for rows. Returns the number of breaks."""
     way, breaks, end, moment = work.way, whole(0), work.way.end, lanes.moment
-    x, broken, bins = rows.threshold, rows.stretch, rows.bins
-    for i in range(unsigned(n) if counts.shape[0] else unsigned(0)):
-        rows.drawn[i] = x[i]
-    break_row(law.law, n, x, rows.log_exposure, rows.stretch)
+    broken, bins, legs = rows.stretch, rows.bins, lanes.leg
+    x = breaks_in_row(law.law, n, rows.threshold, rows.first, rows, legs, work)
     for i in range(unsigned(n)):
         broken[i] = moment[i] - rows.stretch[i] + x[i]
-    _bins_of(n, broken, way, bins)
+        bins[i] = np.int32(way.bin_ends.size if broken[i] > end else bin_of(broken[i], way))
     for i in range(unsigned(n)):
         sums[unsigned(bins[i]), 1] += x[i]
     for i in range(unsigned(n) if work.measured else unsigned(0)):
@@ -93,7 +84,7 @@ def _advance_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignor
     for i in range(n if counts.shape[0] else 0):
         if moment[i] <= end:
             for k in range(way.before[bin_of(moment[i], way)], way.before[bins[i]]):
-                look_at(k, broken[i] - x[i], real(rows.drawn[i]), way, counts)
+                look_at(k, broken[i] - x[i], real(rows.threshold[i]), way, counts)
     for i in range(unsigned(n)):
         over = broken[i] > end
         breaks += whole(not over)
@@ -108,6 +99,7 @@ def _advance_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignor
 def _follow_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one life in each of n lanes, by any law. Returns the number of breaks."""
     breaks, way = whole(0), work.way
+    first = breaks_in_row(law, n, rows.threshold, rows.first, rows, lanes.leg, work)
     for i in range(unsigned(n)):
         number = lanes.number[i]
         if number >= count:
@@ -115,7 +107,9 @@ def _follow_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore
         clock, leg, initial, drawn = lanes.moment[i], lanes.leg[i], lanes.initial[i], lanes.drawn[i]
         x, r, e = rows.threshold[i], rows.stretch[i], real(rows.log_exposure[i]) * LEVEL_UNIT
         k = real(x) / work.mean if work.linked else 1.0
-        contact = Contact(clock, leg, r, x, e, k, initial == 0, number % LANES, drawn, work.stream)
+        contact = Contact(
+            clock, leg, r, x, e, first[i], k, initial == 0, number % LANES, drawn, work.stream
+        )
         birth = place_of(clock, leg, way) - r
         found = break_of(law, contact, way, counts)
         moment, leg, holds = found.clock, found.leg, found.clock > way.end
@@ -140,8 +134,6 @@ def _follow_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore
 
 
 _row = by_law(lambda law: _advance_row if law is Forward else _follow_row)
-# whether the rows do not count births, so that those of the start are counted beforehand
-_only_breaks = by_law(lambda law: (lambda law: True) if law is Forward else (lambda law: False))
 
 
 @compiled
@@ -158,28 +150,24 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
         out = first[part * LANES : (part + 1) * LANES]
         draw_stretches(whole(LANES), part & 3, part >> 2, stream, starts, scratch, out)
     first = first[: count if starts.drawn else 1]
-    if _only_breaks(work.law):
+    if work.forward:  # rows count no births
         sums[0, 0] += count
         for stretch in first:
             y, many = -stretch - work.way.bin_positions[0], count // first.size
             sums[0, 1] += many * y
             sums[0, 2] += many * whole(np.floor(0.5 + real(y) * real(y) * work.way.square))
-    state, now = np.zeros((4, LANES), whole), np.zeros((4, LANES), whole)
-    lanes = Lanes(state[0], state[1], np.ones(LANES, whole), np.arange(LANES), state[3])
-    rows = Rows(now[0], now[1], now[2], now[3], np.zeros(LANES, np.int32))
+    now, log_amount = np.zeros((7, LANES), whole), np.zeros(LANES)
+    lanes = Lanes(now[0], now[1], np.ones(LANES, whole), np.arange(LANES), now[2])
+    rows = Rows(now[3], now[4], now[5], now[6], np.zeros(LANES, np.int32), log_amount)
     n, turn, breaks = min(LANES, count), whole(0), whole(0)
     while n > 0:
         for row in range(whole(4)):
-            if again.drawn:
-                draw_stretches(n, row, turn, stream, again, scratch, rows.stretch)
-            if starts.drawn or again.drawn:
-                for i in range(unsigned(n)):
+            draw_stretches(n, row, turn, stream, again, scratch, rows.stretch)
+            for i in range(unsigned(n)):
+                start = starts.single
+                if starts.drawn:
                     start = first[unsigned(min(lanes.number[i], first.size - 1))]
-                    other = rows.stretch[i] if again.drawn else again.single
-                    rows.stretch[i] = start if lanes.initial[i] else other
-            else:
-                for i in range(unsigned(n)):
-                    rows.stretch[i] = starts.single if lanes.initial[i] else again.single
+                rows.stretch[i] = start if lanes.initial[i] else rows.stretch[i]
             draw_thresholds(n, row, turn, stream, again, scratch, rows.stretch, rows.threshold)
             if work.needs_exposure:
                 words, e = scratch.exposures, rows.log_exposure

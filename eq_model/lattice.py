@@ -10,12 +10,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import BLOCK
+from eq_model.blocks import BLOCK, Whole
 from origins import Drive
 from origins.errors import InputError
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
+from origins.thresholds.law import Array
 
 # With exact thresholds, breaks within this many units of a path point or a turn count as falling on it:
 # rounding may have moved them as far after some 1e6 breaks.

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from eq_model.blocks import Whole
 from eq_model.histogram import Histogram
 from origins.brief import brief
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
+from origins.thresholds.law import Array
 
 SIZES = 40  # classes of avalanches: up to 2^40 breaks
 

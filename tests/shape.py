@@ -32,9 +32,9 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 8508, 200, 146),
-    "eq_model": Room(2200, 3283, 60, 35),
-    "origins": Room(4500, 6250, 120, 69),
+    "master": Room(7500, 8513, 200, 147),
+    "eq_model": Room(2200, 3279, 60, 35),
+    "origins": Room(4500, 6249, 120, 69),
     "toolkit": Room(4000, 3989, 100, 64),
 }
 Graph = dict[str, set[str]]

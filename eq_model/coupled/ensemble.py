@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from eq_model.blocks import Blocks, State
-from eq_model.physics import Reach
+from eq_model.engine import Reach
 from eq_model.result import SIZES, fields_of
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse
+from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     from eq_model.coupled.slide_kernel import Pull
@@ -77,7 +77,7 @@ class Replicas:
         mean = self._contacts.mean_threshold / unit if linked else 0.0
         first, later = (kernel.make_supply(births, stream, mean) for births in self._births)
         queue, slider = make_queue(n, self._shift, self._buckets), np.zeros(1, kernel.SLIDER)
-        s, slips = slider[0], list[npt.NDArray[np.float64]]()
+        s, slips = slider[0], list[Array]()
         s["back"] = -(1 << 62)  # never
         kernel.form_all(slider, queue, first, n)
         pull, each = self._pull(s), unit / n
@@ -93,8 +93,9 @@ class Replicas:
         numbers = replica, s["breaks"], pull.clock_drive[0] * unit
         row = np.r_[numbers, pull.avalanches, x * unit, force * each, held / n]
         scales = [1.0, 1.0, unit / pull.spring, unit, unit, each, each, 1.0]
-        table = np.reshape(slips, (-1, 8)) * scales
-        return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
+        return State(
+            rows=row[None], slips=np.reshape(slips, (-1, 8)) * scales, breaks=int(s["breaks"])
+        )
 
     def _pull(self, s: np.void) -> Pull:
         """The drive of a slider with its first contacts, from the position that balances them on."""

@@ -10,15 +10,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from eq_model.blocks import Whole
 from eq_model.compiling import bare, inlined
 from eq_model.coupled.queue_kernel import clear, next_break, open_next, take_next, wait
-from eq_model.draws.births import Births, draw_stretches, draw_thresholds
-from eq_model.draws.quantiles import Scratch, make_scratch
+from eq_model.draws.births import Births, Scratch, draw_stretches, draw_thresholds, make_scratch
 from eq_model.draws.streams import LANES, Stream
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 PATH_DONE, SLIP_ENDED, OVERTAKEN, GOING_ON = range(4)
 
@@ -47,8 +45,8 @@ class Supply(NamedTuple):
     births: Births
     stream: Stream
     scratch: Scratch
-    ready: npt.NDArray[np.int64]  # (2, 4, LANES): thresholds and stretches
-    at: npt.NDArray[np.int64]  # index of the next contact, and the number of draws so far
+    ready: Whole  # (2, 4, LANES): thresholds and stretches
+    at: Whole  # index of the next contact, and the number of draws so far
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
 
 
@@ -67,9 +65,9 @@ class Pull(NamedTuple):
     resets: bool  # whether a slip replaces all contacts
     avalanche: Array  # the last one: K X_T, X before and after, F before and after, breaks
     at_points: Array  # (3, points): X, F and the number of contacts that hold
-    avalanches: npt.NDArray[np.int64]  # numbers of those that broke 1, 2-3, 4-7, ... contacts
+    avalanches: Whole  # numbers of those that broke 1, 2-3, 4-7, ... contacts
     returns: Array  # ring buffer of the times at which contacts re-form
-    many: npt.NDArray[np.int64]  # how many contacts re-form then
+    many: Whole  # how many contacts re-form then
 
 
 def make_supply(births: Births, stream: Stream, mean: float = 0.0) -> Supply:

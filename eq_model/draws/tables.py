@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from eq_model.blocks import Whole
 from origins.errors import InputError
+from origins.thresholds.law import Array
 
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
 OCTAVES, CELL_BITS = 11, 5  # of the quick cells

@@ -6,12 +6,12 @@ Lengths are in units of the lattice, except those of rate laws.
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from eq_model.compiling import bare, real, whole
 from eq_model.contact import AGED, BREAKS, Break, bin_of, look_at, place_of, rate_at
 from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
 from origins import Ageing, InputError, Thresholds
+from origins.thresholds.law import Array
 
 
 class Diffusing(NamedTuple):
@@ -21,7 +21,7 @@ class Diffusing(NamedTuple):
     mean: float
     width: float
     diffusion: float  # squared units per time
-    slopes: npt.NDArray[np.float64]  # d ln P_cf/d ln y at equal steps of ln y
+    slopes: Array  # d ln P_cf/d ln y at equal steps of ln y
     first: float  # ln y of the first slope
     step: float  # of ln y
     longest: float  # longest step (a time) where the threshold is near the stretch

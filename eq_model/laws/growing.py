@@ -9,10 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import bare, real, whole
+from eq_model.compiling import bare, real, unsigned, whole
 from eq_model.contact import AGED, BREAKS, Break, most, rate_at
 from eq_model.draws.streams import STEPS, uniform, words_at
+from eq_model.lattice import WholeDrive
+from origins.grains.contact import GrainContact
+from origins.thresholds.law import Array
 
+_over = np.linspace(-20.0, 5.0, 8193)  # ln of hazards: lines between them are exact to 1e-7
 _nodes, _weights = (tuple(part.tolist()) for part in np.polynomial.legendre.leggauss(10))
 
 
@@ -22,9 +26,37 @@ class Growing(NamedTuple):
     first: float  # tau_m
     root: float  # B^(1/2), per unit
     age: float  # since pinning, of the contacts at X = 0
+    steady: float  # tau_m per unit of the clock, of the motion that `meets` is for
+    meets: Array  # (_over.size,): see `_meetings`
     warm: bool  # whether contacts also break at a rate
     rates: Any
     unit: float  # a length
+
+
+def make_growing(grains: GrainContact, way: WholeDrive, *heat: Any) -> Growing:
+    """The growth of these contacts on a drive; heat : the last three fields of Growing."""
+    first, root = grains.growth.first_pinning_time, float(np.sqrt(grains.growth.B)) * way.unit
+    longest = (np.diff(way.begins) * (way.directions != 0)).argmax()
+    steady, age = float(way.paces[longest]) / first, (grains.age or 0.0) / first - 1.0
+    return Growing(first, root, age, steady, _meetings(grains, root / max(steady, 1e-300)), *heat)
+
+
+def _meetings(grains: GrainContact, speed: float) -> Array:
+    """ln of the age, in tau_m, at which contacts that pin in steady motion meet their thresholds.
+
+    speed : in units of 1/(B^(1/2) tau_m). Contacts hold if their hazard is above (9/2) speed², and it is by e^_over.
+    """
+    from scipy.interpolate import CubicSpline
+
+    if not 1e-6 < speed < 5.0:  # contacts hold longer than ages in the table, or none holds
+        return np.full(_over.size, np.nan)
+    some, low, high = _over[::16], np.full(513, -60.0), np.full(513, 60.0)
+    for _ in range(56):  # to the last bit
+        age = np.exp(middle := 0.5 * (low + high))
+        stretch, excess = speed * age / np.sqrt(grains.growth.B), np.expm1(np.log1p(age) / 3.0)
+        holds = grains.hazard_at(stretch, excess) < 4.5 * speed**2 + np.exp(some)
+        low, high = np.where(holds, middle, low), np.where(holds, high, middle)
+    return np.asarray(CubicSpline(some, low)(_over))
 
 
 @bare
@@ -82,30 +114,36 @@ def quantile(goal, age, root):  # type: ignore[no-untyped-def]
 
 @bare
 def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
-    """Ticks after which a contact reaches its threshold, which is not met at 0 ticks but is at `room`.
+    """Ticks after which a contact reaches its threshold, which is not met at 0 ticks; infinite if not by `room`.
 
-    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Secants of the
-    logarithms of ticks and hazard, within a bracket.
+    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. False position, with
+    the weight of an end halved each time that it stays (Illinois).
     """
-    low, high, at, slope = 0.0, room, min(room, 1.0 / root), 3.0
-    before, ratio_before = 0.0, 0.0
+    low, high, below, above, at, last = 0.0, room, -0.5, 0.5, room, 0.0
     for _ in range(200):
-        now = hazard(near + at, age + at * pace, root)
-        low, high = (at, high) if now < goal else (low, at)
-        then = -1.0
-        if 0.0 < now < np.inf:
-            ratio = np.log(now / goal)
-            if before > 0.0:
-                slope = (ratio - ratio_before) / np.log(at / before)
-            if slope > 0.0:
-                then = at * np.exp(min(max(-ratio / slope, -2.0), 2.0))
-            before, ratio_before = at, ratio
-        if not low <= then <= high:
-            then = 0.5 * (low + high) if low > 0.0 else 0.25 * high
+        off = 0.5 - goal / (goal + hazard(near + at, age + at * pace, root))
+        if off < 0.0:
+            if at == room:
+                return np.inf
+            low, below, above = at, off, 0.5 * above if last < 0.0 else above
+        else:
+            high, above, below = at, off, 0.5 * below if last > 0.0 else below
+        then, last = (low * above - high * below) / (above - below), off
         if abs(then - at) <= max(1e-6 * at, 0.25):  # the error is far below the last step
             return then
         at = then
     return at
+
+
+@bare
+def _from_pinning(over, pace, law):  # type: ignore[no-untyped-def]
+    """Ticks until a contact that pins in steady motion meets its threshold, by the table; NaN outside of it."""
+    place = (np.log(over) - _over[0]) / (_over[1] - _over[0])
+    if abs(pace - law.steady) > 1e-9 * pace or not 0.0 <= place < _over.size - 1:
+        return np.nan
+    k = unsigned(place)
+    rise = law.meets[k + unsigned(1)] - law.meets[k]
+    return np.exp(law.meets[k] + (place - real(k)) * rise) / pace
 
 
 @bare
@@ -137,14 +175,18 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
         d, pace, room = way.directions[leg], way.paces[leg] / law.first, way.begins[leg + 1] - clock
         # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
         pins = contact.fresh and d != 0 and clock == contact.clock
-        if pins and goal <= 4.5 * (law.root / pace) ** 2:
+        lost = 4.5 * (law.root / pace) ** 2 if pins else 0.0
+        if pins and goal <= lost:
             return Break(clock, contact.leg, contact.drawn)
-        outward, near, meets = d * x >= 0, abs(real(x)), False
+        outward, near, ticks = d * x >= 0, abs(real(x)), np.inf
         if d != 0 and not outward:
             room = min(room, abs(x))
-        elif d != 0 and hazard(near + room, age + room * pace, law.root) >= goal:
-            meets = True
-            ticks = _meeting(near, pace, real(room), age, goal, law.root)
+        elif d != 0:
+            ticks = _from_pinning(goal - lost, pace, law) if pins else np.nan
+            if np.isnan(ticks):
+                ticks = _meeting(near, pace, real(room), age, goal, law.root)
+        meets = ticks <= room
+        if meets:
             room = min(whole(ticks + 0.5), room)
         sign, passed, y = abs(d) if outward else -abs(d), 0.0, 0.0
         if law.warm:
@@ -179,12 +221,10 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
 def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
     """The threshold at a later moment."""
     age, goal = _pinned(contact, law)
-    clock, leg = contact.clock, contact.leg
-    while leg + 1 < way.paces.size and way.begins[leg + 1] <= moment:
-        age += (way.begins[leg + 1] - clock) * (way.paces[leg] / law.first)
-        leg += 1
-        clock = way.begins[leg]
-    return quantile(goal, age + (moment - clock) * (way.paces[leg] / law.first), law.root)
+    for leg in range(contact.leg, way.paces.size):
+        begin, end = max(way.begins[leg], contact.clock), min(way.begins[leg + 1], moment)
+        age += max(end - begin, 0) * (way.paces[leg] / law.first)
+    return quantile(goal, age, law.root)
 
 
 BREAKS[Growing] = break_growing

@@ -30,8 +30,8 @@ class SoftRates(ActivatedRates):
 
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers) -> Array:
         """ln h."""
-        barrier = self.spring * stiffness * (threshold - x) * (threshold + x)
-        return np.asarray(self.log_scale - barrier)
+        barrier: Any = self.spring * stiffness * (threshold - x) * (threshold + x)
+        return self.log_scale - barrier
 
     @quiet
     def log_passed(
@@ -117,12 +117,12 @@ def _tables() -> tuple[Array, Array]:
 @cache
 def _formulas() -> tuple[Any, ...]:
     """log_rate, log_passed, reached and most of CompiledRates."""
+    log_rate = inlined(SoftRates.log_rate)
 
     @inlined
     def cubic(place, table):  # type: ignore[no-untyped-def]
         k = min(max(int(place), 0), table.shape[0] - 2)
-        t = place - k
-        rise = table[k + 1, 0] - table[k, 0]
+        t, rise = place - k, table[k + 1, 0] - table[k, 0]
         p, q = table[k, 1] - rise, table[k + 1, 1] - rise
         return table[k, 0] + t * (rise + (1.0 - t) * (p - t * (p + q)))
 
@@ -141,10 +141,6 @@ def _formulas() -> tuple[Any, ...]:
         slope = dawson(np.sqrt(square), law)
         return np.sqrt(square) - (square + np.log(slope) - level) * slope
 
-    @inlined
-    def log_rate(law, x, threshold, stiffness):  # type: ignore[no-untyped-def]
-        return law.log_scale - law.spring * stiffness * (threshold - x) * (threshold + x)
-
     def log_passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
         spring = law.spring * stiffness
         length = np.log(dawson(np.sqrt(spring) * far, law)) - 0.5 * np.log(spring)
@@ -158,4 +154,4 @@ def _formulas() -> tuple[Any, ...]:
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return np.exp(log_rate(law, min(largest_x, least_y), least_y, stiffness))
 
-    return log_rate.py_func, log_passed, reached, most
+    return SoftRates.log_rate, log_passed, reached, most

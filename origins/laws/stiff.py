@@ -1,7 +1,7 @@
 """Stiff contacts: h = ω s^(1/2) exp[-k_i x_s² s^(3/2) / 2k_BT] with s = 1 - x/x_s (paper, Eqs. temper9, temper10).
 
 c = k_i x_s²/2k_BT is the barrier at x = 0, and u = s^(3/2) falls from 1 to 0 on the way to the threshold. The
-integral of h is (2 ω x_s/3c) (e^(-c u_far) - e^(-c u_near)). Compiled loops over single contacts use the same formulas.
+integral of h is (2 ω x_s/3c) (e^(-c u_far) - e^(-c u_near)).
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class StiffRates(ActivatedRates):
         # u(near) - u(far), without cancellation
         fall = (far - near) / threshold * (first * first + first * last + last * last)
         fall = fall / np.maximum(first + last, 1e-300)
-        length = 2.0 / 3.0 * threshold * (-np.expm1(-c * fall) / c)
-        return self.log_scale + (np.log(length) - c * last * last * last)
+        log_length = np.log(2.0 / 3.0 * threshold * (-np.expm1(-c * fall) / c))
+        return self.log_scale + (log_length - c * last * last * last)
 
     @quiet
     def reached(
@@ -59,24 +59,27 @@ class StiffRates(ActivatedRates):
         """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         c = self.spring * stiffness * threshold * threshold
         log_part = log_amount - self.log_scale + np.log(1.5 * c / threshold)
-        root = np.sqrt(np.maximum((threshold - near) / threshold, 0.0))
-        level = log_part + c * root * root * root
-        # c u at the end is -ln(e^log_part + e^(-c u_near)); of u and gone = 1 - u the smaller keeps its digits
-        more = np.log1p(np.exp(-np.abs(level)))
-        u = np.maximum(np.minimum(-log_part, c * root * root * root) - more, 0.0) / c
-        gone = near / threshold * (1.0 + root + root * root) / (1.0 + root)
-        gone = np.minimum(gone + (np.maximum(level, 0.0) + more) / c, 0.75)
-        is_late = u < 0.5
-        log_u = is_late * np.log(u) + (1.0 - is_late) * np.log1p(-gone)
-        x = threshold * -np.expm1(2.0 / 3.0 * log_u)
+        begin = c * np.maximum((threshold - near) / threshold, 0.0) ** 1.5
+        # c u at the end is -ln(e^log_part + e^(-c u_near))
+        more = np.log1p(np.exp(-np.abs(log_part + begin)))
+        u = np.maximum(np.minimum(-log_part, begin) - more, 0.0) / c
+        x = threshold * (1.0 - np.cbrt(u) ** 2)
         return np.minimum(np.maximum(x, near), threshold)
 
     def compiled(self) -> CompiledRates:
         """The same formulas for compiled loops."""
-        methods: list[Any] = [StiffRates.log_rate, StiffRates.log_passed, StiffRates.reached]
-        log_rate, log_passed, reached = (method.__wrapped__ for method in methods)
+        methods: list[Any] = [StiffRates.log_rate, StiffRates.log_passed]
+        log_rate, log_passed = (method.__wrapped__ for method in methods)
         law = StiffLaw(self.spring, self.log_scale)
-        return CompiledRates(law, log_rate, log_passed, reached, _most)
+        return CompiledRates(law, log_rate, log_passed, _reached, _most)
+
+
+def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
+    each = law.spring * stiffness * threshold
+    # e^(-c u) = e^-c + amount (3c/2 ω x_s), which gives u to 1e-16/c
+    held = np.exp(-each * threshold) + np.exp(log_amount - law.log_scale) * (1.5 * each)
+    u = -np.log(max(held, 1e-300)) / max(each * threshold, 1e-300)
+    return threshold * (1.0 - np.exp(2.0 / 3.0 * np.log(min(max(u, 1e-30), 1.0))))
 
 
 def _most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
