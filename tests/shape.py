@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 8513, 200, 146),
+    "master": Room(7500, 8513, 200, 143),
     "eq_model": Room(2200, 3283, 60, 35),
     "origins": Room(4500, 6283, 120, 70),
     "toolkit": Room(4000, 3992, 100, 65),
