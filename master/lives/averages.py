@@ -80,9 +80,8 @@ class Pieces(NamedTuple):
 
 
 class Integrals(NamedTuple):
-    """value : of each function over each range, array of shape (functions, ranges); missed : the
-    largest error of each function's, as measured on some of the ranges, array of shape (functions,);
-    pieces : those that resolve the integrand."""
+    """value : of each function over each range, array of shape (functions, ranges); missed : errors of
+    the same shape, on ranges where they are measured, else 0; pieces : those that resolve the integrand."""
 
     value: Array
     missed: Array
@@ -90,7 +89,12 @@ class Integrals(NamedTuple):
 
 
 def integrals(
-    integrand: Integrand, pieces: Pieces, ranges: int, accuracy: Array | float
+    integrand: Integrand,
+    pieces: Pieces,
+    ranges: int,
+    accuracy: Array | float,
+    relative: bool = False,
+    checked: int = CHECKED,
 ) -> Integrals:
     """Integrals of functions over ranges, of which each is cut into pieces.
 
@@ -98,6 +102,8 @@ def integrals(
     accuracy : last coefficients, as contributions to the integral, below which a piece is not halved,
         for all ranges or for each;
         the error of the Gauss sum is then about their square, or 1e-3 of them near an onset
+    relative : whether the accuracy counts in units of the last function's integral
+    checked : the error of one range in so many is measured
     """
     done: list[Pieces] = []
     total, limit = np.zeros((1, ranges)), np.broadcast_to(accuracy, ranges)
@@ -107,6 +113,8 @@ def integrals(
 
     for halving in range(HALVINGS + 1):
         sums, tails = pieces.sums(integrand)
+        if relative and not halving:
+            limit = limit * summed(pieces.owner, sums[-1:])[0]
         size = np.maximum(np.abs(pieces.low), np.abs(pieces.high))
         rough = (tails > limit[pieces.owner]) & (pieces.high - pieces.low > NARROWEST * size)
         rough &= halving < HALVINGS
@@ -116,11 +124,10 @@ def integrals(
             break
         pieces = pieces.pick(rough).halves()
     pieces = Pieces(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
-    looked = np.arange(ranges) % CHECKED == ranges // 2 % CHECKED
+    looked = np.arange(ranges) % checked == ranges // 2 % checked
     halves = pieces.pick(looked[pieces.owner]).halves()
     again = summed(halves.owner, halves.sums(integrand)[0])
-    missed = np.abs(again - total)[:, looked].max(axis=1, initial=0.0)
-    return Integrals(total, missed, pieces)
+    return Integrals(total, np.where(looked, np.abs(again - total), 0.0), pieces)
 
 
 def integrals_above(
@@ -129,6 +136,8 @@ def integrals_above(
     ends: Array,
     felt: npt.NDArray[np.bool_] | bool,
     accuracy: Array | float,
+    relative: bool = False,
+    checked: int = CHECKED,
 ) -> Integrals:
     """Integrals of functions over y above `least`, where they may be series in (y - least)^(1/2).
 
@@ -147,7 +156,7 @@ def integrals_above(
         return np.concatenate([values[:1] * root[:, -1:], values * root])
 
     pieces = Pieces(row, roots[row, piece], roots[row, piece + 1])
-    value, missed, fine = integrals(of_root, pieces, least.size, accuracy)
+    value, missed, fine = integrals(of_root, pieces, least.size, accuracy, relative, checked)
     return Integrals(value[1:], missed[1:], fine)
 
 

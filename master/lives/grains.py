@@ -53,7 +53,7 @@ class GrainLife(Life):
     """
 
     error = 5e-14  # the share's error by that of the hazards
-    left_out = 1e-17  # e^-GONE
+    left_out, fresh = 1e-17, False  # e^-GONE
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         grains = contacts.grains
@@ -106,7 +106,7 @@ class GrainLife(Life):
             return np.exp(worst[row, None] - hazard - spent)[None]
 
         found = integrals_above(held, worst, worst[:, None] + HAZARDS, True, RESOLVED)
-        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        self.error = max(self.error, MARGIN * float(found.missed[0].max(initial=0.0)))
         return found.value[0]
 
     def _spent(self, hazard: Array, stretch: Array, since: Array) -> Array:
@@ -135,5 +135,5 @@ class GrainLife(Life):
         most, least = np.ones(hazard.size), np.zeros(hazard.size)
         most = np.maximum(integrals_above(rate, least, earlier, True, np.inf).value[0], 1.0)
         found = integrals_above(rate, least, earlier, True, RESOLVED)
-        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        self.error = max(self.error, MARGIN * float(found.missed[0].max(initial=0.0)))
         return (most * found.value[0]).reshape(hazard.shape)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Integrals, integrals_above
+from master.lives.averages import CHECKED, Integrals, integrals_above
 from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
 from master.motion.motion import History, Legs
 from master.renewal.table import Table
@@ -27,8 +27,6 @@ RESOLVED = 1e-9
 _GONE, _DEAD, _NO_WEIGHT = np.log(67.0), 7.0, 1e-18
 # Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35
-# Relative last coefficients of H below which panels of its table are not halved.
-_ACCURACY = 1e-13
 _EPSILON = float(np.finfo(float).eps)
 
 
@@ -57,11 +55,6 @@ class ThermalLife(LawLife):
         self.resolved, self.birth_reach, self._contacts = resolved, self.reach, contacts
         self._mass = -np.diff(self.law.sf(self.panels))
         self.left_out = float(np.minimum(self._mass, _NO_WEIGHT).sum())
-
-    @property
-    def few(self) -> float:
-        """The |x| beyond which a share FEW of the thresholds lies."""
-        return float(self.law.isf(self.FEW))
 
     def rounded_away(self) -> Array:
         """Bounds of the errors of the integrals of E and K where few contacts hold; shape (2,).
@@ -107,7 +100,7 @@ class ThermalLife(LawLife):
         few = np.maximum(weight * self.law.sf(least), 1e-4)
         accuracy = max(0.1 * self.resolved, 2e-12) * few
         out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)
-        self.error = max(self.error, MARGIN * float(missed.max()))
+        self.error = max(self.error, MARGIN * float(missed.max(initial=0.0)))
         for position, share in zip(self.atoms, self.atom_weights, strict=True):
             each = held(every, np.full((every.size, 1), position))[..., 0]
             out += share * each * (side < position * (1.0 - TIE))
@@ -214,24 +207,21 @@ class MeanRateLife(LawLife):
         edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self.panels]))
         scale, far = rates.scale, self.reach
         barrier = float(np.log(scale) - rates.log_rate(0.0, far, 1.0))
+        self._accuracy = 0.1 * resolved  # relative last coefficients of H in its table
         # relative rounding of h per k_BT of the barrier, over the accuracy; halving cannot reduce it
-        rounding = 16.0 * _EPSILON * max(barrier, 1.0) / _ACCURACY
-
-        def found(x: Array) -> Array:
-            return self.mean_rate(x.ravel()).reshape(1, *x.shape)
+        rounding = 16.0 * _EPSILON * max(barrier, 1.0) / self._accuracy
 
         def felt(values: Array, widths: Array) -> Array:
             most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
             # near a bend panels get narrow and add little to L
             return np.asarray(most / np.minimum(1.0, widths / (1e-3 * far)))
 
-        given = found, edges[edges <= far], _ACCURACY, 1e-13 * far
-        table = self._table = Table(*given, size=14, felt=felt, rounding=rounding)
+        found = self.mean_rate, edges[edges <= far], self._accuracy, 1e-13 * far
+        table = self._table = Table(*found, size=14, felt=felt, rounding=rounding)
         # the table is checked away from its nodes; an error of H counts by its part of L, the integral
         # of H, and one of ln L changes the survival e^-L by at most 1/e of it
         at = table.begin + 0.02 * table.widths
-        wrong = np.abs(self.rate(at) - self.mean_rate(at))
-        wrong += [self._above(np.array([x])).missed[0] for x in at]
+        wrong = np.abs(self.rate(at) - self.mean_rate(at)[0]) + self._above(at, checked=1).missed[0]
         grown = np.maximum(self.grown(table.edges[1:]), _NEVER * scale * far)
         self.error = float((np.cumsum(wrong * table.widths) / grown).max(initial=0.0)) / np.e
 
@@ -244,14 +234,14 @@ class MeanRateLife(LawLife):
         return np.sign(x) * self._table.before(np.abs(x))
 
     def mean_rate(self, x: Array) -> Array:
-        """H at stretches x >= 0, shape (n,), by its definition (paper, Eq. temper3)."""
-        out = self._above(x).value[0]
+        """H at stretches x >= 0, shape (1, *x.shape), by its definition (paper, Eq. temper3)."""
+        out = self._above(x.ravel()).value.reshape(x.shape)
         for position, weight in zip(self.atoms, self.atom_weights, strict=True):
             below = x < position
             out[below] += weight * self._rates.rate(x[below], position, 1.0)
-        return out
+        return out[None]
 
-    def _above(self, x: Array) -> Integrals:
+    def _above(self, x: Array, checked: int = CHECKED) -> Integrals:
         """h averaged over the thresholds above x, without exact ones; shape (1, n)."""
 
         def breaking(row: Rows, xi: Array) -> Array:
@@ -260,10 +250,9 @@ class MeanRateLife(LawLife):
         # right below an edge the distance of thresholds from x suffers from rounding, by 1e-14 of x
         edges = np.append(self.panels, np.inf)
         away = edges[np.searchsorted(self.panels, x, "right")] - x
-        relative = np.maximum(2e-12, 1e-14 * x / np.maximum(away, 1e-14 * x))
+        relative = np.maximum(20.0 * self._accuracy, 1e-14 * x / np.maximum(away, 1e-14 * x))
         given = breaking, np.maximum(x, SMALLEST), self.panels, True
-        about = integrals_above(*given, np.inf).value[0]
-        return integrals_above(*given, relative * about)
+        return integrals_above(*given, relative, True, checked)
 
     def unmet(self, begin: Array, end: Array, first: Array, side: Array) -> Array:
         """Share that meets no threshold on a straight move; |r| = first at birth; arrays (n,)."""

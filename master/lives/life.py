@@ -67,6 +67,8 @@ class Life:
         Share of the contacts that the survival may leave out: its error however few of them hold.
     resolved : float
         Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
+    fresh : bool
+        Whether contacts of the start are as those born later at the same stretch.
     has_strands : bool
         Whether births of earlier legs have to be followed, since `left` does not know them.
     """
@@ -74,7 +76,7 @@ class Life:
     reach: float
     grain: float
     quiet, quick, timeless, has_strands, left_out = 0.0, False, False, False, 0.0
-    pair_work, error, resolved, birth_reach = 1, 0.0, 1e-12, np.inf
+    pair_work, fresh, error, resolved, birth_reach = 1, True, 0.0, 1e-12, np.inf
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
     marks: Array = np.empty(0)
@@ -98,10 +100,10 @@ class Life:
         if isinstance(born, Start) and not born.is_single:
             return self._averaged(born, history.pick(slice(None))).reshape(2, *shape)
         single = born.mean() if isinstance(born, Start) else born
-        stretch, every = np.broadcast_to(single, shape).ravel(), np.arange(history.now.size)
-        middle = every // shape[1] * shape[1] + shape[1] // 2
-        side = history.pick(middle).largest(stretch)
-        return self.survivors(stretch, side, history.pick(every)).reshape(2, *shape)
+        stretch, moves = np.broadcast_to(single, shape).ravel(), history.pick(slice(None))
+        furthest = moves.largest(stretch).reshape(shape)
+        side = np.repeat(furthest[:, shape[1] // 2], shape[1])
+        return self.survivors(stretch, side, moves).reshape(2, *shape)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """Share and force of contacts born at these stretches; shape (2, n).
@@ -140,7 +142,7 @@ class Life:
             return found.reshape(2, *born.shape) * (finite_density(law, born) / kept)
 
         found = integrals(weighed, pieces, now.size, self.resolved)
-        self.error = max(self.error, MARGIN * float(found.missed[0]))
+        self.error = max(self.error, MARGIN * float(found.missed[0].max(initial=0.0)))
         return found.value
 
 
@@ -225,8 +227,8 @@ class ColdLife(LawLife):
             return held
         # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
         most = np.maximum(self.reach - m, 0.0) * held
-        beyond = np.clip(self._linked.beyond(np.minimum(m, self.reach)), 0.0, most)
-        return np.asarray((m * held + beyond) / self._mean)
+        beyond = self._linked.integrals()[0] - self._linked.before(np.minimum(m, self.reach))
+        return np.asarray((m * held + np.clip(beyond, 0.0, most)) / self._mean)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""

@@ -50,9 +50,8 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
     grains, ageing, tolerance = contacts.grains, contacts.ageing, 0.0
     if grains is not None:
         grains.check_speed(velocity)
-        if (
-            lost := grains.lost_hazard(velocity)
-        ) > 300.0:  # a share of e^-300 is close to underflow
+        lost = grains.lost_hazard(velocity)
+        if lost > 300.0:  # a share of e^-300 is close to underflow
             few = f"none holds but a fraction exp(-{lost:.4g})"
             why = "they are stretched before their grains have grown"
             rule = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"

@@ -84,9 +84,9 @@ def edges(
         together = speed == 0.0 and not life.timeless and again.is_single
         if delay > 0.0 or together:
             first.append(Moment(time - delay, 1.0 if together else SMOOTHER**2))
-    if delay > 0.0:
-        # where contacts of the start break at once, births begin one delay later
-        first.append(Moment(delay, SMOOTHER))
+    if delay > 0.0 or life.atoms.size or not life.quick:
+        # contacts of the start may break at once, and births begin one delay later
+        first += [Moment(0.0, SMOOTHER), Moment(delay, SMOOTHER)]
 
     def following(least: float) -> Iterator[Moment]:
         """All moments after `since` of a size above the least, in the order of time."""

@@ -135,25 +135,21 @@ class Straight:
         ways = np.append(np.subtract.outer(marks, ends), -2.0 * ends)
         return np.unique(ways[ways > 0.0]) * (self._per_time / speed) if speed else np.empty(0)
 
-    def _held(self, lag: Array) -> Array:
-        """E after lags of shape (n,)."""
-        return np.asarray(self.scaled(lag[:, None])[0, :, 0])
-
     def _ladder(self, longest: float, steady: bool) -> tuple[Array, Array]:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
         lags = np.array([longest])
-        held = self._held(lags)
+        held = self.scaled(lags[:, None])[0, :, 0]
         while held[0] < 1.0 - UNBROKEN and lags[0] > NONE * float(held[1:] @ np.diff(lags)):
             if lags[0] < 1e-150 * longest:
                 told = "contacts break before they have moved a length that is a number"
                 refuse("velocity", abs(self._speed), f"{told}; slide faster")
             lower = lags[0] * RATIO ** -np.arange(TOGETHER, 0.0, -1.0)
-            lags, held = np.append(lower, lags), np.append(self._held(lower), held)
+            lags, held = np.append(lower, lags), np.append(self.scaled(lower[:, None])[0], held)
         typical = lags[np.flatnonzero(held > 0.5 * held.max())[-1]]
         # not even the heaviest tail is followed beyond 1e120 times the reach
         while steady and held[-1] * (lags[-1] / typical) ** 2 > NONE and lags[-1] < 1e120 * longest:
             lags = np.append(lags, 2.0 * lags[-1])
-            held = np.append(held, self._held(lags[-1:]))
+            held = np.append(held, self.scaled(lags[-1:, None])[0])
         over = held < NONE_LEFT
         count = lags.size if steady or not over.any() else int(np.argmax(over)) + 1
         return lags[:count], held[:count]

@@ -77,6 +77,7 @@ class March:
         self.begin = self.since = self.width = self.wrong = np.empty(0)
         self.breaks = self.force = np.empty((0, rule.DEGREE + 1))
         self.lumps = [Lump(0.0, 1.0, start)]
+        self._as_births = start.is_single and start.span == births.law.span and self.life.fresh
         self.kernels, self._past = Kernels(births), Past(births)
         self.steady_since = self.widest = np.inf
 
@@ -140,12 +141,15 @@ class March:
             good = int(bad[0]) if bad.size else run.wrong.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
             t = t + good * width if good < left else end
+            # where breaks are smooth, the error grows as the width to the power DEGREE; beside a point
+            # that no polynomial resolves, panels have to be far narrower
+            worst = max(run.wrong[bad[0]] if bad.size else run.wrong.max(), 1e-16)
+            fits = 0.8 * (self.tolerance / worst) ** (1.0 / rule.DEGREE)
             if bad.size:
-                far = run.wrong[good] > 100.0 * self.tolerance
-                self.widest, count, easy = (0.25 if far else 0.5) * width, 1, 0
+                self.widest = width * (max(fits, 0.25) if good or count > 1 else 0.25)
+                count, easy = 1, 0
                 continue
-            # the error grows as the width to the power DEGREE; where contacts break at rates of all
-            # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
+            # behind such a point, and where contacts break at rates of all sizes, wider panels soon suffice
             sooner = not quick or width < 1e-2 * grain
             spare = max(self.tolerance * (1e-2 if sooner else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
@@ -155,7 +159,8 @@ class March:
             wider = easy > many and left - good >= many and width > 0.6 * self.widest
             count = min(2 * count, 256)
             if hurried or wider:
-                self.widest = min(2.0 * width, self._duration(self.life.reach, leg))
+                factor = min(fits, 4.0) if sooner and not hurried else 2.0
+                self.widest = min(factor * width, self._duration(self.life.reach, leg))
                 count, easy = 1 if sooner else max(1, count // 4), 0
             yield
 
@@ -180,7 +185,7 @@ class March:
             return False
         first = max(int(np.searchsorted(self.begin, self.reached - memory, "right")) - 1, 0)
         slopes = self.breaks[first:] @ rule.SLOPES.T / self.width[first:, None]
-        rates = slopes @ rule.legendre_values(rule.GAUSS_NODES).T
+        rates = slopes @ rule.legendre_values(rule.gauss(rule.GAUSS).nodes).T
         alike = np.ptp(rates) < 0.25 * self.tolerance * rates.mean()
         return bool(alike and np.ptp(self.force[first:]) < 0.25 * self.tolerance * self.stretch)
 
@@ -218,7 +223,10 @@ class March:
         leg_begin, last = float(self.motion.times[leg]), self.begin.size - same
         if leg != self._past.leg:
             self._past.enter(leg, self.panels(0))
-        out, t, delay = self._past.at(grid, self.lumps), grid.ravel(), self.births.delay
+        looked_up = not leg and self._as_births
+        out, t, delay = self._past.at(grid, self.lumps[looked_up:]), grid.ravel(), self.births.delay
+        if looked_up:
+            out += self.kernels.straight(float(self.motion.speeds[leg])).look_up(grid)
         oldest = leg_begin + t.min() - self._memory(leg)
         first = max(int(np.searchsorted(self.begin, oldest, "right")) - 1, 0)
         on_it = self.panels(max(first, self._past.first), last)

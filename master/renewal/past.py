@@ -121,8 +121,9 @@ class Past:
         """
         births, motion, middle = self._births, self._motion, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
-        for law, some in [(part[0].law, part) for part in (lumps[:1], lumps[1:]) if part]:
-            time, weight = np.array([[lump.time, lump.weight] for lump in some]).T
+        for law in dict.fromkeys(lump.law for lump in lumps):
+            some = [[lump.time, lump.weight] for lump in lumps if lump.law is law]
+            time, weight = np.array(some).T
             s = time[:, None] - self.began
             out[0] += (weight @ (s > middle))[:, None]  # still out
             felt = (s >= first) | self._hold(law, motion.history(first, s))[:, None]

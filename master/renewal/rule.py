@@ -73,7 +73,6 @@ def _radau() -> Array:
 NODES: Array = _radau()
 # Shares midway between nodes, throughout the panel, at which its error is sampled.
 CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
-GAUSS_NODES, GAUSS_WEIGHTS = gauss(GAUSS).nodes, gauss(GAUSS).series[:, 0]
 # Matrix from values at share 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
 

@@ -73,9 +73,8 @@ class Table:
         kept, self.error, before = [], 0.0, np.full(low.size, np.inf)
         for _ in range(DEPTH):
             # rounding may put the last share beyond the panel's end
-            values = function(
-                np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
-            )
+            x = np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
+            values = function(x)
             series = (values[..., 1:-1] if ends > 0.0 else values) @ gauss.series
             tail = np.abs(series[..., -2:]).max(axis=(0, 2))
             if ends > 0.0:
@@ -87,37 +86,30 @@ class Table:
             rough = (tail > accuracy) & (high - low > np.maximum(shortest, 1e-15 * np.abs(high)))
             rough &= (tail > rounding * accuracy) | (tail < HARDLY * before)
             rough &= low.size <= MOST + edges.size
-            kept.append((low[~rough], high[~rough], series[:, ~rough]))
+            kept.append((low[~rough], high[~rough], series[:, ~rough].transpose(2, 0, 1)))
             self.error = max(self.error, float(tail[~rough].max(initial=0.0)))
             low, high, before = low[rough], high[rough], np.tile(tail[rough], 2)
             if not low.size:
                 break
             middle = low + 0.5 * (high - low)
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-        begin, end, parts = (
-            np.concatenate(part, axis=-1 if part[0].ndim == 1 else 1)
-            for part in zip(*kept, strict=True)
-        )
+        begin, end, parts = (np.concatenate(part, axis=-1) for part in zip(*kept, strict=True))
         order = np.argsort(begin)
         self.begin: Array = begin[order]
         self.end: Array = end[order]
         self.edges: Array = np.append(self.begin, self.end[-1])
         self.widths: Array = self.end - self.begin
         # shape (size, functions, n)
-        self._parts = np.ascontiguousarray(parts[:, order].transpose(2, 0, 1))
+        self._parts = np.ascontiguousarray(parts[..., order])
         self.tails: Array = np.abs(self._parts[-2:]).max(axis=(0, 1))
 
     def __call__(self, x: Array) -> Array:
         """Values of the functions, shape (functions, *x.shape)."""
         panel = np.maximum(np.searchsorted(self.begin, x, "right") - 1, 0)
         inside = x < self.end[-1]
-        z = (
-            2.0 * (np.where(inside, x, self.begin[-1]) - self.begin[panel]) / self.widths[panel]
-            - 1.0
-        )
-        return np.asarray(
-            legendre.legval(z, self._parts.take(panel, axis=2), tensor=False) * inside
-        )
+        way = np.where(inside, x, self.begin[-1]) - self.begin[panel]
+        z, parts = 2.0 * way / self.widths[panel] - 1.0, self._parts.take(panel, axis=2)
+        return np.asarray(legendre.legval(z, parts, tensor=False) * inside)
 
     def integrals(self) -> Array:
         """Integral of each function over all panels, shape (functions,)."""
@@ -147,7 +139,3 @@ class Table:
         mean = (0.5 * grown / share) @ gauss.series
         z = 2.0 * way / self.widths[panel] - 1.0
         return np.asarray(whole[panel] + way * legendre.legval(z, mean.T[:, panel], tensor=False))
-
-    def beyond(self, x: Array) -> Array:
-        """Integral of the first function from x to the last edge, same shape as x."""
-        return np.asarray(self.integrals()[0] - self.before(x))

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from master.motion.motion import drive_motion
 from master.soft.slips import Followed
-from master.stick_slip.extremes import critical_spring
+from master.stick_slip.extremes import extremes
 from origins import Contacts
 from origins.drive import Drive
 
@@ -63,7 +63,7 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     if motion is not None and motion.speeds.any():
         lasts = np.diff(motion.times)[motion.speeds != 0.0]
         speed = float(np.abs(np.diff(motion.positions)).sum() / lasts.sum())
-    critical, error = critical_spring(contacts, speed, tolerance)
+    critical, error, _ = extremes(contacts, speed, tolerance).fall
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"

@@ -26,8 +26,9 @@ ACCURACY, OF_MANY = 1e-9, 1e-8
 # stretches with heat: the quadrature rule of their average changes along the way, which makes steps
 # of some 1e-12 that no panel resolves.
 COARSEST, STEPPED = 1e-7, 1e-11
-# Share of contacts below which the error of the survival is relative instead of absolute.
-FEW = 1e-4
+# Share of contacts below which the error of the survival is relative instead of absolute; and below
+# which floating point underflows.
+FEW, NONE = 1e-4, 1e-290
 
 
 class Travel(Straight):
@@ -96,7 +97,7 @@ class Travel(Straight):
         own = life.error * np.array([weights.sum(), weights @ table.end / self.scale])
         off = table.missed() + own + self._beyond()
         if isinstance(life, ThermalLife):
-            alive = np.clip(table(np.array([life.few]))[0] / life.FEW, 0.0, 1.0)
+            alive = np.clip(table(life.law.isf([life.FEW]))[0] / life.FEW, 0.0, 1.0)
             far = max(self.longest, float(contacts.thresholds.isf(1e-30)))
             lost = life.rounded_away() + thresholds_beyond(contacts, far)
             off += alive * lost / np.array([1.0, self.scale])
@@ -131,6 +132,29 @@ def thresholds_beyond(contacts: Contacts, far: float) -> Array:
     if held > 0.0 and not steep > power:
         return np.full(2, np.inf)
     return held * far * np.array([1.0, stiff * far]) * steep / (steep - power)
+
+
+def tail_rate(contacts: Contacts) -> tuple[float, float]:
+    """Rate at which log S of the thresholds falls in the tail, and its error (per length); inf if it
+    falls faster than linearly, 0 if slower.
+
+    Heat does not change it: the stronger a contact, the less likely it breaks before its threshold.
+    """
+    law = contacts.thresholds
+    if np.isfinite(law.support()[1]):
+        return np.inf, 0.0
+    # the survival is sampled outwards, since many distributions cannot compute far quantiles
+    x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
+    with np.errstate(over="ignore"):
+        last = x[np.flatnonzero(law.logsf(x) > np.log(NONE))[-1]]
+    ends = last * np.array([0.125, 0.25, 0.5, 1.0])
+    # where log S = a - rate x + power log x, each doubling of x halves the slopes' distance to -rate
+    slopes = -np.diff(law.logsf(ends)) / np.diff(ends)
+    change, rounded = np.diff(slopes), 1e-9 * slopes[-1]
+    level = abs(slopes[-1] - slopes[0]) < 0.25 * slopes[-1]
+    if level and abs(change[1]) < max(0.6 * abs(change[0]), rounded):
+        return slopes[-1] + change[1], abs(2.0 * change[1] - change[0]) + rounded
+    return np.inf if slopes[-1] > slopes[0] else 0.0, 0.0
 
 
 def power_of(contacts: Contacts) -> int:

@@ -45,12 +45,6 @@ class Extremes(NamedTuple):
     travel: Travel
 
 
-def critical_spring(contacts: Contacts, velocity: float, tolerance: float) -> tuple[float, float]:
-    """K*/(N_c <k>) of contacts on a rigid slider that moves forward from their start, and its error."""
-    fall = extremes(contacts, velocity, tolerance).fall
-    return fall.value, fall.error
-
-
 def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`."""
     travel = births_table(contacts, velocity, tolerance)

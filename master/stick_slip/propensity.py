@@ -12,7 +12,7 @@ import numpy.typing as npt
 from master.outcome import judged
 from master.steady.kinetic import Along, Points
 from master.steady.travel import check_finite
-from master.stick_slip.extremes import critical_spring, extremes, unit_of
+from master.stick_slip.extremes import extremes, unit_of
 from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
@@ -158,7 +158,7 @@ def phase_line(
     cases, which = np.unique(points.rows, axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
     for i, (speed, *laws) in enumerate(cases):
-        found[:, i] = critical_spring(points.contacts(*laws), float(speed), tolerance)
+        found[:, i] = extremes(points.contacts(*laws), float(speed), tolerance).fall[:2]
     spring, error = found[:, which.ravel()].reshape(2, *points.shape)
     return PhaseLine(
         **points.outcome(*judged("K*", error / (1.0 + spring), tolerance)),

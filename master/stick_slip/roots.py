@@ -20,7 +20,7 @@ import numpy.typing as npt
 from master.renewal import rule
 from master.renewal.kernels import SHORTEST
 from master.renewal.table import Table
-from master.steady.travel import FEW, Travel
+from master.steady.travel import FEW, NONE, Travel, tail_rate
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
@@ -28,9 +28,9 @@ Complex = npt.NDArray[np.complex128]
 
 # Largest |s| times the distance over which Gauss nodes are placed: they integrate a table's polynomial
 # times such a wave to rounding.
-WAVE = 4.0
-# Relative rounding of a sum; and share of contacts below which floating point underflows.
-ROUND_OFF, NONE = 4e-16, 1e-290
+WAVE = 8.0
+# Relative rounding of a sum.
+ROUND_OFF = 4e-16
 # Roots are searched up to this share of the decay rate of E's tail, or of that of exact values.
 NEAR = 0.9
 # Ratio of the longest to the mean life beyond which the few longest ones cannot be resolved.
@@ -64,34 +64,46 @@ class _Nodes(NamedTuple):
     errors: Array
 
 
+def _felt(held: Array, way: Array, decay: float) -> npt.NDArray[np.bool_]:
+    """Where E e^(decay x) is not negligible."""
+    size = np.where(held > NONE, np.log(np.maximum(held, NONE)) + decay * way, -np.inf)
+    return np.asarray(size > size.max() + np.log(1e-20))
+
+
 class Transform:
     """Transforms of E and K of contacts born at some stretches, and D of number conservation.
 
     Left of the imaginary axis the few contacts that hold for long matter: E is tabulated to a
-    relative accuracy on each panel, until it underflows.
+    relative accuracy on each panel, until it underflows or no wave grows as fast as it falls.
     """
 
-    def __init__(self, travel: Travel, wait: float, table_error: float = 0.0) -> None:
+    def __init__(self, travel: Travel, wait: float, deepest: float, k_error: float = 0.0) -> None:
         """Extend the table of E until hardly any contact holds.
 
         travel, wait : of these contacts, and d (a length)
-        table_error : of K, in units of the table's scale, where K itself comes from a table
+        deepest : the fastest decay of a wave, -Re s (per length)
+        k_error : of K, in units of the table's scale, where K itself comes from a table
         """
-        self.travel, self.wait, self._table_error, life = travel, wait, table_error, travel.life
-        edges = travel.table.edges
+        self.travel, self.wait, self._k_error, life = travel, wait, k_error, travel.life
+        self.deepest, edges = deepest, travel.table.edges
         for _ in range(40):  # doublings of the way
-            last = float(edges[-1])
-            if not travel.scaled(np.array([[last * (1.0 - 1e-12)]]))[0, 0, 0] > NONE:
+            edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
+            held = travel.scaled(edges[:, None] * (1.0 - 1e-12))[0, :, 0]
+            felt = _felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
+            if not felt[-1]:
                 break
-            edges = np.append(edges, last * np.array([1.25, 1.5, 1.75, 2.0]))
+            edges = np.append(edges, 2.0 * edges[-1])
+        edges = edges[: np.flatnonzero(felt)[-1] + 2]
         # where each survival takes long (many stretches at birth, warm grains) the table is coarser
         short = life.quick or (travel.born.is_single and life.pair_work < 100)
         accuracy = 1e-13 if short else max(travel.accuracy, 1e-9)
 
         def size_on_panel(values: Array, _: Array) -> Array:
-            """Relative to the panel's values, but for those 1e-4 times smaller than its largest."""
+            """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
             held = np.abs(values[0])
-            return np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), NONE))
+            held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), NONE))
+            known = held * life.error / np.maximum(held, FEW) + life.left_out
+            return np.asarray(np.maximum(held, known / accuracy))
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
@@ -99,24 +111,23 @@ class Transform:
             travel.scaled, edges, accuracy, shortest, felt=size_on_panel, rounding=1e2
         )
 
-    def _nodes(self, fastest: float, decay: float) -> _Nodes:
-        """Gauss nodes dense enough for |s| up to `fastest`, on panels where E e^(decay x) is not
-        negligible."""
+    def _nodes(self, fastest: float, decay: float, size: int = rule.GAUSS) -> _Nodes:
+        """Gauss nodes, `size` at least on each panel where E e^(decay x) is not negligible, dense enough
+        for |s| up to `fastest`; 8 are good to 1e-8."""
         table, scale, life = self.table, self.travel.scale, self.travel.life
-        held = np.maximum(table(table.begin)[0], NONE)
-        size = np.where(held > NONE, np.log(held) + decay * table.end, -np.inf)
-        felt = size > size.max() + np.log(1e-20)
+        felt = _felt(table(table.begin)[0], table.end, decay)
         pieces = np.maximum(np.ceil(table.widths * fastest / WAVE), 1.0)[felt].astype(int)
         width = np.repeat(table.widths[felt] / pieces, pieces)[:, None]
         number = np.arange(width.size) - np.repeat(pieces.cumsum() - pieces, pieces)
         begin = np.repeat(table.begin[felt], pieces)[:, None] + number[:, None] * width
-        way, weight = begin + width * rule.GAUSS_NODES, width * rule.GAUSS_WEIGHTS
+        way = begin + width * rule.gauss(size).nodes
+        weight = width * rule.gauss(size).series[:, 0]
         held, force = values = table(way)
         # where few contacts hold, the error of E is relative to their share, but for those left out
         errors = np.abs(values) * (life.error / np.maximum(held, FEW) + ROUND_OFF)
         errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[felt], pieces)[:, None]
-        errors[1] = (errors[1] + self._table_error * (way < life.reach)) * scale
+        errors[1] = (errors[1] + self._k_error * (way < life.reach)) * scale
         some, sums = held > NONE, np.stack([held, -way * held, force * scale])
         return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
 
@@ -142,7 +153,8 @@ class Transform:
 
     def held_on_grid(self, real: Array, step: float, count: int) -> Complex:
         """The transform of E at real + i step k for k < count, shape (count, real.size)."""
-        way, sums, _ = self._nodes(float(np.hypot(real.min(), step * count)), -float(real.min()))
+        fastest, decay = float(np.hypot(real.min(), step * count)), -float(real.min())
+        way, sums, _ = self._nodes(fastest, decay, 8)
         growth = sums[0][:, None] * np.exp(-np.multiply.outer(way, real))
         # waves of many frequencies are products of those of 32 and of every 32nd
         few, first = (
@@ -172,29 +184,6 @@ def crowding_rate(travel: Travel, wait: float) -> float:
     return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))
 
 
-def tail_rate(contacts: Contacts) -> tuple[float, float]:
-    """Rate at which log S of the thresholds falls in the tail, and its error (per length); inf if it
-    falls faster than linearly, 0 if slower.
-
-    Heat does not change it: the stronger a contact, the less likely it breaks before its threshold.
-    """
-    law = contacts.thresholds
-    if np.isfinite(law.support()[1]):
-        return np.inf, 0.0
-    # the survival is sampled outwards, since many distributions cannot compute far quantiles
-    x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
-    with np.errstate(over="ignore"):
-        last = x[np.flatnonzero(law.logsf(x) > np.log(NONE))[-1]]
-    ends = last * np.array([0.125, 0.25, 0.5, 1.0])
-    # where log S = a - rate x + power log x, each doubling of x halves the slopes' distance to -rate
-    slopes = -np.diff(law.logsf(ends)) / np.diff(ends)
-    change, rounded = np.diff(slopes), 1e-9 * slopes[-1]
-    level = abs(slopes[-1] - slopes[0]) < 0.25 * slopes[-1]
-    if level and abs(change[1]) < max(0.6 * abs(change[0]), rounded):
-        return slopes[-1] + change[1], abs(2.0 * change[1] - change[0]) + rounded
-    return np.inf if slopes[-1] > slopes[0] else 0.0, 0.0
-
-
 def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple[float, float]:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
@@ -209,8 +198,8 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple
     if travel.longest > BROAD * travel.length:
         # X* depends on the few contacts that live longest, which the table of E does not resolve
         return travel.longest, np.inf
-    transform = Transform(travel, wait)
-    roots, searched = leading_roots(transform, 1, NEAR * rate)
+    transform = Transform(travel, wait, deepest_wave(travel, wait, rate))
+    roots, searched = leading_roots(transform, 1)
     if roots.size:
         decay, error = -float(roots[0].real), float(transform(roots[:1]).root_error[0])
         # with a very long delay the decay may be smaller than its rounding error
@@ -220,20 +209,24 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple
     return 0.5 / searched, 0.5 / searched
 
 
-def leading_roots(transform: Transform, count: int, limit: float) -> tuple[Complex, float]:
+def deepest_wave(travel: Travel, wait: float, rate: float) -> float:
+    """Decay rate to which roots are searched (per length): deeper waves vanish within a mean life."""
+    return min(NEAR * rate, 40.0 / (travel.length + wait))
+
+
+def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
     """All roots of D with Im s > 0 right of some Re s = -searched, slowest first, and `searched` (per
-    length): at least `count`, or as far as `limit`; fewer where D is too inaccurate there."""
-    whole = transform.travel.length + transform.wait
+    length): at least `count`, or as deep as the transform; fewer where D is too inaccurate there."""
 
     def blurred(decay: float) -> float:
         """The error of D over its terms."""
         error = float(transform(np.array([complex(-decay)])).held_error[0])
         return error * decay * np.exp(min(decay * transform.wait, 700.0))
 
-    deepest = min(limit, 40.0 / whole)  # a deeper wave has vanished after one such way
+    deepest = transform.deepest
     while not blurred(deepest) < 1e-3:
         deepest *= 0.9
-    decay = min(0.5 / whole, deepest)
+    decay = min(0.5 / (transform.travel.length + transform.wait), deepest)
     while True:
         roots, searched = _roots_to(transform, decay)
         if roots.size >= count or decay >= deepest:
@@ -283,7 +276,7 @@ def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Com
     # at most 16 columns, wider ones where they are few
     real = np.linspace(-decay, step, int(min(np.ceil(decay / step), 16)) + 2)
     # at most 1e8 frequencies times nodes of an integral, and at most 2,000 per mean way
-    nodes = rule.GAUSS / WAVE * transform.table.end[-1]  # of an integral, per frequency
+    nodes = 8 / WAVE * transform.table.end[-1]  # of an integral, per frequency
     highest = min(2e3 / (travel.length + wait), float(np.sqrt(1e8 * step / nodes)))
     end = min(max(8.0 / travel.grain, 30.0 * step), highest)
     while True:

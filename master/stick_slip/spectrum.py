@@ -13,16 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.steady.travel import Travel, check_finite
+from master.steady.travel import Travel, check_finite, tail_rate
 from master.stick_slip.extremes import births_table, forward_march
 from master.stick_slip.roots import (
     BROAD,
-    NEAR,
     Complex,
     Transform,
     crowding_rate,
+    deepest_wave,
     leading_roots,
-    tail_rate,
 )
 from origins import Contacts, InputError
 from origins.brief import brief
@@ -138,13 +137,13 @@ def decoherence_spectrum(
     check_finite(contacts)
     travel, start = births_table(contacts, velocity, TOLERANCE), contacts.start
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    limit = _searched(contacts, travel, velocity)
+    deepest = _searched(contacts, travel, velocity)
     # the force of linked contacts comes from a table with this error, in mean stretches
-    transform = Transform(travel, wait, 1e-12 if contacts.stiffness == "linked" else 0.0)
-    roots, searched = leading_roots(transform, n_roots + 1, limit)
+    transform = Transform(travel, wait, deepest, 1e-12 if contacts.stiffness == "linked" else 0.0)
+    roots, searched = leading_roots(transform, n_roots + 1)
     s, from_start = roots[:n_roots], transform
     if not (start.is_single and start.span == travel.born.span):
-        from_start = Transform(Travel(contacts, travel.life, start, velocity), wait)
+        from_start = Transform(Travel(contacts, travel.life, start, velocity), wait, deepest)
 
     def amplitudes(s: Complex) -> Complex:
         values = transform(s)
@@ -197,7 +196,7 @@ def _searched(contacts: Contacts, travel: Travel, velocity: float) -> float:
         )
     if why:
         raise InputError(why)
-    return NEAR * min(tail, crowd)
+    return deepest_wave(travel, wait, min(tail, crowd))
 
 
 def _remainder(
