@@ -35,7 +35,7 @@ ROOMS = {
     "master": Room(7500, 8513, 200, 146),
     "eq_model": Room(2200, 3283, 60, 35),
     "origins": Room(4500, 6283, 120, 70),
-    "toolkit": Room(4000, 3992, 100, 65),
+    "toolkit": Room(4000, 3990, 100, 65),
 }
 Graph = dict[str, set[str]]
 
