@@ -96,4 +96,4 @@ def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
-    axes.set_title("stick-slip below this spring")
+    axes.set_title("a slider slips below this spring")
