@@ -35,7 +35,7 @@ ROOMS = {
     "master": Room(7500, 8514, 200, 144),
     "eq_model": Room(2200, 3279, 60, 35),
     "origins": Room(4500, 6249, 120, 69),
-    "toolkit": Room(4000, 3989, 100, 64),
+    "toolkit": Room(4000, 3988, 100, 64),
 }
 Graph = dict[str, set[str]]
 

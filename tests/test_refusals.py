@@ -330,18 +330,18 @@ contacts.thresholds.mean = "one"  contacts.thresholds.mean = 'one': must be a nu
 contacts.thresholds.width = 1.0  contacts.thresholds.width = 1.0: unknown key; gaussian takes mean, std
 contacts.thresholds.mean = LEFT_OUT  contacts.thresholds.mean: is missing; gaussian takes mean, std
 contacts.thresholds.kind = "gausian"  contacts.thresholds.kind = 'gausian': must be one of identical, gau
-contacts.delays = {"time": 1.0}  contacts.delays: unknown key; known here: thresholds, start,
+contacts.delays = {"time": 1.0}  contacts.delays: unknown key; did you mean delay? known here: thr
 contacts.delay = {}  contacts.delay.time: is missing; it takes time
 contacts.thermal = {"law": "weak", "temperature": 0.1}  contacts.thermal.law = 'weak': must be "soft"
-eq.contacts = 2.5  eq.contacts = 2.5: expected int
+eq.contacts = 2.5  eq.contacts = 2.5: expected a whole number
 contacts.thermal.temperature = {"kelvin": 300.0}  contacts.thermal.temperature.kelvin = 300.0: needs
 contacts.ageing = {"rate": 1.0, "final": OLD | {"std": 0.0}}  contacts.ageing.final.std = 0.0: must be above
 contacts.reforming = {"kind": "identical", "value": 9.0}  contacts.reforming: a weight of 1 lies beyond
 contacts.stiffness = "linkd"  contacts.stiffness = 'linkd': must be "independent" or "linked"
-drive.to = -5.0  drive.to = -5.0: expected float > 0.0
-drive.to = True  drive.to = True: expected float
-drive.turns = [2.0, "a"]  drive.turns[1] = 'a': expected float
-drive.points = 1  drive.points = 1: expected int >= 2
+drive.to = -5.0  drive.to = -5.0: expected a number > 0.0
+drive.to = True  drive.to = True: expected a number
+drive.turns = [2.0, "a"]  drive.turns[1] = 'a': expected a number
+drive.points = 1  drive.points = 1: expected a whole number >= 2
 drive = {"points": 11}  drive: needs one of to and turns, such as to = 5.0 or turns = [3.0, -3.0, 3.0]; neither
 drive = {"points": 3, "turns": [1.0, -1.0, 1.0]}  drive.points = 3
 drive = {"points": 11, "turns": [1.0, 1.0]}  drive.turns = [1.0, 1.0]: has a leg of no length
@@ -349,19 +349,19 @@ drive = {"points": 11, "to": 5e6}  1e6 mean thresholds at most, or leave [eq] ou
 drive = {"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}  for drive.from and each of drive.turns, 2
 drive = {"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}  drive.velocity = 2.0: the times of
 drive = {"points": 11, "to": 1.0, "hold_scale": 1.0}  drive.hold_scale = 1.0
-drive.spring = 0.0  drive.spring = 0.0: expected float > 0.0
+drive.spring = 0.0  drive.spring = 0.0: expected a number > 0.0
 drive.slip = "instant"  drive.slip = 'instant': is what a slip of a soft slider does, and without
-master.tolerance = 0.0  master.tolerance = 0.0: expected float > 0.0
-eq.seed = -1  eq.seed = -1: expected int >= 0
+master.tolerance = 0.0  master.tolerance = 0.0: expected a number > 0.0
+eq.seed = -1  eq.seed = -1: expected a whole number >= 0
 eq.threads = 2  eq.threads: unknown key; known here: contacts, replicas, seed, tolerance, wall
 eq.histograms = [1.0, 2.005]  eq.histograms[1] = 2.005: is none of the path's points; near it are 2
 eq.histogram_times = [1.0]  eq.histogram_times = [1.0]: are of a path with drive.times; without them say
-wall_time = 0.0  wall_time = 0.0: expected float > 0.0
+wall_time = 0.0  wall_time = 0.0: expected a number > 0.0
 title = "a\\0b"  title
 colour = "red"  colour: unknown key; known here: contacts, drive, title, master, eq,
 sweep = {}  sweep: goes along nothing
-sweep = {"velocity": "fast"}  sweep.velocity = 'fast': expected float | table | array
-sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1] = 0.0: expected float > 0.0
+sweep = {"velocity": "fast"}  sweep.velocity = 'fast': expected a number | table | array
+sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1] = 0.0: expected a number > 0.0
 sweep = {"velocity": SPEEDS | {"from": 0.0}}  sweep.velocity = 0.0: must be above zero
 sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing = 'wide': invalid enum value
 sweep = {"temperature": SPEEDS | {"from": 0.0}}  sweep.temperature: 0 has no logarithm; write spacing = "e

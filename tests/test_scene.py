@@ -174,8 +174,6 @@ def test_histograms_are_counted_each_time_the_slider_is_there() -> None:
 
 
 def test_a_spring_of_a_surface_says_its_unit() -> None:
-    """A bare number may be meant in N/m, or in N_c<k>."""
-
     def pulled(law: Any = ROUGH, **drive: Any) -> Any:
         return toolkit.load_scene(scene(law, drive={"to": 1e-9, "points": 5, **drive}))
 
@@ -183,17 +181,19 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
     each = interface.contact_density * interface.mean_stiffness
     assert pulled(spring="0.5 N_c<k>").drive.spring == 0.5
     assert pulled(spring="50 N/m", area=1e-4).drive.spring == pytest.approx(50.0 / (each * 1e-4))
+    few = {"to": 1e-7, "points": 5, "spring": "50 N/m", "area": 1e-10}
+    told = toolkit.run(scene(ROUGH, drive=few)).master.regime.reason
+    assert told.endswith("infinitely many contacts: the area holds 9.47; run [eq] contacts = 9")
     for drive, rule in (
         ({"spring": 50.0}, r'has no unit; .*spring = "50 N/m" with area.* or spring = "50 N_c<k>"'),
         ({"spring": "50 N/m"}, "needs drive.area"),
-        ({"spring": "50 N/m", "area": 1e-16}, "nominal area"),
+        ({"spring": "50 N/m", "area": 1e-16}, r"it holds 9.5e-06, give at least"),
         ({"spring": "50 kN"}, "must be a number and a unit"),
+        ({"law": GAUSSIAN, "spring": "5 N/m", "area": 1.0}, "needs <k> in N/m"),
         ({"spring": "0.5 N_c<k>", "area": 1.0}, "drive.area = 1.0: is for a spring in N/m"),
     ):
         with pytest.raises(InputError, match=rule):
             pulled(**drive)
-    with pytest.raises(InputError, match="needs <k> in N/m"):
-        pulled(GAUSSIAN, spring="5 N/m", area=1.0)
 
 
 def test_files_dicts_and_names(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
-from toolkit.scene.interfaces import foreseen, in_a_line, with_error
+from toolkit.scene.interfaces import Number, foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
@@ -122,12 +122,17 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     def describe_it() -> Description:
         # do not replace the result of another scene, which may have taken hours
         if (whose := another(folder, scene.name, scene.text)) is not None:
-            rule = f"holds the result of {whose}; choose another, or run this scene there"
-            refuse("out", str(folder), rule)
+            refuse("out", str(folder), f"holds the result of {whose}; choose another folder")
         for note in foreseen(scene):
             say(note)
         with closing(Progress("thresholds")), runner.until(scene.deadline(), scene, "[contacts]"):
-            return describe(scene.contacts, scene.sliding)
+            found = describe(scene.contacts, scene.sliding)
+        surface, own = scene.contacts.interface, found.numbers.get("critical_spring")
+        if surface is not None and own is not None and scene.area is not None:
+            each = scene.area * surface.contact_density * surface.mean_stiffness
+            there = Number(own.value * each, (own.error or 0.0) * each, "N/m")
+            found.numbers["critical_spring_of_the_area"] = there
+        return found
 
     found = on_root(comm, describe_it)
     law, title = scene.contacts.thresholds, scene.title or scene.name
@@ -167,7 +172,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
     verdicts = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
     lines, numbers = judge.table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
-    draw = partial(pictures.save_comparison, verdicts)
+    draw = partial(pictures.draw_comparison, verdicts)
     on_root(comm, lambda: _write(folder, "compare", draw, lines, numbers))
     print("\n".join([*lines, f"written to {folder}"]))
     return 0 if all(verdict.result.success for verdict in verdicts) else 1
@@ -186,7 +191,7 @@ def precision(arguments: argparse.Namespace) -> int:
 
     with runner.until(scene.deadline(), scene, "[precision]"):
         found = ladders.precision(scene, say_it)
-    draw = partial(ladders.save_picture, found)
+    draw = partial(ladders.draw_picture, found)
     _write(folder, "precision", draw, [*lines, *found["notes"]], found)
     print("\n".join([*found["notes"], f"written to {folder}"]))
     return 0
@@ -196,7 +201,7 @@ def _write(folder: str, name: str, draw: Any, lines: list[str], numbers: dict[st
     """Picture, table and numbers of a judgement."""
     text = "\n".join([*lines, ""])
     writers: dict[str, Any] = {
-        f"{name}.png": draw,
+        f"{name}.png": partial(draw().savefig, dpi=130, format="png"),
         f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
         f"{name}.json": lambda path: write_json(numbers, path),
     }

@@ -97,10 +97,9 @@ def _add_sampling_errors(contacts: Contacts, numbers: dict[str, Number]) -> None
         with np.errstate(invalid="ignore"):
             scatter = np.hypot(np.std(others, ddof=1), np.mean(others) - value)
         unknown = name in PROPENSITY and scatter == 0.0
-        error = np.hypot(numbers[name].error or 0.0, scatter)
-        if unknown or not np.isfinite(error):
-            error = np.inf
-        numbers[name] = replace(numbers[name], error=float(error))
+        error = float(np.hypot(numbers[name].error or 0.0, scatter))
+        known = np.isfinite(error) and not unknown
+        numbers[name] = replace(numbers[name], error=error if known else np.inf)
 
 
 def _slide(

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -110,10 +109,9 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
     X_n, normal with mean n m - x_0 and variance n s^2 + s_0^2, and then the n-th threshold is released, so that
     F = x_0 + X - sum over n of E[threshold n; X_n < X].
     """
-    thresholds, start = contacts.thresholds, contacts.start
-    is_known = start.is_single or isinstance(start, GaussianStart)
-    if isinstance(thresholds, CutGaussian) and is_known:
-        mean, width, first = thresholds.parent_mean, thresholds.parent_std, start.mean()
+    law, start = contacts.thresholds, contacts.start
+    if isinstance(law, CutGaussian) and (start.is_single or isinstance(start, GaussianStart)):
+        mean, width, first = law.parent_mean, law.parent_std, start.mean()
         spread = 0.0 if start.is_single else 1.0 / (np.sqrt(2.0 * np.pi) * float(start.pdf(first)))
         narrowest, reach = float(np.hypot(width, spread)), float(path[-1]) + abs(first) + abs(mean)
         cut = scipy.special.ndtr((np.array([first, -first]) - mean) / narrowest).sum()
@@ -133,8 +131,8 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
     raise InputError(f"precision: {rule} of them")
 
 
-def save_picture(found: dict[str, Any], path: Path) -> None:
-    """True error in units of <x_s> against run time in s as a PNG, hollow marks for the errors that are claimed."""
+def draw_picture(found: dict[str, Any]) -> Any:
+    """True error in units of <x_s> against run time in s, hollow marks for the errors that are claimed."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 6), layout="constrained")
@@ -155,4 +153,4 @@ def save_picture(found: dict[str, Any], path: Path) -> None:
     axes.set_title(f"against the closed form, good to {found['reference_error']:.0e}")
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
-    figure.savefig(path, dpi=130, format="png")
+    return figure

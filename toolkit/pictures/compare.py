@@ -1,7 +1,6 @@
 """The picture of scenes beside each other."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,8 @@ _DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (1
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
 
 
-def save_comparison(verdicts: Sequence[Verdict], path: Path) -> None:
-    """All panels on one figure, as a PNG; the session's backend is not touched."""
-    draw_comparison(verdicts).savefig(path, dpi=130, format="png")
-
-
 def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
-    """P_c, springs that slip, and forces, a colour and a dash for each scene."""
+    """P_c, springs that slip, and forces, a colour and a dash for each scene, on a figure of its own."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13, 9), layout="constrained")
@@ -52,7 +46,7 @@ def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None
             own = own or axes.twinx()
             own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=style["color"])
             own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=style["color"])
-            own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, None))
+            own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, 1.05))
         ends = [unit, *curve.atoms, *curve.x[curve.survival > 2e-3]]
         reach = max(reach, 1.05 * max(ends) / unit)
     axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", xlim=(0.0, reach))
@@ -81,7 +75,9 @@ def _forces(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     if reaches and max(reaches) > _APART * min(reaches):
         axes.set(xscale="log", xlim=(0.1 * min(1.0, *reaches), 1.05 * max(reaches)))
     axes.set_xlabel(r"slider position $X/\langle x_s\rangle$")
-    axes.set_title("force: master equation (lines), EQ ensemble (points, ±1 standard error)")
+    simulated = any(verdict.result.eq is not None for _, verdict in styled)
+    points = ", EQ ensemble (points, ±1 standard error)" if simulated else ""
+    axes.set_title(f"force: master equation (lines){points}")
 
 
 def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
@@ -93,9 +89,11 @@ def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
         width = min(max(spring, low), high) - low
         bars = axes.barh(row, width, left=low, color=style["color"], height=0.6)
         text = "infinite" if np.isinf(spring) else f"{spring:.3g}"
-        axes.bar_label(bars, [text], padding=3, fontsize="small")
+        axes.bar_label(bars, [text], padding=12 if np.isinf(spring) else 3, fontsize="small")
+        if np.isinf(spring):
+            axes.plot(high, row, ">", color=style["color"], ms=18, clip_on=False)
     axes.set_yticks(range(len(styled)), [style["label"] for style, _ in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
-    axes.set_title("stick-slip below this spring")
+    axes.set_title("a slider slips below this spring")

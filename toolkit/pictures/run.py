@@ -9,15 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.pictures.thresholds import (
-    INK,
-    along,
-    curves,
-    name_lengths,
-    plot_density,
-    some_of,
-    write_along,
-)
+from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
 from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled
 
 _BARS = 61  # error bars; with more the line would be hidden
@@ -36,7 +28,7 @@ def plot(result: Result, axes: Any = None) -> Any:
 
         size: dict[str, Any] = {"figsize": (10, 4), "width_ratios": (2.2, 1)}
         _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
-    (plot_force if curves(result) else plot_sweep)(axes[0], result)
+    (plot_force if result.curves else plot_sweep)(axes[0], result)
     axes[0].set_title(result.title or result.name, parse_math=False)
     plot_density(axes[1], result.thresholds)
     return axes
@@ -57,22 +49,22 @@ def plot_force(axes: Any, result: Result) -> Any:
             ends = np.column_stack([slips.force_before, slips.force_after]).ravel()
             there = np.interp(slips.drive, solved.path, path).repeat(2)
             path, force = np.insert(path, at, there), np.insert(force, at, ends)
-        style = _style("master", ls="-" if solved.success else "--", lw=1.4, zorder=3, label=label)
-        axes.plot(path, force, **style)
+        line = "-" if solved.success else "--"
+        axes.plot(path, force, line, color=INK["master"], lw=1.4, zorder=3, label=label)
         if solved.outrun is not None and solved.outrun < path[-1]:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):
         number = min(5, len(eq.forces))  # as can be distinguished
-        style = _style("eq", lw=0.7, alpha=0.7, zorder=2)
+        style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
         lines = axes.plot(along(result, eq), eq.forces[:number].T, **style)
         each = f"{eq.contacts // len(eq.forces):,} contacts"
         lines[0].set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
-        style = _style("eq", fmt="o", ms=3, capsize=2, lw=1, label="EQ, ±1 standard error")
-        error = eq.force_standard_error[some]
-        axes.errorbar(along(result, eq)[some], eq.force[some], yerr=error, **style)
+        place, error = along(result, eq)[some], eq.force_standard_error[some]
+        style = {"color": INK["eq"], "fmt": "o", "ms": 3, "capsize": 2, "lw": 1}
+        axes.errorbar(place, eq.force[some], yerr=error, label="EQ, ±1 standard error", **style)
     write_along(axes, result)
     name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.thresholds.in_metres)
     axes.margins(y=0.15)  # slips and cycles leave no corner free
@@ -80,16 +72,12 @@ def plot_force(axes: Any, result: Result) -> Any:
     return axes
 
 
-def _style(ink: str, **more: Any) -> dict[str, Any]:
-    return {"color": INK[ink], **more}
-
-
 def plot_position(axes: Any, result: Result) -> Any:
     """Positions of the drive, or of the rigid slider, and of a soft slider against time."""
-    curve = curves(result)[0]
+    curve = result.curves[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
     if getattr(curve, "position", None) is not None:
-        axes.plot(along(result, curve), curve.position, **_style("master", lw=1.2, label="slider"))
+        axes.plot(along(result, curve), curve.position, color=INK["master"], lw=1.2, label="slider")
         axes.legend(fontsize="small")
     write_along(axes, result)
     name_lengths(axes.yaxis, "position", result.thresholds.in_metres)
@@ -102,7 +90,7 @@ def plot_holding(axes: Any, result: Result) -> Any:
         if curve is not None:
             some = slice(None) if ink == "master" else some_of(curve.path.size, _BARS)
             place = along(result, curve)[some]
-            axes.plot(place, curve.holding[some], mark, **_style(ink, ms=4, lw=1.2))
+            axes.plot(place, curve.holding[some], mark, color=INK[ink], ms=4, lw=1.2)
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     write_along(axes, result)
     return axes
@@ -116,7 +104,7 @@ def plot_deviation(axes: Any, result: Result) -> Any:
         axes.text(0.5, 0.5, f"not compared: {NOT_COMPARED}", **middle)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
-        axes.plot(along(result, result.eq)[apart.points], apart.off, ".", **_style("eq", ms=3.5))
+        axes.plot(along(result, result.eq)[apart.points], apart.off, ".", color=INK["eq"], ms=3.5)
     reach = max(4.0, 1.1 * (apart.worst or 0.0))
     axes.set(ylabel="EQ − ME\n(std. errors)", ylim=(-reach, reach))
     write_along(axes, result)
@@ -134,7 +122,7 @@ def plot_sweep(axes: Any, result: Result, name: str = "force") -> Any:
     table = np.where(np.isfinite(values), values, np.nan).reshape(x.shape[0], -1)
     rows, some = x.reshape(table.shape)[:, 0], some_of(table.shape[1], 8)  # as can be distinguished
     for k, column in enumerate(some):
-        style = _style("master", lw=1.4, marker="." if rows.size < 16 else "")
+        style = {"color": INK["master"], "lw": 1.4, "marker": "." if rows.size < 16 else ""}
         for other in second:
             here = getattr(sweep, other).reshape(table.shape)[0, column]
             style["label"] = f"{other} = {here:.3g}"
@@ -142,6 +130,9 @@ def plot_sweep(axes: Any, result: Result, name: str = "force") -> Any:
         axes.plot(rows, table[:, column], **style)
     units = _UNITS if result.thresholds.in_metres else {}
     axes.set_xlabel(f"{first} ({units.get(first, '')})".removesuffix(" ()"))
+    shown = table[np.isfinite(table)]
+    if shown.size and np.ptp(shown) < 0.01 * shown.max():
+        axes.set_ylim(0.0, 1.1 * shown.max())  # else a change of no account would fill the axis
     if rows.min() > 0.0 and rows.max() > 30.0 * rows.min():
         axes.set_xscale("log")
     if second:
@@ -163,13 +154,13 @@ def save_picture(result: Result, path: Path) -> None:
     from matplotlib.figure import Figure
 
     solved, below = result.master, list[Callable[[Any, Result], Any]]()
-    if curves(result) and result.timed:
+    if result.curves and result.timed:
         below.append(plot_position)
-    if any((curve.holding < 1.0 - 1e-9).any() for curve in curves(result)):
+    if any((curve.holding < 1.0 - 1e-9).any() for curve in result.curves):
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    swept: list[Any] = [plot_sweep] if curves(result) and result.sweep is not None else []
+    swept: list[Any] = [plot_sweep] if result.curves and result.sweep is not None else []
     if result.sweep is not None and result.sweep.critical_spring is not None:
         swept.append(plot_critical_spring)
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]

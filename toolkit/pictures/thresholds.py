@@ -44,11 +44,6 @@ def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
     return np.unique(np.linspace(0, size - 1, most).round().astype(np.intp))
 
 
-def curves(result: Result) -> list[Any]:
-    """The results of the solvers, the master equation's first."""
-    return [curve for curve in (result.master, result.eq) if curve is not None]
-
-
 def along(result: Result, curve: Any) -> Array:
     """The abscissa of a curve: times where the scene gives them, else its path."""
     return result.time[: curve.path.size] if result.timed else curve.path
@@ -88,7 +83,8 @@ def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
         # a weight is not a density: next to one it has its own axis
         own = axes.twinx() if smooth else axes
         own.vlines(curve.atoms, 0.0, curve.atom_weights, color=INK["thresholds"], lw=2)
-        own.set(ylabel="weight at one value", ylim=(0.0, 1.05 * float(curve.atom_weights.max())))
+        top = 1.0 if smooth else float(curve.atom_weights.max())
+        own.set(ylabel="weight at one value", ylim=(0.0, 1.05 * top))
     return axes
 
 
@@ -121,9 +117,7 @@ def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
     name_lengths(axes.xaxis, name, curve.in_metres)
 
 
-def save_thresholds_picture(
-    thresholds: Thresholds, curve: ThresholdCurve, title: str, path: Path
-) -> None:
+def save_thresholds_picture(law: Thresholds, curve: ThresholdCurve, title: str, path: Path) -> None:
     """P_c, survival S, with that of the samples if there are any over it, and hazard P_c/S, the rate of breaking per
     length up to where one contact in a thousand holds, side by side as a PNG."""
     from matplotlib.figure import Figure
@@ -133,7 +127,7 @@ def save_thresholds_picture(
     plot_density(density, curve)
     survival.plot(curve.x, curve.survival, **_STYLE)
     survival.set(ylabel="$S(x)$", ylim=(0, 1.05))
-    _label(plot_samples(survival, thresholds), curve, "survival", "threshold $x$")
+    _label(plot_samples(survival, law), curve, "survival", "threshold $x$")
     shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
     values = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
     _draw(hazard, curve, values, "$P_c(x)/S(x)$")

@@ -63,8 +63,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
     if Path(folder).is_file():
         refuse("folder", str(folder), f"is a file; give the folder, {str(Path(folder).parent)!r}")
     if not file.is_file():
-        rule = f"holds no {RESULT}; mesofriction run SCENE --out FOLDER writes one"
-        refuse("folder", str(folder), rule)
+        refuse("folder", str(folder), f"holds no {RESULT}; mesofriction run SCENE writes one")
     with opened(file) as store:
         return _read(
             store,
@@ -137,7 +136,7 @@ def _flat(answer: Any) -> dict[str, Any]:
 
 def _numbers(answer: Any) -> dict[str, Any]:
     """The fields of a record that are not arrays, as JSON types; the largest of arrays of errors and defects, and the
-    last of a path's force."""
+    last and the largest of a path's force."""
     numbers: dict[str, Any] = {}
     for name, value in _flat(answer).items():
         if not isinstance(value, np.ndarray):
@@ -146,7 +145,7 @@ def _numbers(answer: Any) -> dict[str, Any]:
         elif name.endswith(("error", "defect")):
             numbers[f"largest_{name}"] = float(np.abs(value).max(initial=0.0))
         elif name == "force" and hasattr(answer, "path"):
-            numbers["last_force"] = float(value[-1])
+            numbers |= {"last_force": float(value[-1]), "largest_force": float(value.max())}
     numbers.pop(_HISTOGRAMS, None)
     return numbers
 

@@ -30,11 +30,9 @@ def check_folder(folder: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
-    """Lock `folder` against this user's other runs on this machine, which could overwrite the result.
-
-    Raises InputError where another run holds it. The lock is a name of Linux's that no file bears, so that it ends with
-    the process, however that ends; other systems have no such names, and there is no lock on them.
-    """
+    """Lock `folder` against this user's other runs on this machine, which could overwrite the result. Raises InputError
+    where another run holds it. The lock is a name of Linux's that no file bears, so that it ends with the process,
+    however that ends; other systems have no such names, and there is no lock on them."""
     name = sha256(os.fsencode(Path(folder).resolve())).hexdigest()[:24]
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as lock:
         try:
@@ -124,11 +122,8 @@ def _header(contents: bytes) -> bytes:
 
 @contextmanager
 def opened(file: Path) -> Iterator[Any]:
-    """A sealed HDF5 file, open for reading.
-
-    Raises InputError for a damaged file, before HDF5 reads it, which may crash on some bytes; and for data in other
-    files.
-    """
+    """A sealed HDF5 file, open for reading. Raises InputError for a damaged file, before HDF5 reads it, which may crash
+    on some bytes; and for data in other files."""
     import h5py
 
     try:

@@ -124,6 +124,11 @@ class Result:
         return read_table(tomllib.loads(self.text))
 
     @property
+    def curves(self) -> list[Any]:
+        """What the solvers found along the path, the master equation's first."""
+        return [curve for curve in (self.master, self.eq) if curve is not None]
+
+    @property
     def timed(self) -> bool:
         """Whether the scene says when each point of the path is reached."""
         drive = self.asked.drive
@@ -176,9 +181,7 @@ class Deviation(NamedTuple):
 
 def deviation(result: Result) -> Deviation:
     """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing.
-
-    The standard errors include the master equation's error and that of the ensemble's steps.
-    """
+    The standard errors include the master equation's error and that of the ensemble's steps."""
     solved, eq = result.master, result.eq
     if solved is None or eq is None or is_coupled(eq):
         # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
@@ -227,5 +230,7 @@ def slip_line(result: Result) -> str:
     ]
     if late:
         line += f"; of eq the first are late by {', '.join(late)} of <x_s>"
-    line += "; N contacts slip late by some N^(-2/3)/K of <x_s>, more at each; unless N is large,"
+    line += (
+        "; N contacts slip late by half N^(-2/3)/K of <x_s> or so, more at each; unless N is large,"
+    )
     return f"{line} chance may make them slip early, and at K > K*, too"

@@ -14,8 +14,6 @@ from toolkit.scene.scene import Scene
 class Forecast(NamedTuple):
     """What an ensemble takes: contacts to be followed, their breaks, s of those not yet done, and the largest standard
     error of the force in mean thresholds (nan on a soft slider, where it comes from replicas); `pilot` contacts tell.
-
-    Good to a factor of about two; with a tolerance to four, as contacts are doubled round by round.
     """
 
     contacts: int
@@ -26,10 +24,8 @@ class Forecast(NamedTuple):
 
 
 def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
-    """Follow some contacts of the scene's ensemble for a second, and scale their time to the whole.
-
-    `done` contacts need not be followed again. All ranks must call. Raises InputError as a run does.
-    """
+    """Follow some contacts of the scene's ensemble for a second, and scale their time to the whole. `done` contacts
+    need not be followed again. All ranks must call. Raises InputError as a run does."""
     asked: Any = scene.eq
     soft, ranks = scene.drive.spring is not None, 1 if comm is None else comm.Get_size()
     contacts = asked.contacts * asked.replicas
@@ -50,10 +46,8 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
 
 
 def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
-    """The cost of a run of the scene into `folder`, as lines of text; nothing is written. All ranks must call.
-
-    Raises InputError as the run would, also for a checkpoint of another scene.
-    """
+    """The cost of a run of the scene into `folder`, as lines of text; nothing is written. All ranks must call. Raises
+    InputError as the run would, also for a checkpoint of another scene."""
     out = [scene.title or scene.name]
     earlier = [] if scene.eq is None else Checkpoint(folder, scene, comm).earlier(only_look=True)
     if scene.master is not None:

@@ -50,6 +50,7 @@ class Progress:
                 continue
             line = f"mesofriction: {self._what}: {self._said}, after {_clock(since)}"
             print(line, file=sys.stderr, flush=True)
+            self._said = self._said.removesuffix(" (kernels are compiled on first use)")
             wait = 30.0
 
 

@@ -22,10 +22,8 @@ _NAP = 0.001  # seconds
 
 
 def communicator(launch: Launch) -> Any:
-    """mpi4py's COMM_WORLD, or None for a lone process, which never imports mpi4py.
-
-    Raises InputError where the ranks could not work together: N lone runs of one scene are never wanted.
-    """
+    """mpi4py's COMM_WORLD, or None for a lone process, which never imports mpi4py. Raises InputError where the ranks
+    could not work together: N lone runs of one scene are never wanted."""
     if launch.size == 1:
         return None
     started = f"mpirun or srun: started {launch.size} ranks, but mpi4py"

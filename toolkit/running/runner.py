@@ -17,7 +17,7 @@ from toolkit.running.progress import Progress
 from toolkit.running.ranks import on_root
 from toolkit.running.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.scene import laws
-from toolkit.scene.interfaces import foreseen, of_interface, remarks
+from toolkit.scene.interfaces import foreseen, of_interface, of_so_many, remarks
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.scene.sweep import solve_sweep
 from toolkit.scene.tables import EqTable
@@ -119,8 +119,7 @@ def solve(
     notes = [*remarks(law), *foreseen(scene)]
     if sampled_parts(law):
         notes.append(
-            "errors are numerical only, not those of the samples: what others would give is not in them; `mesofriction "
-            "thresholds`, `mesofriction compare` and origins.bootstrap tell sampling errors"
+            "errors are numerical only, not those of the samples: `mesofriction thresholds` tells sampling errors"
         )
     soft: Any = master if master is not None and master.regime is not None else None
     if soft is not None and soft.regime.verdict == "undecided" and not soft.slips.drive.size:
@@ -132,18 +131,11 @@ def solve(
             "and breaks_per_rank counts the earlier ones' on rank 0"
         )
     result = Result(
-        name=scene.name,
-        title=scene.title,
-        text=scene.text,
-        version=__version__,
-        mean_threshold=scene.contacts.mean_threshold,
-        thresholds=sample_curve(law),
-        master=master,
-        eq=eq,
+        *(scene.name, scene.title, scene.text, __version__, scene.contacts.mean_threshold),
+        *(sample_curve(law), master, eq, tuple(notes)),
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
         domains=law.domains,
-        notes=tuple(notes),
     )
     finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
     if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):
@@ -205,10 +197,8 @@ def until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
 def solve_master(
     scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None
 ) -> SolvedRecord:
-    """The master equation's answer along the scene's drive; `refined` is called with each error on the way.
-
-    Raises InputError where there is none; the message says so if the scene's ensemble would run without [master].
-    """
+    """The master equation's answer along the scene's drive; `refined` is called with each error on the way. Raises
+    InputError where there is none; the message says so if the scene's ensemble would run without [master]."""
     import master
 
     drive, contacts = scene.drive, scene.contacts
@@ -225,6 +215,9 @@ def solve_master(
             raise
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
     found = record_of(solved)
+    if found.regime is not None:
+        reason = f"{found.regime.reason}{of_so_many(scene, found.regime)}"
+        found = replace(found, regime=replace(found.regime, reason=reason))
     # without a tolerance an error that is hardly visible in a picture will do
     as_asked = scene.tolerance_given or found.success or found.path.size != scene.path.size
     if as_asked or not found.force_error <= 1e-3:
@@ -234,10 +227,8 @@ def solve_master(
 
 
 def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
-    """The ensemble of the scene's [eq]; `other` arguments of its class replace those of the table.
-
-    Raises InputError with the scene's own keys.
-    """
+    """The ensemble of the scene's [eq]; `other` arguments of its class replace those of the table. Raises InputError
+    with the scene's own keys."""
     import eq_model
 
     drive, contacts = scene.drive, scene.contacts

@@ -31,14 +31,16 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
         if interface is None:
             rule = "in N/m needs <k> in N/m, which thresholds from a rough surface know"
             raise InputError(f"drive.spring: {rule}; give a number")
-        contacts_there = interface.contact_density * (table.area or 0.0)
-        if contacts_there < 1.0:
+        held = interface.contact_density * (table.area or 0.0)
+        if held < 1.0:
             rule = "needs drive.area, the nominal area in m² of a whole slider, with some contacts"
-            refuse("drive.spring", table.spring, rule)
-        return positive("drive.spring", given) / (contacts_there * interface.mean_stiffness)
+            least = f"{1.0 / interface.contact_density:.2g}"
+            refuse(
+                "drive.spring", table.spring, f"{rule}; it holds {held:.2g}, give at least {least}"
+            )
+        return positive("drive.spring", given) / (held * interface.mean_stiffness)
     if table.area is not None:
-        rule = 'is for a spring in N/m, such as spring = "50 N/m"; leave it out'
-        refuse("drive.area", table.area, rule)
+        refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
     if interface is not None and given is not None and not unit:
         rule = f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m²'
         refuse("drive.spring", given, f'{rule}, or spring = "{given:g} N_c<k>"')
@@ -46,16 +48,13 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
 
 
 def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
-    """The checked drive of a scene. Raises InputError with the path of the bad key.
-
-    `spring` is the result of `spring_number`. Left out, one with a unit counts as 1, where only the path is needed.
-    """
+    """The checked drive of a scene. Raises InputError with the path of the bad key. `spring` is the result of
+    `spring_number`. Left out, one with a unit counts as 1, where only the path is needed."""
     if spring is None:
         spring = 1.0 if isinstance(table.spring, str) else table.spring
     places, clock = _corners(table)
     if places.size > table.points:
-        rule = f"must be at least as many as the path has ends, {places.size}"
-        refuse("drive.points", table.points, rule)
+        refuse("drive.points", table.points, f"the path has {places.size} ends; give as many")
     path, time = _path(places, clock, table.points, table.hold_scale)
     keys = {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
     with laws.inside("drive", keys):
@@ -86,8 +85,7 @@ def _corners(table: DriveTable) -> tuple[Array, Array | None]:
     places = np.array([table.begin or 0.0, *ends], float)
     if table.times is None:
         if (places[1:] == places[:-1]).any() or not ends:
-            rule = "has a leg of no length; leave it out, or give drive.times for a hold"
-            refuse("drive.turns", ends, rule)
+            refuse("drive.turns", ends, "has a leg of no length; for a hold give drive.times")
         return places, None
     clock = np.array([*([] if table.begin is not None else [0.0]), *table.times])
     if clock.size != places.size:
@@ -128,10 +126,8 @@ def _path(
 
 def histogram_points(drive: Drive, asked: EqTable) -> npt.NDArray[np.intp]:
     """Indices of the path's points at eq.histograms, each time the slider comes there (at a hold the first and the last
-    of them), and at eq.histogram_times; in order, none twice.
-
-    Raises InputError for values that are none of the path's points, and for times on a path that has none.
-    """
+    of them), and at eq.histogram_times; in order, none twice. Raises InputError for values that are none of the path's
+    points, and for times on a path that has none."""
     places: dict[str, Any] = {"histograms": drive.path, "histogram_times": drive.time}
     found = set[int]()
     for name, points in places.items():

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -75,13 +76,15 @@ def remarks(law: Thresholds) -> list[str]:
         said += law.interface.cautions
         if law.interface.moments.size is not None:
             said.append(
-                "errors are numerical only, not those of the surface: what another patch would give is not in them"
+                "errors are numerical only, not those of the surface, its resolution (step) or the threshold law: what "
+                "another patch or step would give is not in them, and may change K* several-fold"
             )
+        if law.interface.plastic_fraction is None:
+            said.append("plastic contacts were not looked for: give the material a hardness")
         if gaps := law.interface.moments.missing_fraction:
             said.append(
                 f"{gaps:.1%} of the scan's points are missing: a slope counts where the point and its next neighbours "
-                "along x and along y are all there, a curvature where both neighbours on each axis are; other rules, "
-                "such as filling gaps, give other slopes, up to several times as large where gaps are many"
+                "on both axes are there; filling gaps gives other slopes, several times as large where gaps are many"
             )
     return said
 
@@ -112,11 +115,12 @@ def foreseen(scene: Scene) -> list[str]:
             )
     if surface is not None and scene.area is not None:
         held = surface.contact_density * scene.area
-        said.append(f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m on drive.area")
+        together = f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m"
+        said.append(f"N_c = {held:.4g} contacts and {together} on drive.area")
         if scene.eq is not None and not 0.5 < scene.eq.contacts / held < 2.0:
             said.append(
-                f"drive.area holds {held:.3g} contacts, and [eq] follows {scene.eq.contacts:,} in each replica: the "
-                "spring is that of the area, but slips scatter and come late as those of so many contacts"
+                f"[eq] follows {scene.eq.contacts:,} contacts in each replica: the spring is that of the area, but "
+                "slips scatter and come late as those of so many contacts"
             )
     named = {"grains": "growth", "thermal": "temperature", "reforming": "re-forming"}
     named["stiffness"] = "linked stiffness"
@@ -124,6 +128,24 @@ def foreseen(scene: Scene) -> list[str]:
     if surface is not None and there:
         load = "F_k/load and the stress of the surface are those of its thresholds alone"
         said.append(f"{load}, without {there}")
+    return said
+
+
+def of_so_many(scene: Scene, regime: Any) -> str:
+    """What to add to the reason of a soft slider's regime: K* in N/m, that the nominal area holds too few contacts for
+    smooth sliding (docs/sliders.md: N K^3 below some 50), or that the spring may be meant in N/m."""
+    surface, spring = scene.contacts.interface, scene.drive.spring or 0.0
+    critical, smooth = regime.critical_spring, regime.verdict == "smooth"
+    if surface is None and smooth and spring > 10.0 * max(critical, 1.0):
+        return "; spring is in units of N_c<k>, in N/m for thresholds from a surface only"
+    if surface is None or scene.area is None:
+        return ""
+    held = surface.contact_density * scene.area
+    said = f"; K* = {critical * held * surface.mean_stiffness:.4g} N/m"
+    if smooth and held * spring**3 < 50.0:
+        said += f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
+        if not {"thermal", "ageing", "grains"}.intersection(scene.contacts.laws):
+            said += f"; run [eq] contacts = {held:.0f}"
     return said
 
 
@@ -143,7 +165,12 @@ def why_infinite(contacts: Contacts) -> str:
 
 def of_islands(law: Thresholds) -> list[str]:
     """Notes on thresholds from islands: K* is infinite, with the slips of some springs, or depends on smoothing."""
-    if law.domains is None or law.atoms[0].size:
+    if law.domains is None:
+        return []
+    angles = law.domains.angles
+    if angles.max() > 1.0 and (angles == angles.round()).all():
+        return ["angles are in radians, and all of them are whole numbers: are degrees meant?"]
+    if law.atoms[0].size:
         return []
     if isinstance(law, Sampled):
         if np.unique(law.domains.angles).size < law.domains.angles.size / 2:

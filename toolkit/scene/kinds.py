@@ -3,13 +3,14 @@
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import shorten
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 import origins
-from origins.errors import InputError, finite, finite_array, one_of, refuse, whole
+from origins.errors import InputError, finite, finite_array, one_of, pair, positive, refuse, whole
 from origins.roughness.surface import METRES, Topography, as_topography
 from toolkit.scene.laws import read_file, read_text
 
@@ -59,11 +60,14 @@ def _column(file: str, lines: list[str], name: str, place: int | None) -> list[f
     if not rows:
         refuse("file", file, "holds no numbers; write one value a line")
     width = len(rows[0][1])
+    if place is None and all(re.fullmatch(r"\s*\d+,\d+\s*", lines[n - 1]) for n, _ in rows):
+        rule = "a decimal comma? write 1.0238; two columns? part them by ; or say which"
+        refuse("file", file, f"holds two whole numbers a line, parted by a comma: {rule}")
     if place is None and width > 1:
         rule = f"say which of the {width} columns holds {name}, such as column = {width}"
         refuse("file", file, f"holds several columns; {rule}")
     if (column := whole("column", 1 if place is None else place, 1)) > width:
-        refuse("file", file, f"there is no column {place}")
+        refuse("file", file, f"there is no column {place} of {width}")
     for number, row in rows:
         if len(row) != width or not 0.0 < row[column - 1] < np.inf:
             # do not show the line itself: the file may be private
@@ -203,35 +207,35 @@ def open_scan(
     """
     given: dict[str, Any] = {"unit": unit, "height_scale_factor": height_scale_factor}
     if physical_sizes is not None:
-        sizes = finite_array("physical_sizes", physical_sizes).tolist()
-        if len(sizes) != 2 or min(sizes) <= 0.0:
-            rule = "must be a pair of lengths above zero, such as [1.0, 1.0]"
-            refuse("physical_sizes", physical_sizes, rule)
-        given["physical_sizes"] = tuple(sizes)
+        sizes = pair("physical_sizes", physical_sizes)
+        given["physical_sizes"] = tuple(positive("physical_sizes", size) for size in sizes)
     said = {name: value for name, value in given.items() if value is not None}
     channel = whole("channel", channel, least=0)
 
     def read(path: Path) -> Topography:
         """The scan in a file, by its channel; InputError for what the reader refuses."""
+        if not path.stat().st_size:
+            refuse("file", file, "is empty")
         try:
             from SurfaceTopography import open_topography
 
             with open_topography(str(path)) as reader:
                 if channel >= len(reader.channels):
-                    rule = f"the file has {len(reader.channels)} channels, counted from 0"
-                    refuse("channel", channel, rule)
+                    refuse("channel", channel, f"is 0 to {len(reader.channels) - 1} in this file")
                 scan = reader.topography(channel_index=channel, **said)
             if getattr(scan, "unit", None) not in METRES:
-                rule = "lengths need one unit, and the file holds none; write one, such as"
-                refuse("unit", unit, f'{rule} unit = "nm"')
+                refuse("unit", unit, 'the file holds none for all lengths; write unit = "nm" or so')
             return as_topography(scan)
         except ImportError:
             refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")
         except InputError:
             raise
         except Exception as error:  # readers raise whatever their parsing does
-            why = " ".join(str(error).split())[:200]
-            refuse("file", file, f"cannot be read as a scan: {why or type(error).__name__}")
+            if "physical_sizes" in str(error):
+                rule = 'holds no lengths; add physical_sizes = [1e-5, 1e-5], unit = "m", with its own numbers'
+                refuse("file", file, rule)
+            why = shorten(str(error), 160, placeholder=" ...") or type(error).__name__
+            refuse("file", file, f"cannot be read as a scan: {why}")
 
     return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
 

@@ -153,11 +153,8 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
 def read_file(
     key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
 ) -> T:
-    """The result of `read` for the file in this folder, the same on all ranks, which must all call.
-
-    `key` is the scene's key that names it. Raises InputError unless it is a plain file: a pipe or a device might never
-    end.
-    """
+    """The result of `read` for the file in this folder, the same on all ranks, which must all call. `key` is the
+    scene's key that names it. Raises InputError unless it is a plain file: a pipe or a device might never end."""
     if not isinstance(file, str):
         refuse(key, file, f'must be a name of a {what}, such as "own.txt"')
 

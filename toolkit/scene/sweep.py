@@ -66,8 +66,7 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
         raise InputError("sweep: has temperature and kelvin; give one of them")
     for name, law in (("temperature", "thermal"), ("kelvin", "thermal"), ("rate", "ageing")):
         if name in given and getattr(contacts, law) is None:
-            rule = f"the contacts have no law for it; add [contacts.{law}]"
-            raise InputError(f"sweep.{name}: {rule}")
+            raise InputError(f"sweep.{name}: the contacts have no law for it; add [contacts.{law}]")
     along = [name for name in given if given[name].size > 1]
     along.sort(key=lambda name: -given[name].size)
     if not 1 <= len(along) <= 2:

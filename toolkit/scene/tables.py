@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Mapping
+from difflib import get_close_matches
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -104,13 +105,17 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         where = place.strip("`$").lstrip(".")
         if "field" in rule:
             key = f"{where}.{rule.split('`')[1]}".lstrip(".")
-            known = ", ".join(_TABLES.get(where, RangeTable).__struct_encode_fields__)
-            said = "is missing" if "missing" in rule else f"unknown key; known here: {known}"
-            raise InputError(f"{key}: {said}") from error
+            known = _TABLES.get(where, RangeTable).__struct_encode_fields__
+            close = get_close_matches(key.rpartition(".")[2], known, 1)
+            meant = f"did you mean {close[0]}? " if close else ""
+            said = f"unknown key; {meant}known here: {', '.join(known)}"
+            raise InputError(f"{key}: {'is missing' if 'missing' in rule else said}") from error
         value: Any = tables
         for key in where.replace("]", "").replace("[", ".").split("."):
             value = value[int(key) if key.isdigit() else key]
         said = rule.partition(", got")[0].replace(" | null", "").replace("`", "")
+        said = said.replace(f" <= {sys.float_info.max}", ", finite").replace("str", "text")
+        said = said.replace("int", "a whole number").replace("float", "a number")
         refuse(where, value, f"{said[0].lower()}{said[1:]}")
 
 
@@ -123,10 +128,8 @@ def _counted(value: Any, key: str = "") -> Any:
 
 
 def to_toml(tables: Mapping[str, Any]) -> str:
-    """TOML text, a line for each key, that reads back as `tables`; keys whose value is None are left out.
-
-    Raises InputError for a value that TOML cannot represent.
-    """
+    """TOML text, a line for each key, that reads back as `tables`; keys whose value is None are left out. Raises
+    InputError for a value that TOML cannot represent."""
     return "".join(f"{line}\n" for line in _pairs(tables, ""))
 
 
