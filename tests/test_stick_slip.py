@@ -88,9 +88,8 @@ def test_a_table_is_the_propensity_at_each_point_and_the_steepest_fall() -> None
 
 
 def test_few_contacts_that_break_last_and_errors_of_earlier_panels_count() -> None:
-    few = Contacts(
-        origins.mixture([origins.gw_plastic(400.0), origins.rectangular(0.8, 1.0)], [0.97, 0.03])
-    )
+    laws = [origins.gw_plastic(400.0), origins.rectangular(0.8, 1.0)]
+    few = Contacts(origins.mixture(laws, [0.97, 0.03]))
     path = np.linspace(0.98, 1.0, 401)
     steepest = -np.diff(master.solve(few, path, 1e-9).force).min() / 5e-5
     assert master.propensity(few, 1e-4).critical_spring == pytest.approx(steepest, rel=1e-3)

@@ -13,24 +13,11 @@ import toolkit
 
 # -- from moments to thresholds --------------------------------------------------------------------
 
-MOMENTS = origins.SpectralMoments(
-    m0=4e-14,
-    m2_axes=(0.004, 0.003),
-    m4_axes=(2e9, 3e9),
-    step=1,
-    pixel_size=(2e-6, 3e-6),
-    missing_fraction=0.0,
-    used_fraction=1.0,
-)
+SEEN = {"step": 1, "pixel_size": (2e-6, 3e-6), "missing_fraction": 0.0, "used_fraction": 1.0}
+MOMENTS = origins.SpectralMoments(m0=4e-14, m2_axes=(0.004, 0.003), m4_axes=(2e9, 3e9), **SEEN)
 E_STAR, MU, G, H, TAU, C = 3e9, 0.4, 1.1e9, 2.5e8, 6e7, 2e10
-MATERIAL = origins.Material(
-    contact_modulus=E_STAR,
-    local_friction=MU,
-    shear_modulus=G,
-    hardness=H,
-    shear_strength=TAU,
-    force_coefficient=C,
-)
+STRONG = {"hardness": H, "shear_strength": TAU, "force_coefficient": C}
+MATERIAL = origins.Material(contact_modulus=E_STAR, local_friction=MU, shear_modulus=G, **STRONG)
 PATCH = 5e-12
 
 
@@ -124,9 +111,7 @@ def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: 
     options = {"law": law, "material": MATERIAL, "pressure": pressure}
     found = origins.from_moments(MOMENTS, model="persson", patch_area=PATCH, **options)
     width = E_STAR * MOMENTS.rms_slope / np.sqrt(2)
-    s, weights = root_rule(
-        0.0, pressure, pressure + width, pressure + 3 * width, pressure + 8 * width
-    )
+    s, weights = root_rule(0.0, *(pressure + k * width for k in (0, 1, 3, 8)))
     # e^-((s-p)/D)² - e^-((s+p)/D)², its difference by expm1
     towards, mirrored = np.exp(-(((s - pressure) / width) ** 2)), -4 * s * pressure / width**2
     often = weights * towards * -np.expm1(mirrored) / (width * np.sqrt(np.pi)) / PATCH
@@ -314,10 +299,8 @@ def test_summits_of_a_gaussian_surface_are_those_the_moments_say() -> None:
         m = origins.spectral_moments(h, (1.0, 1.3), detrend="centre", periodic=True)
         around = [np.roll(h, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
         top = np.all([h > other for other in around], axis=0)
-        bend = (h - (np.roll(h, 1, 0) + np.roll(h, -1, 0)) / 2) + (
-            h - (np.roll(h, 1, 1) + np.roll(h, -1, 1)) / 2
-        ) / 1.69
-        found.append(np.stack([h[top], bend[top]]))
+        along, across = (h - (np.roll(h, 1, k) + np.roll(h, -1, k)) / 2 for k in (0, 1))
+        found.append(np.stack([h[top], (along + across / 1.69)[top]]))
         predicted.append(
             (m.summit_density * h.size * 1.3, m.summit_offset, m.summit_std, 1.0 / m.summit_radius)
         )
@@ -332,14 +315,8 @@ def test_summits_of_a_gaussian_surface_are_those_the_moments_say() -> None:
 def test_objects_are_converted_by_their_unit_and_masks_are_missing_points() -> None:
     h = np.random.default_rng(4).standard_normal((12, 15))
     plain = origins.spectral_moments(h * 1e-9, (5e-9, 7e-9))
-    for unit, factor in {
-        "nm": 1.0,
-        "m": 1e-9,
-        "µm": 1e-3,
-        "μm": 1e-3,
-        "Å": 10.0,
-        "mm": 1e-6,
-    }.items():
+    units = {"nm": 1.0, "m": 1e-9, "µm": 1e-3, "μm": 1e-3, "Å": 10.0, "mm": 1e-6}
+    for unit, factor in units.items():
         scan = origins.spectral_moments(Scan(h * factor, (5.0 * factor, 7.0 * factor), unit))
         assert scan.m0 == pytest.approx(plain.m0, rel=1e-12)
         assert scan.pixel_size == pytest.approx((5e-9, 7e-9))
@@ -359,12 +336,8 @@ def test_gaussian_correlations_in_closed_form_in_order(kind: str) -> None:
     for points in (40, 80, 160):
         q = np.linspace(1e-4, 12.0, points) / length
         shape = np.exp(-((q * length) ** 2) / 4)
-        c = (
-            np.pi * s**2 * length**2 * shape
-            if kind == "isotropic"
-            else np.sqrt(np.pi) * s**2 * length * shape
-        )
-        found = origins.moments_of_spectrum(q, c, convention=kind)
+        whole = {"isotropic": np.pi * length**2, "profile": np.sqrt(np.pi) * length}[kind]
+        found = origins.moments_of_spectrum(q, s**2 * whole * shape, convention=kind)
         exact = s**2, 2 * s**2 / length**2, 12 * s**2 / length**4
         errors.append(
             [abs(a / b - 1) for a, b in zip((found.m0, found.m2, found.m4), exact, strict=True)]

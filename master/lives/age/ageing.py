@@ -77,8 +77,7 @@ class AgeingLife(Life):
         # (measured) panels would have to be shorter than rounding allows
         fresh = contacts.thresholds
         diverges = fresh.support()[0] == 0.0 and fresh.onset_power < -0.15
-        normal = ageing.normal is not None and not diverges
-        self._closed = normal and contacts.thermal is None
+        self._closed = not diverges and ageing.normal is not None and contacts.thermal is None
         self._rules: dict[Start, StretchRule] = {}
         self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
         self._errors: dict[str, float] = {}
