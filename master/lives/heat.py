@@ -145,9 +145,8 @@ class Replay:
             level = self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row]
             return np.maximum(level, least)
         spent, (contact, leg) = np.zeros(threshold.shape), np.nonzero(self._duration[row] > 0.0)
-        together = max(
-            4096 // threshold.shape[1], 1
-        )  # moves whose rates stay in the processor's cache
+        # moves whose rates stay in the processor's cache
+        together = max(4096 // threshold.shape[1], 1)
         for begin in range(0, contact.size, together):
             on, some = leg[begin : begin + together, None], contact[begin : begin + together]
             own = row[some, None]

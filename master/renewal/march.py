@@ -159,7 +159,9 @@ class March:
             wider = easy > many and left - good >= many and width > 0.6 * self.widest
             count = min(2 * count, 256)
             if hurried or wider:
-                factor = min(fits, 4.0) if sooner and not hurried else 2.0
+                # accepted errors, and those by rounding, do not tell how wide a panel fits
+                least = 2.0 if hurried or worst < 1e-14 else 1.0
+                factor = min(max(fits, least), 4.0) if sooner else 2.0
                 self.widest = min(factor * width, self._duration(self.life.reach, leg))
                 count, easy = 1 if sooner else max(1, count // 4), 0
             yield

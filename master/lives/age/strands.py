@@ -35,8 +35,7 @@ class Strands:
     Attributes
     ----------
     stretch : array (strands, parts), now (lengths)
-    until : float
-        Reading of time.monotonic() after which `advance` raises StoppedError.
+    until : float, reading of time.monotonic() after which `advance` raises StoppedError
     error : float
         Largest estimate so far of the error of the finer resolution, which is extrapolated.
     """
