@@ -141,15 +141,12 @@ class March:
             good = int(bad[0]) if bad.size else run.wrong.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
             t = t + good * width if good < left else end
-            # where breaks are smooth, the error grows as the width to the power DEGREE; beside a point
-            # that no polynomial resolves, panels have to be far narrower
-            worst = max(run.wrong[bad[0]] if bad.size else run.wrong.max(), 1e-16)
-            fits = 0.8 * (self.tolerance / worst) ** (1.0 / rule.DEGREE)
             if bad.size:
-                self.widest = width * (max(fits, 0.25) if good or count > 1 else 0.25)
-                count, easy = 1, 0
+                far = run.wrong[good] > 100.0 * self.tolerance
+                self.widest, count, easy = (0.25 if far else 0.5) * width, 1, 0
                 continue
-            # behind such a point, and where contacts break at rates of all sizes, wider panels soon suffice
+            # the error grows as the width to the power DEGREE; where contacts break at rates of all
+            # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
             sooner = not quick or width < 1e-2 * grain
             spare = max(self.tolerance * (1e-2 if sooner else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
@@ -159,10 +156,7 @@ class March:
             wider = easy > many and left - good >= many and width > 0.6 * self.widest
             count = min(2 * count, 256)
             if hurried or wider:
-                # accepted errors, and those by rounding, do not tell how wide a panel fits
-                least = 2.0 if hurried or worst < 1e-14 else 1.0
-                factor = min(max(fits, least), 4.0) if sooner else 2.0
-                self.widest = min(factor * width, self._duration(self.life.reach, leg))
+                self.widest = min(2.0 * width, self._duration(self.life.reach, leg))
                 count, easy = 1 if sooner else max(1, count // 4), 0
             yield
 
