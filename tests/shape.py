@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 8507, 200, 144),
+    "master": Room(7500, 8511, 200, 144),
     "eq_model": Room(2200, 3279, 60, 35),
     "origins": Room(4500, 6249, 120, 69),
     "toolkit": Room(4000, 3988, 100, 64),

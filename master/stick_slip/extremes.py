@@ -124,9 +124,10 @@ def _of(march: March, velocity: float, travel: Travel) -> tuple[Largest, Largest
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
     errors = (np.maximum(march.wrong, 2e-15) + march.life_error) * march.stretch
-    # births that earlier panels got wrong shift F, over the length over which contacts break
-    shifted = np.maximum.accumulate(errors)
-    force = _largest(series, shifted, begin, width)
+    # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the
+    # length over which contacts break: conservation puts the number right at the panel's end
+    shifted = np.maximum.accumulate(errors * np.minimum(width / travel.grain, 1.0))
+    force = _largest(series, np.maximum(errors, shifted), begin, width)
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
     force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
