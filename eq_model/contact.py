@@ -51,7 +51,7 @@ class Work(NamedTuple):
     stream: Any  # Stream of the block
     starts: Births  # at X = 0
     again: Births
-    exposures: Table  # ln e, e of the exponential law of mean 1
+    exposures: Table  # logs of the integrals of rates at which contacts break
     law: Any
     forward: bool  # whether it is a Forward
     way: WholeDrive
@@ -242,7 +242,7 @@ def _in_row(law, n, x, first, rows, legs, work):  # type: ignore[no-untyped-def]
 
 
 def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact, where the integral of its rate over time reaches e^exposure."""
+    """The break of a contact, where the integral of its rate over time reaches its exposure."""
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
     moved, d = contact.first - way.directions[leg] * x, way.directions[leg]
     if d != 0 and moved <= way.begins[leg + 1] - clock:

@@ -29,8 +29,8 @@ from origins.errors import InputError
 from origins.start import Start
 
 _FRACTION_BITS = np.int64(52 - CELL_BITS)  # of a double, below those that number the cells
-_FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)  # a double's bits above, in the tail
-LEVEL_UNIT = 2.0**-40  # exposures (ln e) are drawn as whole multiples of this
+_FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)  # the tail's last cell
+LEVEL_UNIT = 2.0**-40  # logs of exposures are drawn as whole multiples of this
 
 
 class Births(NamedTuple):
@@ -112,7 +112,7 @@ def make_scratch():  # type: ignore[no-untyped-def]
 
 @inlined
 def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # type: ignore[no-untyped-def]
-    """Whole quantiles for one of the four rows of a round; `words` are those of the round, drawn for its first row."""
+    """Whole quantiles for a row of a round. Of a word the top bit is the side; the rest gives octave, cell, share."""
     if row == 0:
         draw(n, turn, stream, purpose, words)
     start = unsigned(row * ROW)
@@ -198,7 +198,7 @@ def beyond(x, share, table, known):  # type: ignore[no-untyped-def]
 
 @cache
 def exposures() -> Table:
-    """Table of ln e, e of the exponential law of mean 1: contacts break where the integral of their rate is e."""
+    """Table of ln ξ, ξ of the exponential law of mean 1: contacts break where the integral of their rate is ξ."""
     law = SimpleNamespace(
         cdf=lambda x: -np.expm1(-np.exp(x)),
         sf=lambda x: np.exp(-np.exp(x)),

@@ -1,6 +1,6 @@
 """A contact whose threshold diffuses: followed in steps, with a Brownian bridge for a break within a step.
 
-Lengths are in units of the lattice, except those of rate laws.
+Lengths are whole numbers of the unit of the run (WholeDrive.unit), except those of rate laws.
 """
 
 from typing import Any, NamedTuple
@@ -84,8 +84,8 @@ def _fourth(words):  # type: ignore[no-untyped-def]
 def _first_meeting(above, below, spread, bell, chance):  # type: ignore[no-untyped-def]
     """Share of a step after which a Brownian bridge that starts at `above` first reaches zero, given that it does.
 
-    It is I/(1 + I), with I from the inverse Gaussian law of mean above/|below| and shape above²/spread²; spread is the
-    standard deviation of the unconditioned step.
+    It is I/(1 + I), with I from the inverse Gaussian law of mean above/|below| and shape above²/spread², drawn from a
+    standard normal `bell` and a uniform `chance`; spread is the standard deviation of the unconditioned step.
     """
     if above <= 0.0:
         return 0.0

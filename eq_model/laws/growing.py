@@ -1,7 +1,7 @@
 """A contact whose threshold grows with its age: it keeps its quantile, as a cumulative hazard, and breaks
 where the hazard of the law of thresholds at its stretch and age exceeds it.
 
-Lengths are in units of the lattice, except those of rate laws; ages count from pinning, in units of
+Lengths are in the unit of the run (WholeDrive.unit), except those of rate laws; ages count from pinning, in units of
 tau_m. origins/grains/contact.py and lifshitz_slyozov.py have the same formulas in plain numpy.
 """
 
@@ -148,7 +148,7 @@ def _from_pinning(over, pace, law):  # type: ignore[no-untyped-def]
 
 @bare
 def _pinned(contact, law):  # type: ignore[no-untyped-def]
-    """Age and hazard of a contact that forms: e^exposure, or in the start that of its threshold."""
+    """Age and hazard of a contact that forms: its exposure, or in the start that of its threshold."""
     if contact.fresh:
         return 0.0, np.exp(contact.log_exposure)
     return law.age, hazard(real(contact.threshold), law.age, law.root)
