@@ -32,10 +32,10 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 8511, 200, 144),
-    "eq_model": Room(2200, 3279, 60, 35),
+    "master": Room(7500, 8513, 200, 145),
+    "eq_model": Room(2200, 3279, 60, 36),
     "origins": Room(4500, 6249, 120, 69),
-    "toolkit": Room(4000, 3988, 100, 64),
+    "toolkit": Room(4000, 3991, 100, 64),
 }
 Graph = dict[str, set[str]]
 

@@ -16,7 +16,7 @@ from eq_model.lattice import WholeDrive
 from origins.grains.contact import GrainContact
 from origins.thresholds.law import Array
 
-_over = np.linspace(-20.0, 5.0, 8193)  # ln of hazards: lines between them are exact to 1e-7
+LOG_EXCESS = np.linspace(-20.0, 5.0, 8193)  # ln of hazards: lines between them are exact to 1e-7
 _nodes, _weights = (tuple(part.tolist()) for part in np.polynomial.legendre.leggauss(10))
 
 
@@ -27,7 +27,7 @@ class Growing(NamedTuple):
     root: float  # B^(1/2), per unit
     age: float  # since pinning, of the contacts at X = 0
     steady: float  # tau_m per unit of the clock, of the motion that `meets` is for
-    meets: Array  # (_over.size,): see `_meetings`
+    meets: Array  # (LOG_EXCESS.size,): see `_meetings`
     warm: bool  # whether contacts also break at a rate
     rates: Any
     unit: float  # a length
@@ -44,19 +44,19 @@ def make_growing(grains: GrainContact, way: WholeDrive, *heat: Any) -> Growing:
 def _meetings(grains: GrainContact, speed: float) -> Array:
     """ln of the age, in tau_m, at which contacts that pin in steady motion meet their thresholds.
 
-    speed : in units of 1/(B^(1/2) tau_m). Contacts hold if their hazard is above (9/2) speed², and it is by e^_over.
+    speed : in units of 1/(B^(1/2) tau_m). Contacts hold if their hazard exceeds (9/2) speed²: here by e^LOG_EXCESS.
     """
     from scipy.interpolate import CubicSpline
 
     if not 1e-6 < speed < 5.0:  # contacts hold longer than ages in the table, or none holds
-        return np.full(_over.size, np.nan)
-    some, low, high = _over[::16], np.full(513, -60.0), np.full(513, 60.0)
+        return np.full(LOG_EXCESS.size, np.nan)
+    some, low, high = LOG_EXCESS[::16], np.full(513, -60.0), np.full(513, 60.0)
     for _ in range(56):  # to the last bit
         age = np.exp(middle := 0.5 * (low + high))
         stretch, excess = speed * age / np.sqrt(grains.growth.B), np.expm1(np.log1p(age) / 3.0)
         holds = grains.hazard_at(stretch, excess) < 4.5 * speed**2 + np.exp(some)
         low, high = np.where(holds, middle, low), np.where(holds, high, middle)
-    return np.asarray(CubicSpline(some, low)(_over))
+    return np.asarray(CubicSpline(some, low)(LOG_EXCESS))
 
 
 @bare
@@ -138,8 +138,8 @@ def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
 @bare
 def _from_pinning(over, pace, law):  # type: ignore[no-untyped-def]
     """Ticks until a contact that pins in steady motion meets its threshold, by the table; NaN outside of it."""
-    place = (np.log(over) - _over[0]) / (_over[1] - _over[0])
-    if abs(pace - law.steady) > 1e-9 * pace or not 0.0 <= place < _over.size - 1:
+    place = (np.log(over) - LOG_EXCESS[0]) / (LOG_EXCESS[1] - LOG_EXCESS[0])
+    if abs(pace - law.steady) > 1e-9 * pace or not 0.0 <= place < LOG_EXCESS.size - 1:
         return np.nan
     k = unsigned(place)
     rise = law.meets[k + unsigned(1)] - law.meets[k]

@@ -157,7 +157,7 @@ class History:
         return np.maximum(np.abs(born), np.maximum(born + self.high, -(born + self.low)))
 
     def by_birth(self) -> Iterator[tuple[npt.NDArray[np.intp], History]]:
-        """Some of n contacts at a time, and their moves; by birth, so that few legs before it are followed."""
+        """Indices of some of the n contacts at a time, born at like times, so that `legs` has few, and their moves."""
         order, together = np.argsort(self.s), 1000  # their legs stay in the processor's cache
         for some in (order[begin : begin + together] for begin in range(0, order.size, together)):
             yield some, self.pick(some)

@@ -85,7 +85,7 @@ def edges(
         if delay > 0.0 or together:
             first.append(Moment(time - delay, 1.0 if together else SMOOTHER**2))
     if delay > 0.0 or life.atoms.size or not life.quick:
-        # contacts of the start may break at once, and births begin one delay later
+        # with exact thresholds or heat contacts of the start may break at once; births begin one delay later
         first += [Moment(0.0, SMOOTHER), Moment(delay, SMOOTHER)]
 
     def following(least: float) -> Iterator[Moment]:

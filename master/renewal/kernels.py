@@ -24,6 +24,9 @@ Array = npt.NDArray[np.float64]
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
+# Allowed error of a table at the ends of its panels, over its last coefficients: larger than inside beside
+# a root of the survival.
+AT_ENDS = 10.0
 # Pieces of births that are summed together: 0.1 GB.
 TOGETHER_PIECES = 100_000
 # Width of the narrowest panel of a table, in units of the typical lag from a birth to the break.
@@ -100,8 +103,7 @@ class Straight:
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
         shortest = SHORTEST * min(self.typical, float(edges[1]))
-        # beside a root of the survival a polynomial's error is larger at the ends than inside
-        self.table = Table(self.scaled, edges, accuracy, shortest, ends=10.0)
+        self.table = Table(self.scaled, edges, accuracy, shortest, ends=AT_ENDS)
         self._read = self.table
         self.edges, self.error = self.table.edges, self.table.error
 

@@ -40,6 +40,7 @@ class StrandBirths:
     """
 
     def __init__(self, births: Births, leg: int, since: Array, width: Array, breaks: Array) -> None:
+        """Begin a strand at each node of the births, aged up to the end of their leg."""
         life, motion = births.life, births.motion
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0

@@ -131,11 +131,18 @@ def solve(
             "and breaks_per_rank counts the earlier ones' on rank 0"
         )
     result = Result(
-        *(scene.name, scene.title, scene.text, __version__, scene.contacts.mean_threshold),
-        *(sample_curve(law), master, eq, tuple(notes)),
+        name=scene.name,
+        title=scene.title,
+        text=scene.text,
+        version=__version__,
+        mean_threshold=scene.contacts.mean_threshold,
+        thresholds=sample_curve(law),
+        master=master,
+        eq=eq,
         interface=None if interface is None else of_interface(interface),
         sweep=sweep,
         domains=law.domains,
+        notes=tuple(notes),
     )
     finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
     if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):

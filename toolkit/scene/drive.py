@@ -34,10 +34,8 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
         held = interface.contact_density * (table.area or 0.0)
         if held < 1.0:
             rule = "needs drive.area, the nominal area in m² of a whole slider, with some contacts"
-            least = f"{1.0 / interface.contact_density:.2g}"
-            refuse(
-                "drive.spring", table.spring, f"{rule}; it holds {held:.2g}, give at least {least}"
-            )
+            rule += f"; it holds {held:.2g}, give at least {1.0 / interface.contact_density:.2g}"
+            refuse("drive.spring", table.spring, rule)
         return positive("drive.spring", given) / (held * interface.mean_stiffness)
     if table.area is not None:
         refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
