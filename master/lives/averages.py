@@ -35,7 +35,7 @@ _AT = np.concatenate([[BESIDE], 0.5 * (_NODES + 1.0), [1.0 - BESIDE]])
 # matrix from values to the last two coefficients and to the polynomial's errors at both ends
 _TAIL = np.zeros((SIZE + 2, 4))
 _TAIL[1:-1, :2] = _SERIES[:, -2:]
-_TAIL[1:-1, 2:] = _SERIES @ legendre.legvander(np.array([-1.0, 1.0]), SIZE - 1).T / ENDS
+_TAIL[1:-1, 2:] = _SERIES @ legendre.legvander(2.0 * _AT[[0, -1]] - 1.0, SIZE - 1).T / ENDS
 _TAIL[[0, -1], [2, 3]] = -1.0 / ENDS
 _RULE = np.concatenate([[0.0], 0.5 * _WEIGHTS, [0.0]])
 

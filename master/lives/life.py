@@ -121,8 +121,7 @@ class Life:
         reach = max(self.reach, self.birth_reach)
         bends = np.append(self.bends, reach)
         first, last = np.clip(law.span, -self.birth_reach, self.birth_reach)
-        # survivals that take long are smoother, too
-        even = np.linspace(first, last, 17 if self.quick else 5)
+        even = np.linspace(first, last, 5)
         fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
         now, high, low = (part[:, None] for part in (history.now, history.high, history.low))
         moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]

@@ -160,9 +160,9 @@ def critical_velocity(contacts: origins.Contacts, *asked: Any) -> Answer:
 
 def scene(name: str) -> Answer:
     """The force of a shipped scene; with a spring also where the drive stands at each slip."""
-    from toolkit.scene.scene import load_scene
+    import toolkit
 
-    asked = load_scene(name)
+    asked = toolkit.load_scene(name)
     drive, contacts = asked.drive, asked.contacts
     more = {} if drive.spring is None else {"spring": drive.spring, "slip": drive.slip}
     more |= {"velocity": drive.velocity, "time": drive.time}
