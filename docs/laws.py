@@ -234,7 +234,7 @@ def _draw_line(axes: Any) -> None:
     cold = master.phase_line(origins.Contacts(NARROW))
     axes.axhline(float(cold.critical_spring), color=GREY, lw=0.8)
     axes.annotate("T = 0", (1.2e-4, float(cold.critical_spring) - 0.45), color="0.4")
-    axes.set(title="stick-slip below a line, smooth sliding above", xlabel=r"$v$ ($\omega = 1$)")
+    axes.set(title="below a line the slider slips, above it slides smoothly", xlabel=r"$v$ ($\omega = 1$)")
     axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.legend(fontsize="small", loc="lower right")
 

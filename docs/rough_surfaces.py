@@ -124,7 +124,7 @@ def plot_thresholds(axes: "Axes", found: list[Reading]) -> None:
 
 
 def plot_springs(axes: "Axes", found: list[Reading]) -> None:
-    """K*/(N<k>) of each: a driving spring softer than that sticks and slips."""
+    """K*/(N<k>) of each: under a softer driving spring the slider slips."""
     for row, reading in enumerate(found):
         value = reading.propensity.critical_spring
         hatch = "//" if reading.dashes == "--" else None
@@ -133,7 +133,7 @@ def plot_springs(axes: "Axes", found: list[Reading]) -> None:
     axes.set_yticks(range(len(found)), [reading.name for reading in found])
     axes.invert_yaxis()
     axes.set(xscale="log", xlim=(3e-4, 3.0), xlabel=r"$K^*/(N\langle k\rangle)$")
-    axes.set_title("stick-slip below this spring")
+    axes.set_title("under softer springs the slider slips")
 
 
 if __name__ == "__main__":
