@@ -113,7 +113,7 @@ class AngleThresholds(Thresholds):
         declared = np.abs(np.diff(self._cdf(edges + around), 2, axis=0)[0]) > _WEIGHT
         self._peaks = edges[declared & (steep[at + 1, 0] + steep[at, 1] > _WEIGHT)]
         declared[[0, -1]] = True
-        self.breakpoints = edges[declared]
+        self.breakpoints, self._support = edges[declared], (float(edges[0]), float(edges[-1]))
         self.onset_power = -0.5 if edges[0] in self._peaks else 0.0
 
     def _fit_panels(self, edges: Array, below: Function) -> None:
@@ -136,9 +136,6 @@ class AngleThresholds(Thresholds):
         table = table[:, np.argsort(table[0])]
         self._lower, self._upper, self._before = table[:3]
         self._rises, self._slopes = table[3:], chebyshev.chebder(table[3:])
-
-    def support(self) -> tuple[float, float]:
-        return float(self.breakpoints[0]), float(self.breakpoints[-1])
 
     def _place(self, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
         """Panel and place t of each x, to the last bit at both ends."""

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
 from origins.domains.islands import positions_of
-from origins.domains.lowest_saddle import Complex, lowest_saddle
+from origins.domains.lowest_saddle import Complex, lowest_saddles
 from origins.domains.relaxed_barrier import relaxed_barrier
 from origins.domains.substrates import Substrate, checked_substrate, vectors
 from origins.errors import InputError, finite_array, positive, refuse, whole
@@ -36,8 +36,7 @@ def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None 
 
     Only x and y of `atoms` matter, and the substrate, sin x + sin y when left out, acts on all of them equally. The
     barrier is zero where the island slides freely: on a substrate that varies in one direction only, and where its
-    structure factors vanish. For two waves it is exact; for more it is known to about 1e-11 of the largest
-    |c_n S(G_n)|. The time is proportional to atoms times angles times waves.
+    structure factors vanish. For two waves it is exact, for more known to about 1e-11 of the largest |c_n S(G_n)|.
 
     Raises InputError for other input, for angles beyond a full circle, which look like degrees, and for a
     substrate of more than two waves that never repeats.
@@ -75,10 +74,8 @@ def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, 
         return np.zeros(sizes.shape[:-1]), -sizes.sum(-1)
     if sizes.shape[-1] == 2:
         return 2.0 * sizes.min(-1), -sizes.sum(-1)
-    waves = amplitudes.reshape(-1, sizes.shape[-1])
-    found = np.array([lowest_saddle(substrate.indices, each)[:2] for each in waves])
-    barriers, depths = found.T.reshape(2, *sizes.shape[:-1])
-    return barriers, depths
+    found = lowest_saddles(substrate.indices, amplitudes.reshape(-1, sizes.shape[-1]))
+    return found.barriers.reshape(sizes.shape[:-1]), found.depths.reshape(sizes.shape[:-1])
 
 
 class Island(NamedTuple):
@@ -142,11 +139,8 @@ class Island(NamedTuple):
         per_radian = max(4.0, 2.0 * np.sqrt(self.largest_energy / temperature))
         count, most = 2.0 * np.pi * self.phase_slope * per_radian, 4_000_000
         if not count <= most:
-            fault = f"{count:.2g} angles would resolve exp(-U_min/k_BT) of the largest island"
-            rule = (
-                "list the angles to choose from, such as angles = [0.0, 0.1], or take a higher one"
-            )
-            raise InputError(f"temperature: {fault}, more than {most}; {rule}")
+            fault = f"{count:.2g} angles would resolve exp(-U_min/k_BT), more than {most}"
+            raise InputError(f"temperature: {fault}; list angles, such as [0.0, 0.1], or heat more")
         return max(64, round(count))
 
 
@@ -172,11 +166,11 @@ def structure_factors(
     """
     points = positions_of(atoms)
     turned = _turned(radians(angle, most=inf), wavevectors)
-    waves = turned.reshape(-1, 2)
+    waves = np.stack([turned.real.ravel(), turned.imag.ravel()], axis=-1)
     # few waves at once, so that the phases of all atoms stay in the cache
     parts = np.array_split(waves, 1 + len(waves) * len(points) // (1 << 17))
     sums = [np.exp(1j * (part @ points.T)).sum(-1) for part in parts]
-    return np.concatenate(sums).reshape(turned.shape[:-1])
+    return np.concatenate(sums).reshape(turned.shape)
 
 
 def triangular_structure_factors(
@@ -198,7 +192,7 @@ def triangular_structure_factors(
     columns, rows = numbers("n_i", n_i)[..., None], numbers("n_j", n_j)[..., None]
     turned = _turned(angle, wavevectors)
     even, odd = (rows + 1) // 2, rows // 2
-    along, up = a * turned[..., 0], 0.5 * sqrt(3.0) * a * turned[..., 1]
+    along, up = a * turned.real, 0.5 * sqrt(3.0) * a * turned.imag
     # distances of the centres of the even and odd rows from the island's centre
     sideways = 0.5 * along / rows
     upwards = np.where(even == odd, 0.5 * up, 0.0)
@@ -217,8 +211,6 @@ def row_sum(n: npt.NDArray[np.int_], theta: Array) -> Array:
         return sign * np.where(below == 0.0, n, np.sin(n * half) / below)
 
 
-def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Array:
-    """Wavevectors in the frame of an island turned by `angle`; shape of angle + (n, 2)."""
-    G = vectors(wavevectors)
-    cos, sin = np.cos(angle)[..., None], np.sin(angle)[..., None]
-    return np.stack([cos * G[:, 0] + sin * G[:, 1], cos * G[:, 1] - sin * G[:, 0]], axis=-1)
+def _turned(angle: Array, wavevectors: npt.ArrayLike) -> Complex:
+    """Wavevectors, as x + iy, in the frame of an island turned by `angle`; shape of angle + (n,)."""
+    return np.asarray(vectors(wavevectors) @ [1.0, 1j] * np.exp(-1j * angle)[..., None])

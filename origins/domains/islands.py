@@ -40,8 +40,7 @@ def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
 def _rows(lattice_constant: float, n_i: int, n_j: int, lattice: str) -> "ase.Atoms":
     a, (shift, row) = positive("lattice_constant", lattice_constant), LATTICES[lattice]
     if whole("n_i", n_i, 1) * whole("n_j", n_j, 1) > _MOST_ATOMS:
-        rule = f"n_i n_j must be at most {_MOST_ATOMS}; triangular_barrier needs no atoms"
-        refuse("n_i", n_i, rule)
+        refuse("n_i", n_i, f"n_i n_j is {_MOST_ATOMS} at most; triangular_barrier needs no atoms")
     j, i = np.indices((n_j, n_i))
     return _atoms((i + shift * (j % 2)) * a, row * a * j)
 
@@ -123,8 +122,7 @@ def _lattice(
     shift, row = LATTICES[one_of("lattice", lattice, tuple(LATTICES))]
     columns, rows = width / positive("lattice_constant", a) + 2.0, height / (row * a) + 2.0
     if not 4.0 * columns * rows <= _MOST_ATOMS:
-        rule = f"gives more than {_MOST_ATOMS} atoms; take a smaller island"
-        refuse("lattice_constant", a, rule)
+        refuse("lattice_constant", a, f"gives more than {_MOST_ATOMS} atoms; take a smaller island")
     j, i = np.mgrid[1 - ceil(rows) : ceil(rows), -ceil(columns) : ceil(columns)]
     return (i + shift * (j % 2) + offset[0]) * a, (j + offset[1]) * row * a
 
@@ -149,8 +147,7 @@ def points_of(atoms: object) -> Array:
     Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
     """
     if not hasattr(atoms, "get_positions"):
-        such = "origins.triangular_island(2.5, 10, 9)"
-        refuse("atoms", atoms, f"must be an ase.Atoms, such as {such}")
+        refuse("atoms", atoms, "must be ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
     points: Array = np.array(atoms.get_positions())
     if len(points) == 0 or not np.isfinite(points).all():
         refuse("atoms", atoms, "must hold at least one atom, all at finite positions")

@@ -12,154 +12,182 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
 Complex = npt.NDArray[np.complex128]
+Whole = npt.NDArray[np.intp]
 
 _TURN = 2.0 * np.pi
 _NOTHING = 1e-13  # of the largest wave: smaller waves count as 0; also the rounding of an energy
 
 
-class LowestBarrier(NamedTuple):
-    """Barrier and energy of the lowest minimum, and the places (2,) of minimum and saddle in radians."""
+class LowestBarriers(NamedTuple):
+    """Barriers and energies of the lowest minima (m,), and the places (m, 2) of minima and saddles in radians."""
 
-    barrier: float
-    depth: float
-    minimum: Array
-    saddle: Array
+    barriers: Array
+    depths: Array
+    minima: Array
+    saddles: Array
 
 
 class _Local(NamedTuple):
-    """Slopes and curvatures (m, 2) along the principal directions, rows (m, 2, 2), that of greatest curvature first."""
+    """Slopes and curvatures (2, m) along the principal directions (2, 2, m), that of greatest curvature first."""
 
     slopes: Array
     curvatures: Array
     directions: Array
 
 
-class _Landscape(NamedTuple):
-    """U(t) = sum_n sizes_n cos(K_n·t + phases_n), K of shape (n, 2), asked at places t of shape (m, 2)."""
+class _Landscapes(NamedTuple):
+    """m landscapes U(t) = Re sum_n c_n exp(i K_n·t), K of shape (n, 2), c of shape (n, m), each asked at one place t,
+    shape (2, m)."""
 
     waves: Array
-    sizes: Array
-    phases: Array
+    amplitudes: Complex
+
+    def of(self, which: Whole) -> _Landscapes:
+        """The landscapes of these numbers, in this order."""
+        return _Landscapes(self.waves, self.amplitudes[:, which])
 
     def energy(self, t: Array) -> Array:
         """U, shape (m,)."""
-        return np.asarray(np.cos(t @ self.waves.T + self.phases) @ self.sizes)
+        return np.asarray((self.amplitudes * np.exp(1j * (self.waves @ t))).real.sum(0))
 
     def local(self, t: Array) -> _Local:
         """Slopes and curvatures."""
-        angle = t @ self.waves.T + self.phases
-        cos, sin = self.sizes * np.cos(angle), self.sizes * np.sin(angle)
+        each = self.amplitudes * np.exp(1j * (self.waves @ t))
         k, m = self.waves.T
-        turn = 0.5 * np.arctan2(-(cos @ (2.0 * k * m)), -(cos @ (k * k - m * m)))
+        turn = 0.5 * np.arctan2((-2.0 * k * m) @ each.real, (m * m - k * k) @ each.real)
         x, y = np.cos(turn), np.sin(turn)
-        directions = np.array([x, y, -y, x]).T.reshape(-1, 2, 2)
+        directions = np.array([[x, y], [-y, x]])
         # summed wave by wave, so that small waves keep their digits where the large ones are flat
-        along = directions @ self.waves.T
-        slopes = -np.einsum("mkn,mn->mk", along, sin)
-        curvatures = -np.einsum("mkn,mn->mk", along * along, cos)
-        slopes[np.abs(slopes) <= 4e-15 * np.abs(along) @ self.sizes] = 0.0  # rounding
+        along = self.waves @ directions
+        slopes, curvatures = -(along * each.imag).sum(1), -(along * along * each.real).sum(1)
+        slopes[np.abs(slopes) <= 4e-15 * np.abs(along * each).sum(1)] = 0.0  # rounding
         return _Local(slopes, np.where(curvatures == 0.0, 1e-15, curvatures), directions)
 
     def newton_step(self, t: Array, down: bool = False) -> Array:
-        """Newton's step from t to a critical point, shape (m, 2), or one that leads `down`; at most half a radian of
-        the fastest wave."""
+        """Newton's step to a critical point, or one that leads `down`; at most half a radian of the fastest wave."""
         slopes, curvatures, directions = self.local(t)
         lengths = -slopes / (np.abs(curvatures) if down else curvatures)
-        step = np.einsum("mk,mkd->md", lengths, directions)
-        fastest = np.abs(step @ self.waves.T).max(-1)
-        return step * np.minimum(1.0, 0.5 / np.maximum(fastest, 1e-300))[:, None]
+        step = (lengths[:, None] * directions).sum(0)
+        fastest = np.abs(self.waves @ step).max(0)
+        return np.asarray(step * np.minimum(1.0, 0.5 / np.maximum(fastest, 1e-300)))
 
-    def critical_points(self, n: int) -> tuple[Array, Array]:
-        """Places (m, 2) where Newton's method finds a critical point near nodes of a grid of n x n, each once, and how
-        many curvatures are above zero there: 0 at maxima, 1 at saddles, 2 at minima."""
-        spacing = _TURN / n
+    def critical_points(self, n: int) -> tuple[Whole, Array]:
+        """Landscapes and places (2, m) of critical points that Newton's method finds from a grid n x n, each once."""
+        spacing, (k, m) = _TURN / n, self.waves.T
         # no node falls on a line of symmetry
-        start = spacing * np.indices((n, n), dtype=float).reshape(2, -1).T + (0.012345, 0.00789)
-        t = start = start[np.hypot(*self.newton_step(start).T) < spacing]
+        nodes = spacing * np.indices((n, n)).reshape(2, -1) + [[0.012345], [0.00789]]
+        table = np.exp(1j * (self.waves @ nodes))
+        derivatives = (1j * k, 1j * m, -k * k, -k * m, -m * m)
+        x, y, xx, xy, yy = (((each * self.amplitudes.T) @ table).real for each in derivatives)
+        # nodes from which Newton's step is shorter than the spacing
+        near = np.hypot(yy * x - xy * y, xx * y - xy * x) < spacing * np.abs(xx * yy - xy * xy)
+        which, node = np.nonzero(near)
+        t, step, moving = nodes[:, node], np.zeros((2, node.size)), np.arange(node.size)
         for _ in range(20):
-            step = self.newton_step(t)
-            t = t + step
-            if (np.abs(step) < 1e-9).all():
+            step[:, moving] = self.of(which[moving]).newton_step(t[:, moving])
+            t[:, moving] += step[:, moving]
+            moving = moving[(np.abs(step[:, moving]) >= 1e-9).any(0)]
+            if not moving.size:
                 break
         # a last step below this changes energies by at most its square
-        t = t[(np.abs(step) < 1e-6).all(-1) & (np.abs(t - start) < 4.0 * spacing).all(-1)]
-        kind = (self.local(t).curvatures > 0.0).sum(-1)
-        each = np.unique(_same(np.column_stack([t, kind])))
-        return t[each], kind[each]
+        good = (np.abs(step) < 1e-6) & (np.abs(t - nodes[:, node]) < 4.0 * spacing)
+        which, t = which[good.all(0)], t[:, good.all(0)]
+        kind = np.sign(self.of(which).local(t).curvatures).sum(0)  # minimum, saddle or maximum
+        each = np.unique(_same(np.vstack([which, kind]), t))
+        return which[each], t[:, each]
 
     def descended(self, t: Array) -> Array:
         """The minima to which U falls from t; steps that would lead up are shortened."""
-        trust, energy = np.ones((len(t), 1)), self.energy(t)
+        t, trust, moving = t.copy(), np.ones(t.shape[1]), np.arange(t.shape[1])
         for _ in range(400):
-            step = trust * self.newton_step(t, down=True)
-            level = self.energy(t + step)
-            lower = level <= energy + 1e-15
-            t, energy = np.where(lower[:, None], t + step, t), np.where(lower, level, energy)
-            trust = np.where(lower[:, None], np.minimum(2.0 * trust, 1.0), 0.25 * trust)
-            if (np.abs(step) < 1e-9).all():
+            part, here = self.of(moving), t[:, moving]
+            step = trust[moving] * part.newton_step(here, down=True)
+            lower = part.energy(here + step) <= part.energy(here) + 1e-15
+            t[:, moving[lower]] += step[:, lower]
+            trust[moving] *= np.where(lower, np.minimum(2.0, 1.0 / trust[moving]), 0.25)
+            moving = moving[(np.abs(step) >= 1e-9).any(0)]
+            if not moving.size:
                 break
         return t
 
+    def over_saddles(self, which: Whole, tops: Array) -> LowestBarriers:
+        """The lowest barriers over saddles at `tops` (2, m) of landscapes `which`, sorted; inf where none is found."""
+        levels, count = self.of(which).energy(tops), self.amplitudes.shape[1]
+        order, owner = np.lexsort([levels, which]), np.tile(which, 2)
+        tops, levels = tops[:, order], levels[order]
+        downhill = 1e-3 * self.of(which).local(tops).directions[1]
+        feet = self.of(owner).descended(np.hstack([tops + downhill, tops - downhill]))
+        energies = self.of(owner).energy(feet)
+        barriers, depths = np.full((2, count), np.inf)
+        minima, saddles = np.zeros((2, 2, count))
+        order = np.argsort(-energies)  # the lowest minimum is written last
+        depths[owner[order]], minima[:, owner[order]] = energies[order], feet[:, order]
+        lowest = energies <= depths[owner] + _NOTHING
+        first = _same(owner, feet)
+        copies = np.rint((feet - feet[:, first]) / _TURN)
+        # of each minimum, by the number of its first foot: the copy in its pool, the number of the pool; of each pool:
+        # whether it meets a copy of itself
+        copy, pool, winds = np.zeros(feet.shape), first, np.zeros(first.size, dtype=bool)
+        rank = np.arange(which.size) - np.searchsorted(which, which)
+        for k in range(rank.max(initial=-1) + 1):  # the next saddle of each landscape
+            sides = np.add([[0], [which.size]], np.flatnonzero(rank == k))
+            near, far = first[sides]
+            apart = copy[:, near] - copies[:, sides[0]] + copies[:, sides[1]] - copy[:, far]
+            together = pool[near] == pool[far]
+            winds[pool[near]] |= winds[pool[far]] | (together & apart.any(0))
+            merged, shift = np.arange(first.size), np.zeros(feet.shape)
+            merged[pool[far]], shift[:, pool[far]] = pool[near], np.where(together, 0.0, apart)
+            copy, pool = copy + shift[:, pool], merged[pool]
+            over = np.unique(owner[lowest & winds[pool]])
+            over = over[np.isinf(barriers[over])]
+            top = np.searchsorted(which, over) + k
+            barriers[over], saddles[:, over] = levels[top] - depths[over], tops[:, top]
+        return LowestBarriers(np.maximum(barriers, 0.0), depths, minima.T, saddles.T)
 
-def lowest_saddle(indices: npt.ArrayLike, amplitudes: Complex) -> LowestBarrier:
-    """The lowest barrier of U(t) = Re sum_n c_n exp(i K_n·t), t in radians, of period 2 pi in both directions.
 
-    K are whole numbers, shape (n, 2); c energies, shape (n,). The barrier is known to about 1e-12 of the largest wave
-    where all critical points are found. Some are missing on the finest grid in valleys that are flat within rounding.
+def _same(groups: npt.ArrayLike, points: Array) -> Whole:
+    """For each of the points (2, m) the number of the first of its group that is the same but for whole periods."""
+    on_torus = np.vstack([groups, np.cos(points), np.sin(points)]).T
+    pairs = scipy.spatial.cKDTree(on_torus).query_pairs(1e-4, output_type="ndarray")  # radians
+    first = np.arange(len(on_torus))
+    np.minimum.at(first, pairs[:, 1], pairs[:, 0])
+    return first
+
+
+def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> LowestBarriers:
+    """The lowest barriers of U(t) = Re sum_n c_n exp(i K_n·t), t in radians, of period 2 pi in both directions.
+
+    K are whole numbers, shape (n, 2); c energies, shape (landscapes, n). Barriers are known to about 1e-12 of the
+    largest wave where all critical points are found. Some are missing on the finest grid in valleys that are flat
+    within rounding.
     """
-    sizes = np.abs(amplitudes)
-    scale = float(sizes.max(initial=0.0))
-    kept = sizes > _NOTHING * scale
-    waves, sizes = np.asarray(indices, dtype=float)[kept], sizes[kept] / scale
-    if not kept.any() or np.linalg.matrix_rank(waves) < 2:  # there is no barrier across them
-        return LowestBarrier(0.0, -float(sizes.sum()) * scale, np.zeros(2), np.zeros(2))
-    landscape = _Landscape(waves, sizes, np.angle(amplitudes[kept]))
+    waves, scale = np.asarray(indices, dtype=float), np.abs(amplitudes).max(-1, initial=1e-300)
+    relative = amplitudes / scale[:, None]
+    relative[np.abs(relative) <= _NOTHING] = 0.0
+    sizes, places = np.abs(relative), np.zeros((2, scale.size, 2))
+    found = LowestBarriers(np.zeros(scale.size), -sizes.sum(-1), *places)
+    # there is no barrier across waves that are all parallel
+    missed = np.linalg.matrix_rank((sizes > 0.0)[..., None] * waves) == 2
     # 16 nodes per oscillation find each critical point from several nodes
-    curvature = np.average((waves**2).sum(-1), weights=sizes)
-    nodes = int(np.clip(np.ceil(16.0 * np.sqrt(curvature)), 16, 160))
+    curvature = sizes @ (waves**2).sum(-1) / np.maximum(sizes.sum(-1), 1.0)
+    nodes = int(np.clip(np.ceil(16.0 * np.sqrt(curvature.max())), 16, 160))
     for n in (nodes, 2 * nodes, 4 * nodes):
-        points, kind = landscape.critical_points(n)
-        if 2 * np.count_nonzero(kind == 1) == kind.size:
-            break
-    found = _over_saddles(landscape, points[kind == 1])
-    return found._replace(barrier=found.barrier * scale, depth=found.depth * scale)
-
-
-def _same(points: Array) -> npt.NDArray[np.intp]:
-    """For each of the points (m, ...) the number of the first that is the same but for whole periods."""
-    apart = points[:, None] - points
-    near = np.abs(apart - _TURN * np.rint(apart / _TURN)) < 1e-4  # radians
-    return np.asarray(near.all(-1).argmax(1) if len(points) else np.empty(0, int))
-
-
-def _over_saddles(landscape: _Landscape, tops: Array) -> LowestBarrier:
-    """The lowest barrier over saddles at `tops` (m, 2), in units of the landscape; InputError where none is found."""
-    downhill = 1e-3 * landscape.local(tops).directions[:, 1]
-    feet = landscape.descended(np.concatenate([tops + downhill, tops - downhill]))
-    levels, energies = landscape.energy(tops), landscape.energy(feet)
-    distinct, number = np.unique(_same(feet), return_inverse=True)
-    depth = float(energies.min(initial=np.inf))
-    lowest = energies[distinct] <= depth + _NOTHING
-    # of each minimum: the place of the copy in its pool, the number of the pool; of a pool: whether it meets a copy
-    places, pool = feet[distinct], np.arange(distinct.size)
-    winds = np.zeros(distinct.size, dtype=bool)
-    for top in np.argsort(levels):
-        side = top + len(tops)
-        near, far = number[top], number[side]
-        apart = np.rint((places[near] - feet[top] + feet[side] - places[far]) / _TURN)
-        if pool[near] == pool[far]:
-            winds[pool[near]] |= apart.any()
-        else:
-            winds[pool[near]] |= winds[pool[far]]
-            joining = pool == pool[far]
-            places[joining] += _TURN * apart
-            pool[joining] = pool[near]
-        if winds[pool[lowest]].any():
-            barrier = max(float(levels[top]) - depth, 0.0)
-            return LowestBarrier(barrier, depth, feet[energies.argmin()], tops[top])
-    refuse("wavevectors", landscape.waves, "no way over saddles is found; leave small waves out")
+        todo = np.flatnonzero(missed)
+        few = max(1, (1 << 17) // (n * n))  # landscapes at once, to limit memory
+        for batch in (todo[at : at + few] for at in range(0, todo.size, few)):
+            landscapes = _Landscapes(waves, relative[batch].T)
+            which, points = landscapes.critical_points(n)
+            saddle = landscapes.of(which).local(points).curvatures.prod(0) < 0.0
+            of_batch = landscapes.over_saddles(which[saddle], points[:, saddle])
+            for all_, some in zip(found, of_batch, strict=True):
+                all_[batch] = some
+            missed[batch] = np.bincount(which, 1.0 - 2.0 * saddle, batch.size) != 0.0
+    if np.isinf(found.barriers).any():
+        refuse("wavevectors", waves, "no way over saddles is found; leave small waves out")
+    return found._replace(barriers=found.barriers * scale, depths=found.depths * scale)

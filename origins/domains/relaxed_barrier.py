@@ -15,7 +15,7 @@ import numpy.typing as npt
 import scipy
 
 from origins.domains.islands import points_of
-from origins.domains.lowest_saddle import lowest_saddle
+from origins.domains.lowest_saddle import lowest_saddles
 from origins.domains.substrates import vectors
 from origins.errors import refuse
 from origins.thresholds.law import Array
@@ -82,9 +82,9 @@ def relaxed_barrier(
         Two translations along x and y that change no energy. When left out: those of a substrate_calculator, also
         within a SumCalculator; else the cell vectors of the atoms along which they are periodic.
 
-    Energies are in the unit of the calculator, lengths in that of the atoms. The island's centre is moved over one
-    cell, what may relax is relaxed by L-BFGS at each place, and the energy becomes a Fourier series, whose lowest
-    minimum and saddle are found as in `barrier`; from there Newton's method leads to where the forces vanish.
+    The island's centre is moved over one cell, what may relax is relaxed by L-BFGS at each place, and the energy
+    becomes a Fourier series, whose lowest minimum and saddle are found as in `barrier`; from there Newton's method
+    leads to where the forces vanish.
 
     Raises InputError for input that cannot be used.
     """
@@ -109,9 +109,8 @@ def relaxed_barrier(
 class _MovingIsland:
     """The atoms that move: all but those fixed by FixAtoms, which are the surroundings.
 
-    A rigid island is shifted as a whole, a planar one keeps its heights. A flexible one keeps its
-    orientation: sum_i r_i0 x u_i = 0 along z, r_i0 its given atoms about their centre, u_i their shifts.
-    Units are the `radian`, the shorter period over 2 pi, and the greatest `force` on one atom at nine places.
+    How they may move is said in relaxed_barrier. Units are the `radian`, the shorter period over 2 pi, and the
+    greatest `force` on one atom at nine places.
     """
 
     def __init__(
@@ -266,9 +265,9 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     # one of each pair of opposite waves; small ones move the stationary points only a little
     half = (K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))
     kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
-    lowest = lowest_saddle(K[kept], 2.0 * waves[kept])
+    lowest = lowest_saddles(K[kept], 2.0 * waves[kept][None])
     found = []
-    for share in np.array([lowest.minimum, lowest.saddle]) / (2.0 * np.pi):
+    for share in np.vstack([lowest.minima, lowest.saddles]) / (2.0 * np.pi):
         nearest = np.rint(share * count).astype(int) % count @ [count, 1]
         _, change = island.relaxed(share, changes[nearest + 1])
         found.append(island.without_force(island.shifted(share) + change))

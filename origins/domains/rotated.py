@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import Island, radians
+from origins.domains.lowest_saddle import Whole
 from origins.domains.substrates import Substrate, checked_substrate, vectors
 from origins.errors import InputError, between, finite_array, one_of, positive, refuse, whole
 from origins.samples.from_samples import from_samples
@@ -22,9 +23,6 @@ from origins.thresholds.powered import Powered, PowerLaw
 if TYPE_CHECKING:
     import ase
 
-Whole = npt.NDArray[np.intp]
-
-LAWS = ("area", "equal", "paper")
 _MOST_ATOMS = 1e12
 
 
@@ -48,8 +46,6 @@ def domains(
 ) -> Thresholds:
     """Thresholds of islands that lie on a substrate at random angles (paper, Sec. VI C).
 
-    The paper prints neither lattice constant nor sizes nor angles.
-
     Parameters
     ----------
     lattice_constant : float
@@ -57,23 +53,20 @@ def domains(
     sizes : array of shape (m, 2)
         (n_i, n_j) of triangular_island, drawn with `weights`; or
     mean_atoms : float
-        Decay N of the weight exp(-N_a/N) over N_a = 1, 2, ...; the islands are as high as wide, like the
-        paper's: n_j is N_a^(1/2) (4/3)^(1/4) and n_i is N_a/n_j, both rounded.
+        Decay N of the weight exp(-N_a/N) over N_a = 1, 2, ...; n_j is N_a^(1/2) (4/3)^(1/4), so that islands are as
+        high as wide, and n_i is N_a/n_j, both rounded to whole numbers of at least 1.
     islands : sequence of ase.Atoms
-        Instead of these three, islands of your own, drawn with `weights`. The time for their barriers grows
-        with the number of atoms.
+        Instead of these three, islands of your own, drawn with `weights`.
     weights : array of shape (m,)
         Shares of `sizes` or `islands`, above zero; equal when left out.
     bonds : float
-        Makes `islands` flexible: the stiffness of harmonic_bonds between neighbours, energy per length².
-        Their barriers are those of relaxed_barrier and take seconds for each island and angle, so the
-        angles must be listed. Left out, islands are rigid.
+        Makes `islands` flexible: the stiffness of harmonic_bonds, energy per length². As relaxed_barrier takes
+        seconds for each island and angle, angles must be listed. Left out, islands are rigid.
     angles : array
-        Radians, from -2 pi to 2 pi. Taken in turn, sample by sample; left out, all angles of the full circle
-        are possible.
+        Radians, from -2 pi to 2 pi, taken in turn, sample by sample; the full circle when left out.
     temperature : float
-        k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest
-        energy at that angle; left out, all angles are equally likely.
+        k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest energy at
+        that angle; left out, all are equally likely.
     substrate : Substrate
         sin x + sin y when left out.
     law : "area", "equal" or "paper"
@@ -99,8 +92,7 @@ def domains(
 
         One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
         P_c comes from b(angle) itself. It diverges where db/dangle = 0, so that K* is infinite, and jumps
-        where |S_x| = |S_y|. In all other cases, and for islands of some hundred periods across, P_c comes
-        from samples, which smooth such peaks. Samples are drawn in any case, for `.domains`.
+        where |S_x| = |S_y|. Samples of all others, and of islands of some hundred periods across, smooth such peaks.
 
     Raises InputError for values outside these, for a substrate that varies in one direction only, and where
     no island resists.
@@ -171,7 +163,7 @@ def domains(
 def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     """The stiffness, or the coefficient, as the law needs it."""
     given = {"stiffness": stiffness, "coefficient": coefficient}
-    paper = one_of("law", law, LAWS) == "paper"
+    paper = one_of("law", law, ("area", "equal", "paper")) == "paper"
     needed, other = ("coefficient", "stiffness") if paper else ("stiffness", "coefficient")
     if given[other] is not None:
         refuse(other, given[other], f'has no part in law = "{law}"; leave it out')
@@ -199,9 +191,7 @@ def _pairs(sizes: Any) -> list[list[int]]:
 
 
 def _decaying(mean_atoms: object, quantiles: Array) -> tuple[list[list[int]], Whole]:
-    """All sizes (n_i, n_j) of islands of N atoms, P(N) ~ exp(-N/mean_atoms), N = 1, 2, ..., and the number of the one
-    that each sample is. They are about as high as wide: n_j is (2N/sqrt(3))^(1/2) and n_i is N/n_j, both rounded to
-    whole numbers of at least 1."""
+    """All sizes (n_i, n_j) of islands by the rule that `domains` states, and which of them each sample is."""
     decay = between("mean_atoms", mean_atoms, 0.0, _MOST_ATOMS, "take fewer atoms")
     count = 1.0 + np.floor(-decay * np.log1p(-quantiles))
     rows = np.maximum(np.rint(np.sqrt(count * (2.0 / np.sqrt(3.0)))), 1.0)
@@ -221,15 +211,18 @@ def _drawn(
 ) -> Array:
     """Barrier (0 where there is none) and angle of each sample, shape (2, samples), the same bits on every rank.
 
-    Sample i is the island kinds[i]. Angles are taken from the list in turn, or from the full circle; with a
-    temperature they are weighted by exp(-U_min/k_BT). The ranks of the communicator `comm` share the work.
+    Sample i is the island kinds[i]. The ranks of the communicator `comm` share the work.
     """
     uniform, counts = generator.random((2, kinds.size)), [0] * len(islands)
     if temperature is not None and listed is None:
         counts = [island.angles_needed(temperature) for island in islands]
-
-    def of_block(block: Whole) -> Array:
-        """Barriers and angles (2, m) of samples of one kind."""
+    # blocks of samples of one kind, each always computed by one rank, so that each number has the same bits
+    order = np.argsort(kinds, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(kinds[order])) + 1)
+    blocks = [group[k : k + 4096] for group in groups for k in range(0, group.size, 4096)]
+    rank, size = (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
+    out = np.zeros((2, kinds.size))
+    for block in blocks[rank::size]:
         kind, (at, within) = kinds[block[0]], uniform[:, block]
         island, count = islands[kind], counts[kind]
         if temperature is None:
@@ -243,16 +236,7 @@ def _drawn(
                 turned = turned + 2.0 * np.pi / count * (within - 0.5)
         # many samples may be the same island at the same angle
         different, back = np.unique(turned, return_inverse=True)
-        return np.stack([island.barriers_and_depths(different)[0][back], turned])
-
-    # blocks of samples of one kind, each always computed by one rank, so that each number has the same bits
-    order = np.argsort(kinds, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(kinds[order])) + 1)
-    blocks = [group[k : k + 4096] for group in groups for k in range(0, group.size, 4096)]
-    rank, size = (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
-    out = np.zeros((2, kinds.size))
-    for block in blocks[rank::size]:
-        out[:, block] = of_block(block)
+        out[:, block] = island.barriers_and_depths(different)[0][back], turned
     return out if comm is None else comm.allreduce(out)
 
 

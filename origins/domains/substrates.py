@@ -93,8 +93,7 @@ def fourier_substrate(
     except (TypeError, ValueError):
         c = np.empty(0, dtype=complex)
     if c.shape != G.shape[:1] or not np.isfinite(c).all():
-        rule = f"must be {len(G)} finite numbers, one for each wavevector"
-        refuse("coefficients", coefficients, rule)
+        refuse("coefficients", coefficients, f"must be {len(G)} finite numbers, one for each wave")
     unit = _AGREEMENT * np.abs(G).max()
     equal, opposite = (np.abs(G[:, None] - way * G).max(-1) <= unit for way in (1.0, -1.0))
     # all that belongs to one wave is added to the first of its wavevectors
