@@ -65,6 +65,8 @@ class Life:
         Estimate from above of the error of the share that `left` returns, which finer panels do not reduce.
     left_out : float
         Share of the contacts that the survival may leave out: its error however few of them hold.
+    force_error : float
+        Error of the force however few contacts hold, over the stretches at a break.
     resolved : float
         Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
     fresh : bool
@@ -75,7 +77,7 @@ class Life:
 
     reach: float
     grain: float
-    quiet, quick, timeless, has_strands, left_out = 0.0, False, False, False, 0.0
+    quiet, quick, timeless, has_strands, left_out, force_error = 0.0, False, False, False, 0.0, 0.0
     pair_work, fresh, error, resolved, birth_reach = 1, True, 0.0, 1e-12, np.inf
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
@@ -159,6 +161,7 @@ class LawLife(Life):
     def __init__(self, contacts: Contacts) -> None:
         """Find how far contacts may be stretched, where their survival bends, and how finely it varies."""
         law = self.law = contacts.thresholds
+        self.force_error = 1e-12 if contacts.stiffness == "linked" else 0.0
         self.atoms, self.atom_weights = law.atoms
         # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
@@ -218,7 +221,7 @@ class ColdLife(LawLife):
         self._linked: Table | None = None
         if contacts.stiffness == "linked":
             shortest = 1e-9 * self._mean
-            self._linked = Table(lambda x: law.sf(x)[None], self.marks, 1e-12, shortest)
+            self._linked = Table(lambda x: law.sf(x)[None], self.marks, self.force_error, shortest)
 
     def _borne(self, m: Array, held: Array) -> Array:
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""

@@ -40,7 +40,7 @@ class Table:
         Coefficients of the polynomials.
     felt : callable
         Takes values, as `function` gives them, and the panels' widths; returns the factor on the
-        accuracy of each panel, shape (panels,).
+        accuracy on each panel, shape (panels,), or (functions, panels).
     rounding : float
         In units of the accuracy: panels whose last coefficients are below it are no longer halved
         once halving hardly reduces these.
@@ -76,12 +76,11 @@ class Table:
             x = np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
             values = function(x)
             series = (values[..., 1:-1] if ends > 0.0 else values) @ gauss.series
-            tail = np.abs(series[..., -2:]).max(axis=(0, 2))
+            tail = np.abs(series[..., -2:]).max(axis=2)
             if ends > 0.0:
                 off = np.abs(values[..., 1:-1] @ at_ends - values[..., [0, -1]])
-                tail = np.maximum(tail, off.max(axis=(0, 2)) / ends)
-            if felt is not None:
-                tail = tail / felt(values, high - low)
+                tail = np.maximum(tail, off.max(axis=2) / ends)
+            tail = (tail / felt(values, high - low) if felt else tail).max(axis=0)
             # nodes nearer to each other than 1e-15 of their place coincide by rounding
             rough = (tail > accuracy) & (high - low > np.maximum(shortest, 1e-15 * np.abs(high)))
             rough &= (tail > rounding * accuracy) | (tail < HARDLY * before)

@@ -5,9 +5,10 @@ since birth (docs/equations.md). With d the travel in the delay it is
 
     b^(s) D(s) = 1/s - G_0^(s),      D(s) = E^(s) e^(-sd) + (1 - e^(-sd))/s,
 
-and F - F_k is a sum of e^(sX) over the roots of D. All lie left of the imaginary axis, none on the
-real one. By the argument principle D turns once around 0 along the sides of a cell of a grid for each
-root inside: Newton's method starts from these cells, and has to find as many roots.
+and F - F_k is a sum of e^(sX) over the roots of D, all left of the imaginary axis, none on the real one.
+There the transform w = 1 - sD of the way from a birth to the next is 1. By the argument principle as
+many of them lie right of a line of constant Re s as the real numbers above 1 that w passes on the line:
+Newton's method starts from there, and has to find as many.
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.renewal.kernels import SHORTEST
-from master.renewal.table import Table
+from master.renewal.table import SIZE, Table
 from master.steady.travel import FEW, NONE, Travel, tail_rate
 from origins import Contacts
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Largest |s| times the distance over which Gauss nodes are placed: they integrate a table's polynomial
-# times such a wave to rounding.
-WAVE = 8.0
+# Largest |s| times the distance over which as many Gauss nodes as a table's polynomial has coefficients
+# are placed: they integrate it times such a wave to rounding.
+WAVE = 4.0
 # Relative rounding of a sum.
 ROUND_OFF = 4e-16
 # Roots are searched up to this share of the decay rate of E's tail, or of that of exact values.
@@ -40,20 +41,24 @@ BROAD = 1e4
 class Values(NamedTuple):
     """At numbers s, arrays of shape (n,), with E and K per contact born.
 
-    held, held_slope, held_error : transform of E (a length), its slope by s (a length squared), its error
-    force, force_error : transform of K (a length squared), and its error
-    conserved, slope : D (a length), and dD/ds (a length squared)
-    root_error : error of s (per length) where it is a root: the residual and the error of D over |dD/ds|
+    held, held_error : transform of E, and its error (lengths)
+    force, force_error : transform of K, and its error (lengths squared)
+    conserved, conserved_error : D, and its error (lengths)
+    slope : dD/ds (a length squared)
     """
 
     held: Complex
-    held_slope: Complex
     held_error: Array
     force: Complex
     force_error: Array
     conserved: Complex
+    conserved_error: Array
     slope: Complex
-    root_error: Array
+
+    def root_error(self, s: Complex) -> Array:
+        """Error of s (per length) where it is a root: the residual and the error of D over |dD/ds|."""
+        off = np.abs(self.conserved) + self.conserved_error
+        return off / np.abs(self.slope) + np.spacing(np.abs(s))
 
 
 class _Nodes(NamedTuple):
@@ -64,10 +69,10 @@ class _Nodes(NamedTuple):
     errors: Array
 
 
-def _felt(held: Array, way: Array, decay: float) -> npt.NDArray[np.bool_]:
-    """Where E e^(decay x) is not negligible."""
+def _count_felt(held: Array, way: Array, decay: float) -> int:
+    """How many values of E, at sorted x, to the last where E e^(decay x) is not negligible."""
     size = np.where(held > NONE, np.log(np.maximum(held, NONE)) + decay * way, -np.inf)
-    return np.asarray(size > size.max() + np.log(1e-20))
+    return int(np.flatnonzero(size > size.max() + np.log(1e-20))[-1]) + 1
 
 
 class Transform:
@@ -77,91 +82,90 @@ class Transform:
     relative accuracy on each panel, until it underflows or no wave grows as fast as it falls.
     """
 
-    def __init__(self, travel: Travel, wait: float, deepest: float, k_error: float = 0.0) -> None:
+    def __init__(self, travel: Travel, wait: float, deepest: float) -> None:
         """Extend the table of E until hardly any contact holds.
 
         travel, wait : of these contacts, and d (a length)
         deepest : the fastest decay of a wave, -Re s (per length)
-        k_error : of K, in units of the table's scale, where K itself comes from a table
         """
-        self.travel, self.wait, self._k_error, life = travel, wait, k_error, travel.life
-        self.deepest, edges = deepest, travel.table.edges
+        self.travel, self.wait, self.deepest = travel, wait, deepest
+        life, edges = travel.life, travel.table.edges
         for _ in range(40):  # doublings of the way
             edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
             held = travel.scaled(edges[:, None] * (1.0 - 1e-12))[0, :, 0]
-            felt = _felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
-            if not felt[-1]:
+            felt = _count_felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
+            if felt < edges.size:
                 break
             edges = np.append(edges, 2.0 * edges[-1])
-        edges = edges[: np.flatnonzero(felt)[-1] + 2]
+        edges = edges[: felt + 1]
         # where each survival takes long (many stretches at birth, warm grains) the table is coarser
         short = life.quick or (travel.born.is_single and life.pair_work < 100)
         accuracy = 1e-13 if short else max(travel.accuracy, 1e-9)
 
-        def size_on_panel(values: Array, _: Array) -> Array:
+        def sizes(values: Array, _: Array) -> Array:
             """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
             held = np.abs(values[0])
             held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), NONE))
             known = held * life.error / np.maximum(held, FEW) + life.left_out
-            return np.asarray(np.maximum(held, known / accuracy))
+            return np.maximum(held, np.stack([known, known + life.force_error]) / accuracy)
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
-        self.table = Table(
-            travel.scaled, edges, accuracy, shortest, felt=size_on_panel, rounding=1e2
-        )
+        self.table = Table(travel.scaled, edges, accuracy, shortest, felt=sizes, rounding=1e2)
 
-    def _nodes(self, fastest: float, decay: float, size: int = rule.GAUSS) -> _Nodes:
-        """Gauss nodes, `size` at least on each panel where E e^(decay x) is not negligible, dense enough
-        for |s| up to `fastest`; 8 are good to 1e-8."""
+    def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
+        """Gauss nodes, `size` at least on each panel where E e^(decay x) is not negligible, and over each
+        way on which |s| up to `fastest` times x grows by `wave`."""
         table, scale, life = self.table, self.travel.scale, self.travel.life
-        felt = _felt(table(table.begin)[0], table.end, decay)
-        pieces = np.maximum(np.ceil(table.widths * fastest / WAVE), 1.0)[felt].astype(int)
-        width = np.repeat(table.widths[felt] / pieces, pieces)[:, None]
-        number = np.arange(width.size) - np.repeat(pieces.cumsum() - pieces, pieces)
-        begin = np.repeat(table.begin[felt], pieces)[:, None] + number[:, None] * width
-        way = begin + width * rule.gauss(size).nodes
-        weight = width * rule.gauss(size).series[:, 0]
+        felt = _count_felt(table(table.begin)[0], table.end, decay)
+        pieces = np.maximum(np.ceil(table.widths[:felt] * fastest / wave), 1.0).astype(int)
+        numbers = np.append(0, pieces.cumsum())
+        edges = np.interp(np.arange(numbers[-1] + 1), numbers, table.edges[: felt + 1])[:, None]
+        way = edges[:-1] + np.diff(edges, axis=0) * rule.gauss(size).nodes
+        weight = np.diff(edges, axis=0) * rule.gauss(size).series[:, 0]
         held, force = values = table(way)
-        # where few contacts hold, the error of E is relative to their share, but for those left out
-        errors = np.abs(values) * (life.error / np.maximum(held, FEW) + ROUND_OFF)
+        # where few contacts hold, the error of E is relative to their share, but for those left out; shares
+        # below 1e-120 are of contacts that nobody has: no wave may hang on them
+        share = np.where(held < 1e-120, 1.0, life.error / np.maximum(held, FEW) + ROUND_OFF)
+        errors = np.abs(values) * share
         errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
-        errors += np.repeat(table.tails[felt], pieces)[:, None]
-        errors[1] = (errors[1] + self._k_error * (way < life.reach)) * scale
+        errors += np.repeat(table.tails[:felt], pieces)[:, None]
+        errors[1] = (errors[1] + life.force_error * (way < life.reach)) * scale
         some, sums = held > NONE, np.stack([held, -way * held, force * scale])
         return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
 
-    def __call__(self, s: Complex) -> Values:
-        """The transforms at s (per length) of shape (n,), none of which is 0."""
-        decay = -float(s.real.min(initial=0.0))
-        way, sums, errors = self._nodes(float(np.abs(s).max(initial=0.0)), decay)
+    def __call__(self, s: Complex, nodes: _Nodes | None = None) -> Values:
+        """The transforms at s (per length) of shape (n,), none of which is 0; nodes are for all s near."""
+        if nodes is None:
+            nodes = self.nodes(np.abs(s).max(initial=0.0), -s.real.min(initial=0.0))
+        way, sums, errors = nodes
+        rounded = way * np.abs(sums[::2])  # a rounded way turns the wave
         transforms, off = np.empty((3, s.size), dtype=complex), np.empty((2, s.size))
         with np.errstate(over="ignore", invalid="ignore"):
             for i, number in enumerate(s):
-                wave = np.exp(-number * way)
-                transforms[:, i] = sums @ wave
-                # a rounded way turns the wave
-                off[:, i] = (errors + ROUND_OFF * abs(number) * way * np.abs(sums[::2])) @ abs(wave)
+                size, phase = np.exp(-number.real * way), number.imag * way
+                wave = size * np.stack([np.cos(phase), -np.sin(phase)])
+                transforms[:, i] = sums @ wave.T @ [1, 1j]
+                off[:, i] = (errors + ROUND_OFF * abs(number) * rounded) @ size
             held, held_slope, force = transforms
             waited, out = np.exp(-s * self.wait), -np.expm1(-s * self.wait) / s
             conserved = held * waited + out
             slope = waited * (held_slope - self.wait * held) + (self.wait * waited - out) / s
-            rounded = 1.0 + (1.0 + np.abs(s) * self.wait) * np.abs(waited)
-            error = off[0] * np.abs(waited) + np.finfo(float).eps * rounded / np.abs(s)
-            root_error = (np.abs(conserved) + error) / np.abs(slope) + np.spacing(np.abs(s))
-        return Values(held, held_slope, off[0], force, off[1], conserved, slope, root_error)
+            cancelled = 1.0 + (1.0 + np.abs(s) * self.wait) * np.abs(waited)
+            error = off[0] * np.abs(waited) + np.finfo(float).eps * cancelled / np.abs(s)
+        return Values(held, off[0], force, off[1], conserved, error, slope)
 
-    def held_on_grid(self, real: Array, step: float, count: int) -> Complex:
-        """The transform of E at real + i step k for k < count, shape (count, real.size)."""
-        fastest, decay = float(np.hypot(real.min(), step * count)), -float(real.min())
-        way, sums, _ = self._nodes(fastest, decay, 8)
-        growth = sums[0][:, None] * np.exp(-np.multiply.outer(way, real))
+    def held_on_line(self, decay: float, step: float, count: int) -> Complex:
+        """The transform of E at -decay + i step k for k < count, to 1e-8."""
+        way, sums, _ = self.nodes(float(np.hypot(decay, step * count)), decay, 8, 8.0)
         # waves of many frequencies are products of those of 32 and of every 32nd
-        few, first = (
-            np.exp(-1j * step * np.multiply.outer(number, way))
-            for number in (np.arange(32), np.arange(0, count, 32))
-        )
-        return np.concatenate([few @ (wave[:, None] * growth) for wave in first])[:count]
+        powers = np.cumprod(np.tile(np.exp(-1j * step * way), (32, 1)), axis=0)
+        few = np.concatenate([np.ones((1, way.size)), powers[:-1]])
+        rows, wave = [], sums[0] * np.exp(decay * way, dtype=complex)
+        for _ in range(0, count, 32):
+            rows.append(few @ wave)
+            wave = wave * powers[-1]
+        return np.concatenate(rows)[:count]
 
 
 def crowding_rate(travel: Travel, wait: float) -> float:
@@ -169,14 +173,11 @@ def crowding_rate(travel: Travel, wait: float) -> float:
     exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     # the share that breaks at each is that just before less that just after it
-    before, after = (
-        travel.scaled(ways[:, None] * side)[0, :, 0] for side in (1 - 1e-11, 1 + 1e-11)
-    )
+    sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], ways)
+    before, after = travel.scaled(sides.reshape(-1, 1))[0].reshape(sides.shape)
     ways, shares = ways[before > after] + wait, (before - after)[before > after]
-    if not ways.size:
-        return np.inf
-    if shares.sum() > 1.0 - 1e-14:
-        return 0.0
+    if not ways.size or shares.sum() > 1.0 - 1e-14:
+        return 0.0 if ways.size else np.inf
     from scipy.optimize import brentq  # takes 0.1 s, which few laws need
 
     logs = np.log(shares)
@@ -201,7 +202,7 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple
     transform = Transform(travel, wait, deepest_wave(travel, wait, rate))
     roots, searched = leading_roots(transform, 1)
     if roots.size:
-        decay, error = -float(roots[0].real), float(transform(roots[:1]).root_error[0])
+        decay, error = -float(roots[0].real), float(transform(roots[:1]).root_error(roots[:1])[0])
         # with a very long delay the decay may be smaller than its rounding error
         return (1.0 / decay, error / decay**2) if error < decay else (1.0 / error, np.inf)
     if searched > 0.95 * NEAR * rate:  # an undetected root may lie from there to the rate
@@ -215,78 +216,74 @@ def deepest_wave(travel: Travel, wait: float, rate: float) -> float:
 
 
 def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
-    """All roots of D with Im s > 0 right of some Re s = -searched, slowest first, and `searched` (per
-    length): at least `count`, or as deep as the transform; fewer where D is too inaccurate there."""
-
-    def blurred(decay: float) -> float:
-        """The error of D over its terms."""
-        error = float(transform(np.array([complex(-decay)])).held_error[0])
-        return error * decay * np.exp(min(decay * transform.wait, 700.0))
-
-    deepest = transform.deepest
-    while not blurred(deepest) < 1e-3:
-        deepest *= 0.9
+    """All roots of D with Im s > 0 right of Re s = -searched, slowest first, and `searched` (per length):
+    at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate."""
+    roots, searched, deepest = np.empty(0, dtype=complex), 0.0, transform.deepest
     decay = min(0.5 / (transform.travel.length + transform.wait), deepest)
     while True:
-        roots, searched = _roots_to(transform, decay)
-        if roots.size >= count or decay >= deepest:
+        # if far more roots are right of a line than asked for, the next line is nearer
+        most = 4 * count + 50 if decay > 1.2 * searched > 0.0 else np.inf
+        found, number = _right(transform, decay, roots, most)
+        if found.size < number:
+            if decay < max(1.05 * searched, 1e-3 * transform.deepest):
+                return roots, searched or 1e-2 * decay
+            deepest, decay = decay, float(np.sqrt(searched * decay)) or 0.5 * decay
+            continue
+        roots, searched = found[found.real > -decay], decay
+        if roots.size >= count or decay > 0.99 * deepest:
             return roots, searched
-        decay = min(2.0 * decay, deepest)
+        decay = min((4.0 if 2 * roots.size + 1 < count else 2.0) * decay, deepest)
 
 
-def _roots_to(transform: Transform, decay: float) -> tuple[Complex, float]:
-    """`leading_roots` right of Re s = -decay, or of where one was missed."""
-    # the mean way from birth to break, weighted by e^(decay x)
-    end = transform(np.array([complex(-decay)]))
-    centre = float(((end.held - decay * end.held_slope) / (1.0 + decay * end.held)).real[0])
-    step = 0.8 / (centre + transform.wait)  # sides of the grid's cells
-    # roots nearer to the left side may count as outside, as the sides of cells are taken straight
-    left = decay + min(0.4 * step, 0.05 * decay)
-    s, values = _grid(transform, left, step)
-    across = np.angle(values[:, 1:] / values[:, :-1])
-    along = np.angle(values[1:] / values[:-1])
-    turned = across[:-1] + along[:, 1:] - across[1:] - along[:, :-1]
-    begins = (0.5 * (s[:-1, :-1] + s[1:, 1:]))[turned > np.pi]
-    size = float(abs(s[1, 1] - s[0, 0]))
-    ends, last, moving = begins.copy(), np.zeros(begins.size), np.arange(begins.size)
-    for _ in range(40):  # steps of Newton's method, none longer than a cell
-        if not moving.size:
-            break
-        found = transform(ends[moving])
-        with np.errstate(invalid="ignore"):
-            move = np.nan_to_num(found.conserved / found.slope, nan=size, posinf=size, neginf=size)
-        move *= np.minimum(size / np.maximum(np.abs(move), 1e-300), 1.0)
-        ends[moving] -= move
-        last[moving] = np.abs(move)
-        near = np.abs(ends[moving] - begins[moving]) < 3.0 * size
-        moving = moving[near & (np.abs(move) > 1e-13 * np.abs(ends[moving]))]
-    # each cell must have a root of its own
-    near = (np.abs(ends - begins) < 2.0 * size) & (last < 1e-7 * np.abs(ends))
-    same = np.abs(np.subtract.outer(ends, ends)) <= 1e-7 * np.abs(ends)
-    near &= ~np.tril(same & near, -1).any(axis=1)
-    missed = float(begins[~near].real.max(initial=-np.inf)) + size
-    searched = max(-max(0.4 * step - left, missed), 1e-3 * decay)
-    roots = ends[near & (ends.real > -searched)]
-    return roots[np.argsort(-roots.real, kind="stable")], searched
-
-
-def _grid(transform: Transform, decay: float, step: float) -> tuple[Complex, Complex]:
-    """Numbers s up to the frequency above which |p^| stays below 1 at the first Re s, and D there."""
-    travel, wait = transform.travel, transform.wait
-    # at most 16 columns, wider ones where they are few
-    real = np.linspace(-decay, step, int(min(np.ceil(decay / step), 16)) + 2)
+def _right(transform: Transform, decay: float, some: Complex, most: float) -> tuple[Complex, float]:
+    """Roots right of the line Re s = -decay, and how many there are: inf where D is too inaccurate on it,
+    or they are more than `most`; `some` are known."""
+    travel, wait, s = transform.travel, transform.wait, np.array([complex(-decay)])
+    end = transform(s)
+    if not end.conserved_error[0] * decay < 1e-3:
+        return some, np.inf
+    # w turns by half a radian in a step: its slope on the real axis is the mean way, weighted by e^(decay x)
+    step = float((0.5 * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     # at most 1e8 frequencies times nodes of an integral, and at most 2,000 per mean way
-    nodes = 8 / WAVE * transform.table.end[-1]  # of an integral, per frequency
-    highest = min(2e3 / (travel.length + wait), float(np.sqrt(1e8 * step / nodes)))
-    end = min(max(8.0 / travel.grain, 30.0 * step), highest)
+    highest = min(2e3 / (travel.length + wait), np.sqrt(1e8 * step / transform.table.end[-1]))
+    last = max(4.0 / travel.grain, 15.0 * step)
     while True:
-        count = int(np.ceil(end / step)) + 2
-        held = transform.held_on_grid(real, step, count)
-        s = real + 1j * step * np.arange(count)[:, None]
-        s[s == 0.0] = 1e-6 * step
-        broken = np.abs(1.0 - s[:, 0] * held[:, 0]) * np.exp(decay * wait)
-        last = int(np.flatnonzero(np.append(1.0, broken[1:] > 0.8))[-1])  # no root is beyond it
-        if last * step < 0.7 * end or end >= highest:
-            s, held = s[: last + 30], held[: last + 30]
-            return s, held * np.exp(-s * wait) - np.expm1(-s * wait) / s
-        end = min(2.0 * end, highest)
+        last = min(2.0 * last, highest)
+        s = -decay + 1j * step * np.arange(int(np.ceil(last / step)) + 2)
+        w = (1.0 - s * transform.held_on_line(decay, step, s.size)) * np.exp(-s * wait)
+        loudest = float(s[np.flatnonzero(np.abs(w) > 0.8)[-1]].imag)
+        if loudest < 0.7 * last or last >= highest:
+            break
+    phase, size = np.angle(w), np.log(np.abs(w))
+    turn = phase[:-1] - phase[1:]
+    real = ((phase[:-1] > 0.0) != (phase[1:] > 0.0)) & (np.abs(turn) < np.pi)
+    share = np.divide(phase[:-1], turn, out=np.zeros(turn.size), where=real)
+    size = size[:-1] + share * np.diff(size)
+    number = float(np.sign(turn)[real & (size > 0.0)].sum())
+    if number > most:
+        return some, np.inf
+    starts = (s[:-1] + 1j * step * share)[real & (size > -0.02)]
+    return _newton(transform, np.append(some, starts), decay, step), number
+
+
+def _newton(transform: Transform, starts: Complex, decay: float, step: float) -> Complex:
+    """Roots of log w near `starts` right of Re s = -decay, or by 0.02 `step` left of it, slowest first."""
+    nodes = transform.nodes(float(np.abs(starts).max(initial=0.0)) + step, decay + step)
+    ends, last = starts.copy(), np.full(starts.size, np.inf)
+    for _ in range(20):
+        moving = last > 1e-8 * step  # an error is about the square of the last step
+        if not moving.any():
+            break
+        s = ends[moving]
+        found = transform(s, nodes)
+        with np.errstate(all="ignore"):
+            broken = 1.0 - s * found.conserved
+            move = np.log1p(-s * found.conserved) * broken / (found.conserved + s * found.slope)
+            move *= np.minimum((step + 0.5 * decay) / np.abs(move), 1.0)
+        ends[moving] += move
+        last[moving] = np.abs(move)
+    good = (last <= 1e-7 * np.abs(ends)) & (ends.imag > 0.1 * step)
+    ends = ends[good & (ends.real > -decay - 0.02 * step)]
+    same = np.abs(np.subtract.outer(ends, ends)) <= 1e-6 * step
+    ends = ends[~np.tril(same, -1).any(axis=1)]
+    return ends[np.argsort(-ends.real, kind="stable")]

@@ -137,30 +137,26 @@ def decoherence_spectrum(
     check_finite(contacts)
     travel, start = births_table(contacts, velocity, TOLERANCE), contacts.start
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    deepest = _searched(contacts, travel, velocity)
-    # the force of linked contacts comes from a table with this error, in mean stretches
-    transform = Transform(travel, wait, deepest, 1e-12 if contacts.stiffness == "linked" else 0.0)
+    transform = Transform(travel, wait, _deepest(contacts, travel, velocity))
     roots, searched = leading_roots(transform, n_roots + 1)
-    s, from_start = roots[:n_roots], transform
+    s, of_start = roots[:n_roots], transform
     if not (start.is_single and start.span == travel.born.span):
-        from_start = Transform(Travel(contacts, travel.life, start, velocity), wait, deepest)
-
-    def amplitudes(s: Complex) -> Complex:
-        values = transform(s)
-        late = np.exp(-s * wait) / values.slope
-        return 2.0 * values.force * late * (1.0 / s - from_start(s).held)
-
-    values, first, amplitude = transform(s), from_start(s), amplitudes(s)
+        way = Travel(contacts, travel.life, start, velocity)
+        of_start = Transform(way, wait, -float(s.real.min(initial=0.0)))
+    root_error = transform(s).root_error(s)
+    beside = np.append(s, s + root_error)
+    values, first = transform(beside), of_start(beside)
+    late = np.exp(-beside * wait) * (1.0 / beside - first.held)
+    amplitude, moved = np.split(2.0 * values.force * late / values.slope, 2)
     share = values.force_error / np.abs(values.force) + 1e-14
-    share += first.held_error / np.abs(1.0 / s - first.held)
-    moved = np.abs(amplitudes(s + values.root_error) - amplitude)
+    share += first.held_error / np.abs(1.0 / beside - first.held)
     kinetic, kinetic_off = travel.force(wait)
     spectrum = DecoherenceSpectrum(
         roots=s,
-        roots_error=values.root_error,
+        roots_error=root_error,
         amplitude=amplitude,
-        amplitude_error=np.abs(amplitude) * share + moved,
-        decay_length_error=values.root_error / s.real**2,
+        amplitude_error=np.abs(amplitude) * share[: s.size] + np.abs(moved - amplitude),
+        decay_length_error=root_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
         beyond=1.0 / (float(-roots[n_roots].real) if roots.size > n_roots else searched),
@@ -172,7 +168,7 @@ def decoherence_spectrum(
     return replace(spectrum, _left_out=left, run_time=time.perf_counter() - began)
 
 
-def _searched(contacts: Contacts, travel: Travel, velocity: float) -> float:
+def _deepest(contacts: Contacts, travel: Travel, velocity: float) -> float:
     """The decay rate to which roots are searched; InputError where none can be resolved."""
     wait, why = velocity * contacts.waiting_time, ""
     if wait > LONGEST * travel.length:
