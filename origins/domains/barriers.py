@@ -143,9 +143,7 @@ class Island(NamedTuple):
         count, most = 2.0 * np.pi * self.phase_slope * per_radian, 4_000_000
         if not count <= most:
             fault = f"{count:.2g} angles would resolve exp(-U_min/k_BT) of the largest island"
-            rule = (
-                "list the angles to choose from, such as angles = [0.0, 0.1], or take a higher one"
-            )
+            rule = "list the angles to choose from, such as angles = [0.0, 0.1], or a higher one"
             raise InputError(f"temperature: {fault}, more than {most}; {rule}")
         return max(64, round(count))
 
