@@ -100,7 +100,7 @@ break_of = by_law(BREAKS.__getitem__)
 # aged_threshold(law, contact, way, moment): its threshold at a later moment; below 0 if `break_of` counts it itself
 aged_threshold = by_law(AGED.__getitem__)
 log_rate = by_law(lambda law: RATES[law].log_rate)
-log_passed = by_law(lambda law: RATES[law].log_passed)
+passed = by_law(lambda law: RATES[law].passed)
 reached = by_law(lambda law: RATES[law].reached)
 most = by_law(lambda law: RATES[law].most)
 
@@ -205,14 +205,14 @@ def _integral(law, x, threshold, k):  # type: ignore[no-untyped-def]
     if x == 0:
         return 0.0
     far = min(abs(real(x)) * law.unit, threshold)
-    return np.copysign(np.exp(log_passed(law.rates, 0.0, far, threshold, k)), x)
+    return np.copysign(passed(law.rates, far, threshold, k), x)
 
 
 @inlined
 def _break_at(law, x, goal, threshold, k):  # type: ignore[no-untyped-def]
     """The stretch >= x at which the integral of the rate from 0 reaches the goal in forward motion."""
     log_amount = np.log(max(abs(goal), 1e-300))
-    far = np.copysign(min(reached(law.rates, log_amount, 0.0, threshold, k), threshold), goal)
+    far = np.copysign(min(reached(law.rates, log_amount, threshold, k), threshold), goal)
     return max(whole(np.floor(far * (1.0 / law.unit) + 0.5)), x)
 
 
@@ -221,7 +221,7 @@ def _from_rest(law, n, x, log_amounts, first):  # type: ignore[no-untyped-def]
     """As `_in_row`, for contacts of the mean stiffness that form relaxed."""
     for i in range(unsigned(n)):
         threshold = real(x[i]) * law.unit
-        far = min(reached(law.rates, log_amounts[i], 0.0, threshold, 1.0), threshold)
+        far = min(reached(law.rates, log_amounts[i], threshold, 1.0), threshold)
         first[i] = whole(np.floor(far * (1.0 / law.unit) + 0.5))
 
 
@@ -245,27 +245,26 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact, where the integral of its rate over time reaches its exposure."""
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
     moved, d = contact.first - way.directions[leg] * x, way.directions[leg]
-    if d != 0 and moved <= way.begins[leg + 1] - clock:
-        return Break(clock + moved, leg, contact.drawn)
-    legs, threshold = way.directions.size, real(contact.threshold) * law.unit
-    remaining, here = np.exp(contact.log_exposure), _integral(law, x, threshold, k)
+    legs, room = way.directions.size, way.begins[leg + 1] - clock
+    if d != 0 and (moved <= room or leg + 1 == legs):
+        return Break(clock + min(moved, room + 1), leg, contact.drawn)
+    threshold, budget, slow = real(contact.threshold) * law.unit, np.exp(contact.log_exposure), 0.0
     while leg < legs:
         room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
+        # on a leg a contact breaks where the product of the time per length and the integral reaches the budget, a time
+        here = _integral(law, x, threshold, k)
+        remaining, slow = max(budget - slow * here, 1e-300), d * (pace / law.unit)
+        budget = remaining + slow * here
         if d == 0:
             hazard = rate_at(abs(real(x)), real(contact.threshold), law, k) * pace
-            spent = hazard * room
-            if spent >= remaining:
+            if hazard * room >= remaining:
                 return Break(clock + min(whole(remaining / hazard), room), leg, contact.drawn)
-        else:
-            if leg != contact.leg:
-                goal = d * here + remaining * (law.unit / pace)
-                moved = _break_at(law, d * x, goal, threshold, k) - d * x
-                if moved <= room:
-                    return Break(clock + moved, leg, contact.drawn)
-            x += d * room
-            there = _integral(law, x, threshold, k)
-            spent, here = d * (there - here) * (pace / law.unit), there
-        remaining = max(remaining - spent, 1e-300)
+            budget -= hazard * room
+        elif leg != contact.leg:
+            moved = _break_at(law, d * x, budget * (law.unit / pace), threshold, k) - d * x
+            if moved <= room:
+                return Break(clock + moved, leg, contact.drawn)
+        x += d * room
         leg += 1
         clock = way.begins[leg]
     return Break(clock + 1, leg, contact.drawn)

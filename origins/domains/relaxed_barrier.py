@@ -172,14 +172,12 @@ class _MovingIsland:
             part = self.permitted(part)
             return part - part.mean(axis=0) * [1.0, 1.0, 0.0]
 
-        def energy_and_slope(q: Array) -> tuple[float, Array]:
+        def scaled(q: Array) -> tuple[float, Array]:
             energy, forces = self.energy_and_forces(place + change + self.radian * inner(q))
             return energy / (self.radian * self.force), -inner(forces).ravel() / self.force
 
         options, start = {"gtol": _RELAXED, "ftol": 0.0, "maxiter": 2000}, np.zeros(place.size)
-        found = scipy.optimize.minimize(
-            energy_and_slope, start, jac=True, method="L-BFGS-B", options=options
-        )
+        found = scipy.optimize.minimize(scaled, start, jac=True, method="L-BFGS-B", options=options)
         return float(found.fun) * self.radian * self.force, change + self.radian * inner(found.x)
 
     def without_force(self, shifts: Array) -> Array:

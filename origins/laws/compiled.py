@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from math import exp
 from typing import Any, NamedTuple
 
 
@@ -13,15 +14,15 @@ class CompiledRates(NamedTuple):
     law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first argument of all
         functions, lengths and times in it those of the RateLaw.
     log_rate(law, x, threshold, stiffness),
-    log_passed(law, near, far, threshold, stiffness),
-    reached(law, log_amount, near, threshold, stiffness) : as the methods of RateLaw, for near = 0.
+    passed(law, far, threshold, stiffness), the integral of h from 0 to far,
+    reached(law, log_amount, threshold, stiffness) : as the methods of RateLaw, for near = 0.
     most(law, least_x, largest_x, least_y, largest_y, stiffness) : an upper bound of h for stretches x and thresholds y
         between these; a tighter bound is faster.
     """
 
     law: Any
     log_rate: Callable[..., float]
-    log_passed: Callable[..., float]
+    passed: Callable[..., float]
     reached: Callable[..., float]
     most: Callable[..., float]
 
@@ -50,5 +51,7 @@ def called(rates: Any) -> CompiledRates:
     # kernels cannot pass on errors of the methods, so they show here
     rates.log_rate(0.0, 1.0, 1.0)
     rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
-    methods = number(rates.log_rate, 3), number(rates.log_passed, 4), number(rates.reached, 4)
-    return CompiledRates(Called(float(rates.scale)), *methods, lambda law, *bounds: law.scale)
+    passed = number(lambda *way: exp(min(rates.log_passed(0.0, *way), 700.0)), 3)  # finite
+    reached = number(lambda log_amount, *rest: rates.reached(log_amount, 0.0, *rest), 3)
+    law = Called(float(rates.scale))
+    return CompiledRates(law, number(rates.log_rate, 3), passed, reached, lambda law, *_: law.scale)

@@ -55,10 +55,8 @@ class Diffusion:
         """Weight of `law` in each cell, shape (n,); InputError, with `name`, for more than 1e-12 beyond the walls."""
         cdf, sf = law.cdf(self.edges), law.sf(self.edges)
         if not (beyond := cdf[0] + sf[-1]) <= 1e-12:
-            ends = f"{self.edges[0]:g} and {self.edges[-1]:g}; widen them"
-            raise InputError(
-                f"{name}: has a weight of {beyond:.3g} beyond the outermost edges, {ends}"
-            )
+            at = f"beyond the outermost edges, {self.edges[0]:g} and {self.edges[-1]:g}; widen them"
+            raise InputError(f"{name}: has a weight of {beyond:.3g} {at}")
         cdf[0] = sf[-1] = 0.0  # the walls hold back what lies beyond
         # from the smaller of cdf and survival, which has more digits
         return np.where(cdf[:-1] < 0.5, np.diff(cdf), -np.diff(sf))

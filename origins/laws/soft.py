@@ -116,7 +116,7 @@ def _tables() -> tuple[Array, Array]:
 
 @cache
 def _formulas() -> tuple[Any, ...]:
-    """log_rate, log_passed, reached and most of CompiledRates."""
+    """log_rate, passed, reached and most of CompiledRates."""
     log_rate = inlined(SoftRates.log_rate)
 
     @inlined
@@ -141,12 +141,12 @@ def _formulas() -> tuple[Any, ...]:
         slope = dawson(np.sqrt(square), law)
         return np.sqrt(square) - (square + np.log(slope) - level) * slope
 
-    def log_passed(law, near, far, threshold, stiffness):  # type: ignore[no-untyped-def]
-        spring = law.spring * stiffness
-        length = np.log(dawson(np.sqrt(spring) * far, law)) - 0.5 * np.log(spring)
-        return length + law.log_scale - spring * (threshold - far) * (threshold + far)
+    def passed(law, far, threshold, stiffness):  # type: ignore[no-untyped-def]
+        root = np.sqrt(law.spring * stiffness)
+        rate = np.exp(log_rate(law, far, threshold, stiffness))
+        return rate * dawson(root * far, law) / root
 
-    def reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
+    def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
         spring = law.spring * stiffness
         level = log_amount + (0.5 * np.log(spring) - law.log_scale) + spring * threshold * threshold
         return min(inverse(level, law) / np.sqrt(spring), threshold)
@@ -154,4 +154,4 @@ def _formulas() -> tuple[Any, ...]:
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return np.exp(log_rate(law, min(largest_x, least_y), least_y, stiffness))
 
-    return SoftRates.log_rate, log_passed, reached, most
+    return SoftRates.log_rate, passed, reached, most

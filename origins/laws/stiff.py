@@ -68,16 +68,24 @@ class StiffRates(ActivatedRates):
 
     def compiled(self) -> CompiledRates:
         """The same formulas for compiled loops."""
-        methods: list[Any] = [StiffRates.log_rate, StiffRates.log_passed]
-        log_rate, log_passed = (method.__wrapped__ for method in methods)
+        log_rate: Any = StiffRates.log_rate
         law = StiffLaw(self.spring, self.log_scale)
-        return CompiledRates(law, log_rate, log_passed, _reached, _most)
+        return CompiledRates(law, log_rate.__wrapped__, _passed, _reached, _most)
 
 
-def _reached(law, log_amount, near, threshold, stiffness):  # type: ignore[no-untyped-def]
+def _passed(law, far, threshold, stiffness):  # type: ignore[no-untyped-def]
+    c, s = law.spring * stiffness * threshold * threshold, max((threshold - far) / threshold, 0.0)
+    fall = np.exp(law.log_scale - c * (s * np.sqrt(s))) - np.exp(law.log_scale - c)
+    return fall * threshold / (1.5 * c)
+
+
+def _reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
     each = law.spring * stiffness * threshold
-    # e^(-c u) = e^-c + amount (3c/2 ω x_s), which gives u to 1e-16/c
-    held = np.exp(-each * threshold) + np.exp(log_amount - law.log_scale) * (1.5 * each)
+    # e^(-c u) = e^-c + amount (3c/2 ω x_s), which gives u to 1e-16/c; most contacts meet the threshold, u = 0, first
+    held = np.exp(log_amount - law.log_scale) * (1.5 * each)
+    if held >= 1.0:
+        return threshold
+    held += np.exp(-each * threshold)
     u = -np.log(max(held, 1e-300)) / max(each * threshold, 1e-300)
     return threshold * (1.0 - np.exp(2.0 / 3.0 * np.log(min(max(u, 1e-30), 1.0))))
 

@@ -94,9 +94,8 @@ class Thresholds:
     @cached_property
     def _numerical(self) -> NumericalLaw:
         """The law computed from the density; InputError where a density that must be normalised is not."""
-        numerical = NumericalLaw(
-            self._log_weight, *self.support(), self.breakpoints, self.onset_power
-        )
+        ends = self.support()
+        numerical = NumericalLaw(self._log_weight, *ends, self.breakpoints, self.onset_power)
         normalised = type(self)._log_weight is Thresholds._log_weight
         if normalised and not abs(numerical.log_whole) < 1e-6:  # more than rounding explains
             adds_up = f"its density adds up to {np.exp(numerical.log_whole):.6g}, not to 1"

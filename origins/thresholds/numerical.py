@@ -67,10 +67,8 @@ class NumericalLaw:
         whole = float(masses.sum())
         errors = np.where(missed > _NOISE, missed * masses, 0.0)
         if not errors.sum() < 1e-10 * whole:  # beside a pole panels cannot be halved enough
-            fault = (
-                f"the density diverges, or is too rough, at x = {self._edges[errors.argmax()]:g}"
-            )
-            raise InputError(f"thresholds: {fault}; state _cdf, _sf and _moment, too")
+            at = f"at x = {self._edges[errors.argmax()]:g}; state _cdf, _sf and _moment, too"
+            raise InputError(f"thresholds: the density diverges, or is too rough, {at}")
         self.log_whole = self._top + float(np.log(whole))
         self._masses, values = masses / whole, values / whole
         self._means = _TO_MEAN @ values.T
@@ -87,9 +85,8 @@ class NumericalLaw:
 
     def _around(self, *places: float) -> Array:
         """The points at all distances on either side of the finite places, inside the support."""
-        points = np.unique(
-            [p + side * _STEPS for p in places if np.isfinite(p) for side in (-1, 1)]
-        )
+        finite = [place for place in places if np.isfinite(place)]
+        points = np.unique([place + side * _STEPS for place in finite for side in (-1, 1)])
         return points[(points > self._lower) & (points < self._upper)]
 
     def _first_edges(self, points: Array) -> Array:
@@ -107,9 +104,7 @@ class NumericalLaw:
             most = weight.max()
             places = np.union1d(places, self._around(highest))
         if np.isneginf(self._top):
-            raise InputError(
-                "thresholds: the density is zero, or no number, wherever it was looked at"
-            )
+            raise InputError("thresholds: the density is zero, or no number, at all places tried")
         inside = points[(points > self._lower) & (points < self._upper)]
         edges = np.union1d(self._around(self._lower, self._upper, highest), [*inside, highest])
         log, log_away = self._log_at(edges), np.log(edges - self._lower)
