@@ -19,7 +19,6 @@ from master.lives.make import steady_life
 from master.outcome import WELL, judged
 from master.steady.steady import state_at
 from master.steady.sums import summed
-from master.steady.travel import check_finite
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
@@ -76,21 +75,20 @@ class Points:
         self._began, self._contacts = time.perf_counter(), contacts
         # a rate law of the user's own has no temperature
         thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
-        ageing, wait = contacts.ageing, contacts.delay
         if asked["temperature"] is not None and thermal is None:
             raise InputError(
                 "temperature: these contacts have no law for it; give them thermal = "
                 'Thermal("soft", 0.1), or a rate law of your own at each temperature, one after '
                 "the other, by contacts.replace(thermal=...)"
             )
-        if asked["rate"] is not None and ageing is None:
+        if asked["rate"] is not None and contacts.ageing is None:
             raise InputError(
                 "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
             )
         own = {
             "temperature": thermal.temperature if thermal else None,
-            "rate": ageing.rate if ageing else None,
-            "delay": wait.time if wait else None,
+            "rate": contacts.ageing.rate if contacts.ageing else None,
+            "delay": contacts.delay.time if contacts.delay else None,
         }
         given = asked | {name: own[name] for name in own if asked[name] is None}
         numbers = {name: _numbers(name, one) for name, one in given.items() if one is not None}
@@ -206,7 +204,6 @@ def kinetic_curve(
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed without delay, shape (4, n)."""
-    check_finite(contacts)
     laws, unit = set(contacts.laws), contacts.mean_threshold
     out = np.full((4, speeds.size), np.nan)
     by_heat = contacts.thermal is not None and contacts.thermal.closure == "exact"

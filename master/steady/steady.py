@@ -98,7 +98,8 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
     else:
         life, wait = life or steady_life(contacts, velocity), velocity * contacts.waiting_time
         if contacts.reforming and not contacts.reforming.law.is_single:
-            life.resolved = max(life.resolved, 1e-7)  # the error of an average is about its square
+            resolved = 1e-9 if life.quick else 1e-7  # the error of an average is about its square
+            life.resolved = max(life.resolved, resolved)
         travel = Travel(contacts, life, velocity)
         force, force_error = travel.force(wait)
         known = {

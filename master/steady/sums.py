@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal.table import Table
-from master.steady.travel import thresholds_beyond
+from master.steady.travel import check_finite, thresholds_beyond
 from origins import Contacts
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
 
@@ -45,6 +45,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
 
     Returns an array of shape (2, 2, n): C and its error, the integral and its error.
     """
+    check_finite(contacts)
     law, unit, breaks = contacts.thresholds, contacts.mean_threshold, _Breaks(contacts, speeds)
     positions, shares = law.atoms
     total, off = np.zeros((2, 2, speeds.size))

@@ -85,7 +85,8 @@ class Travel(Straight):
         self.most = float(np.abs(borne).max()) * self.scale
         lost = np.maximum(-np.diff(held), 0.0)
         self.grain = float(table.widths @ lost / lost.sum())
-        self.length, self.area = (table.integrals() * [1.0, self.scale]).tolist()
+        units = np.array([1.0, self.scale])
+        self.length, self.area = (table.integrals() * units).tolist()
         if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
             # at T = 0 both are moments of P_c; by how much the integrals miss these counts as their error
             law, power = contacts.thresholds, power_of(contacts)
@@ -103,8 +104,9 @@ class Travel(Straight):
         if isinstance(life, ThermalLife):
             alive = np.clip(table(life.law.isf([life.FEW]))[0] / life.FEW, 0.0, 1.0)
             far = max(self.longest, float(contacts.thresholds.isf(1e-30)))
-            lost = life.rounded_away() + thresholds_beyond(contacts, far)
-            off += alive * lost / np.array([1.0, self.scale])
+            off += alive * (life.rounded_away() + thresholds_beyond(contacts, far)) / units
+        elif contacts.stiffness == "linked":  # farther thresholds are missing in the table of <k x>
+            off += thresholds_beyond(contacts, life.reach) / units
         # relative round-off of integrals of the survival
         self.length_error = float(off[0]) + 1e-13 * self.length
         self.area_error = float(off[1]) * self.scale + 1e-13 * abs(self.area)
@@ -119,9 +121,8 @@ class Travel(Straight):
         """Integrals of E and K over `scale` beyond the longest way, where both continue as powers."""
         ways = self.longest * np.array([0.5, 1.0])
         before, last = np.abs(self.scaled(ways[:, None])[:, :, 0]).T + np.finfo(float).tiny
-        fall = np.log2(before / last)
         # a tail that falls nearly as slowly as 1/x is taken to fall as x^-1.01
-        return np.asarray(last * ways[1] / np.clip(fall - 1.0, 1e-2, 1.0))
+        return np.asarray(last * ways[1] / np.clip(np.log2(before / last) - 1.0, 1e-2, 1.0))
 
 
 def thresholds_beyond(contacts: Contacts, far: float) -> Array:
