@@ -4,29 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import master
-import origins
-from origins import Contacts, Delay, Thermal, gaussian, rectangular
+from origins import Contacts, Delay, Thermal, gaussian, identical, mixture, rectangular
 
 # law, <x_s>, <x_s^2>
 ATOMIC = {
-    "identical": (origins.identical(1.7), 1.7, 1.7**2),
-    "two values": (
-        origins.mixture([origins.identical(1.0), origins.identical(3.0)], [0.3, 0.7]),
-        0.3 + 0.7 * 3.0,
-        0.3 + 0.7 * 9.0,
-    ),
-    "value and gaussian": (
-        origins.mixture([origins.identical(0.95), origins.gaussian(1.05, 0.1)], [0.25, 0.75]),
-        1.025,
-        1.06,
-    ),
-    "value and uniform": (
-        origins.mixture([origins.identical(0.5), origins.rectangular(0.0, 1.0)], [0.5, 0.5]),
-        0.5,
-        0.5 * 0.25 + 0.5 / 3.0,
-    ),
+    "identical": (identical(1.7), 1.7, 1.7**2),
+    "two values": (mixture([identical(1.0), identical(3.0)], [0.3, 0.7]), 2.4, 6.6),
+    "value and gaussian": (mixture([identical(0.95), gaussian(1.05, 0.1)], [0.25, 0.75]), 1.025, 1.06),
+    "value and uniform": (mixture([identical(0.5), rectangular(0.0, 1.0)], [0.5, 0.5]), 0.5, 0.125 + 0.5 / 3.0),
 }
 
 
@@ -34,9 +22,16 @@ ATOMIC = {
 def test_force_of_laws_with_exact_values(name: str) -> None:
     """F_k = <x_s²>/(2 <x_s>); of laws with densities alone test_families tells."""
     law, mean, square = ATOMIC[name]
-    steady = master.steady_state(origins.Contacts(law))
+    steady = master.steady_state(Contacts(law))
     assert steady.mean_threshold == pytest.approx(mean, rel=1e-10)
     assert abs(steady.force - square / (2.0 * mean)) / mean <= steady.force_error < 1e-14
+
+
+def test_linked_contacts_ahead_of_a_heavy_tail_claim_what_is_left_out() -> None:
+    """Above r = 0.1 such thresholds exceed r by a law of the same family, whose moments make F_k = 3.175."""
+    contacts = Contacts(stats.lomax(6.0, scale=2.0), reforming=0.1, stiffness="linked")
+    steady = master.steady_state(contacts)
+    assert abs(steady.force - 3.175) / steady.mean_threshold <= steady.force_error < 1e-6
 
 
 NARROW = gaussian(1.0, 0.05)

@@ -128,12 +128,12 @@ class GrainLife(Life):
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
             excess = self.grains.growth.excess_after(time)
             limit = self.grains.threshold_at(hazard.ravel()[owner, None], excess)
-            rates = law.rate(np.minimum(x, limit), limit, 1.0)
-            return (rates * (unit + time) / most[owner, None])[None]
+            rates = law.rate(np.minimum(x, limit), limit, 1.0) * (unit + time)
+            return np.stack([rates, rates + 1.0 / span[row, None]])
 
-        # the share e^-A is as good as the relative error of A
-        most, least = np.ones(hazard.size), np.zeros(hazard.size)
-        most = np.maximum(integrals_above(rate, least, earlier, True, np.inf).value[0], 1.0)
-        found = integrals_above(rate, least, earlier, True, RESOLVED)
-        self.error = max(self.error, MARGIN * float(found.missed[0].max(initial=0.0)))
-        return (most * found.value[0]).reshape(hazard.shape)
+        # the share e^-A is as good as the error of A relative to 1 + A, the integral of the second function
+        span = log_times[:, -1] - log_times[:, 0]
+        found = integrals_above(rate, np.zeros(hazard.size), earlier, True, RESOLVED, relative=True)
+        spent, missed = found.value[0], found.missed[0] / np.maximum(found.value[1], 1.0)
+        self.error = max(self.error, MARGIN * float(missed.max(initial=0.0)))
+        return spent.reshape(hazard.shape)

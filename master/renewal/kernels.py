@@ -107,13 +107,14 @@ class Straight:
         self._read = self.table
         self.edges, self.error = self.table.edges, self.table.error
 
-    def scaled(self, lag: Array) -> Array:
-        """E and K over `scale` after lags of shape (rows, columns), from the life itself."""
+    def scaled(self, lag: Array, born: Array | None = None) -> Array:
+        """E and K over `scale` after lags of shape (rows, columns), from the life itself; `born` as there."""
         if not lag.size:
             return np.zeros((2, *lag.shape))
         far = max(float(lag.max()), self.longest) / self._per_time
         motion = Motion(np.array([0.0, far]), np.array([0.0, far * self._speed]))
-        found = self.life.left(self.born, motion.history(lag / self._per_time, np.zeros((1, 1))))
+        history = motion.history(lag / self._per_time, np.zeros((1, 1)))
+        found = self.life.left(self.born if born is None else born, history)
         found[1] /= self.scale
         return found
 

@@ -8,16 +8,17 @@ So points that differ only in the delay share one steady state.
 from __future__ import annotations
 
 import time
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.make import steady_life
 from master.outcome import WELL, judged
-from master.steady.steady import steady_state
+from master.steady.steady import state_at
 from master.steady.sums import summed
-from master.steady.travel import check_finite
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
@@ -74,26 +75,23 @@ class Points:
         self._began, self._contacts = time.perf_counter(), contacts
         # a rate law of the user's own has no temperature
         thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
-        ageing, wait = contacts.ageing, contacts.delay
         if asked["temperature"] is not None and thermal is None:
             raise InputError(
                 "temperature: these contacts have no law for it; give them thermal = "
                 'Thermal("soft", 0.1), or a rate law of your own at each temperature, one after '
                 "the other, by contacts.replace(thermal=...)"
             )
-        if asked["rate"] is not None and ageing is None:
+        if asked["rate"] is not None and contacts.ageing is None:
             raise InputError(
                 "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
             )
         own = {
             "temperature": thermal.temperature if thermal else None,
-            "rate": ageing.rate if ageing else None,
-            "delay": wait.time if wait else None,
+            "rate": contacts.ageing.rate if contacts.ageing else None,
+            "delay": contacts.delay.time if contacts.delay else None,
         }
         given = asked | {name: own[name] for name in own if asked[name] is None}
-        numbers = {
-            name: _numbers(name, value) for name, value in given.items() if value is not None
-        }
+        numbers = {name: _numbers(name, one) for name, one in given.items() if one is not None}
         try:
             arrays = dict(zip(numbers, np.broadcast_arrays(*numbers.values()), strict=True))
         except ValueError as error:
@@ -113,24 +111,21 @@ class Points:
         """The contacts at one temperature, rate and delay (0: none)."""
         thermal, ageing = self._contacts.thermal, self._contacts.ageing
         if isinstance(thermal, Thermal):
-            warm = temperature > 0.0
-            thermal = replace(thermal, temperature=float(temperature)) if warm else None
+            thermal = replace(thermal, temperature=float(temperature)) if temperature else None
         if ageing is not None:
             ageing = Ageing(ageing.final, float(rate), ageing.closure)
-        wait = Delay(float(delay)) if delay > 0.0 else None
-        return self._contacts.replace(thermal=thermal, ageing=ageing, delay=wait)
+        return self._contacts.replace(thermal=thermal, ageing=ageing, delay=Delay(float(delay)))
 
 
 def _numbers(name: str, value: npt.ArrayLike) -> Array:
     """The value as an array; InputError unless all numbers are finite and in the argument's range."""
     try:
         numbers = np.array(value, dtype=float)
+        ends = numbers.min(), numbers.max()
     except (TypeError, ValueError):
-        refuse(name, value, "must be a number or an array of numbers")
-    if not numbers.size:
-        refuse(name, numbers, "must not be empty")
+        refuse(name, value, "must be a number or an array of numbers, and must not be empty")
     check = positive if name == "velocity" else non_negative
-    for number in (numbers.min(), numbers.max()):
+    for number in ends:
         check(name, number)
     return numbers
 
@@ -197,8 +192,7 @@ def kinetic_curve(
     speeds, _, _, waits = points.rows.T.reshape(4, *points.shape)
     holding = length / (length + speeds * (waits + pinned))
     off = holding * (1.0 - holding) * length_error / length
-    force_error = force_error * holding + force * off
-    force = force * holding
+    force, force_error = force * holding, force_error * holding + force * off
     return KineticCurve(
         **points.outcome(*judged("F_k", force_error / force, WELL)),
         force=force,
@@ -210,16 +204,18 @@ def kinetic_curve(
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed without delay, shape (4, n)."""
-    check_finite(contacts)
-    out, unit = np.full((4, speeds.size), np.nan), contacts.mean_threshold
+    laws, unit = set(contacts.laws), contacts.mean_threshold
+    out = np.full((4, speeds.size), np.nan)
     by_heat = contacts.thermal is not None and contacts.thermal.closure == "exact"
-    if by_heat and not {"ageing", "grains", "reforming"}.intersection(contacts.laws):
+    if by_heat and not laws & {"ageing", "grains", "reforming"}:
         out[2:], area = summed(contacts, speeds)
         out[0] = area[0] / out[2]
         out[1] = (area[1] + out[0] * out[3]) / out[2]
-    # points not known well enough from the sums over all speeds are solved individually
-    for i in np.flatnonzero(~(out[1] < 1e-9 * out[0])):
-        state = steady_state(contacts, velocity=float(speeds[i]))
+    # points not known well enough from these sums are solved individually, each with a copy of one life
+    rest = np.flatnonzero(~(out[1] < 1e-9 * out[0]))
+    life = steady_life(contacts, 1.0) if rest.size and not laws & {"ageing", "grains"} else None
+    for i in rest:
+        state = state_at(contacts, float(speeds[i]), copy(life))
         if not state.force_error * unit >= out[1, i]:
             out[:2, i] = np.array([state.force, state.force_error * unit]) / state.holding
             out[2:, i] = state.cycle_length, state.cycle_length_error * unit

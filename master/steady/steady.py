@@ -11,14 +11,11 @@ import numpy.typing as npt
 
 from master.lives.life import Life
 from master.lives.make import steady_life
-from master.motion.motion import Motion
 from master.outcome import WELL, judged
-from master.renewal.births import reforming_law
-from master.steady.travel import Travel, check_finite
+from master.steady.travel import Travel
 from origins import Contacts, Thresholds
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive
-from origins.start import Start
 from origins.thresholds.quadrature import gauss
 
 Array = npt.NDArray[np.float64]
@@ -88,16 +85,22 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
     grows for ever and there is no steady state; and where contacts break at once.
     """
     check_contacts(contacts, "master.steady_state", LAWS, own_rates=True)
-    velocity = positive("velocity", velocity)
+    return state_at(contacts, positive("velocity", velocity))
+
+
+def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> SteadyState:
+    """The state at a speed; a life that is given is that of `steady_life`."""
     unit = contacts.mean_threshold
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         from master.paper.q15_steady import paper_steady
 
         known = paper_steady(contacts, velocity)
     else:
-        check_finite(contacts)
-        life, births = steady_life(contacts, velocity), reforming_law(contacts)
-        travel, wait = Travel(contacts, life, births, velocity), velocity * contacts.waiting_time
+        life, wait = life or steady_life(contacts, velocity), velocity * contacts.waiting_time
+        if contacts.reforming and not contacts.reforming.law.is_single:
+            resolved = 1e-9 if life.quick else 1e-7  # the error of an average is about its square
+            life.resolved = max(life.resolved, resolved)
+        travel = Travel(contacts, life, velocity)
         force, force_error = travel.force(wait)
         known = {
             "force": force,
@@ -107,15 +110,16 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
             "mean_threshold": unit,
             "cycle_length": travel.length,
             "cycle_length_error": travel.length_error / unit,
-            "_held": partial(_held, life, births, velocity),
+            "_held": partial(_held, travel),
         }
     relative = known["force_error"] / max(abs(known["force"]) / unit, WELL)
     success, message = judged("F_k", relative, WELL)
     return SteadyState(success=bool(success), message=message, **known)
 
 
-def _held(life: Life, births: Start, velocity: float, x: Array) -> Array:
+def _held(travel: Travel, x: Array) -> Array:
     """Share of all contacts that hold at stretches x (n,) after their birth, averaged over births."""
+    life, births = travel.life, travel.born
     low, high = np.clip(births.span, -life.reach, life.reach)
     at = x[:, None]
     born, weights = np.full((x.size, 1, 1), births.mean()), (at >= low)[..., None] * 1.0
@@ -128,8 +132,5 @@ def _held(life: Life, births: Start, velocity: float, x: Array) -> Array:
         born, weights = gauss(cuts[:, :-1], cuts[:, 1:])
         weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
     way, rows = np.maximum(at[..., None] - born, 0.0), (-1, born.shape[-1])
-    far = max(float(way.max(initial=0.0)), life.reach)
-    motion = Motion(np.array([0.0, far / velocity]), np.array([0.0, far]))
-    history = motion.history(way.reshape(rows) / velocity, np.zeros((1, 1)))
-    held = life.left(born.reshape(rows), history)[0].reshape(born.shape)
+    held = travel.scaled(way.reshape(rows), born.reshape(rows))[0].reshape(born.shape)
     return np.asarray((weights * held).sum(axis=(1, 2)))

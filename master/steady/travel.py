@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from master.lives.heat import ThermalLife
 from master.lives.life import Life
+from master.renewal.births import reforming_law
 from master.renewal.kernels import Straight
 from origins import Contacts, InputError
 from origins.start import Start
@@ -37,13 +38,14 @@ class Travel(Straight):
     Parameters
     ----------
     contacts : Contacts
-    life, born : Life, Start
-        Of the contacts, and the law of the stretches at which they are born.
+    life : Life
     velocity : float
         v > 0, length per time.
     accuracy : float, optional
         Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not
         halved: the error of integrals is then about its square. Kept as an attribute.
+    born : Start, optional
+        The law of the stretches at birth; None: that of re-forming.
 
     Attributes, beside those of Straight, where lags are ways
     ----------
@@ -63,11 +65,13 @@ class Travel(Straight):
         self,
         contacts: Contacts,
         life: Life,
-        born: Start,
         velocity: float,
         accuracy: float | None = None,
+        born: Start | None = None,
     ) -> None:
         """Tabulate E and K over the way since a birth, and integrate them."""
+        check_finite(contacts)
+        born = born or reforming_law(contacts)
         if accuracy is None:
             accuracy = ACCURACY if born.is_single else OF_MANY
         self.accuracy = accuracy if born.is_single or life.quick else max(accuracy, STEPPED)
@@ -81,7 +85,8 @@ class Travel(Straight):
         self.most = float(np.abs(borne).max()) * self.scale
         lost = np.maximum(-np.diff(held), 0.0)
         self.grain = float(table.widths @ lost / lost.sum())
-        self.length, self.area = (table.integrals() * [1.0, self.scale]).tolist()
+        units = np.array([1.0, self.scale])
+        self.length, self.area = (table.integrals() * units).tolist()
         if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
             # at T = 0 both are moments of P_c; by how much the integrals miss these counts as their error
             law, power = contacts.thresholds, power_of(contacts)
@@ -99,8 +104,9 @@ class Travel(Straight):
         if isinstance(life, ThermalLife):
             alive = np.clip(table(life.law.isf([life.FEW]))[0] / life.FEW, 0.0, 1.0)
             far = max(self.longest, float(contacts.thresholds.isf(1e-30)))
-            lost = life.rounded_away() + thresholds_beyond(contacts, far)
-            off += alive * lost / np.array([1.0, self.scale])
+            off += alive * (life.rounded_away() + thresholds_beyond(contacts, far)) / units
+        elif contacts.stiffness == "linked":  # farther thresholds are missing in the table of <k x>
+            off += thresholds_beyond(contacts, life.reach) / units
         # relative round-off of integrals of the survival
         self.length_error = float(off[0]) + 1e-13 * self.length
         self.area_error = float(off[1]) * self.scale + 1e-13 * abs(self.area)
@@ -114,12 +120,9 @@ class Travel(Straight):
     def _beyond(self) -> Array:
         """Integrals of E and K over `scale` beyond the longest way, where both continue as powers."""
         ways = self.longest * np.array([0.5, 1.0])
-        before, last = np.abs(self.scaled(ways[:, None])[:, :, 0]).T
-        fall = np.full(2, 2.0)
-        held = last > 0.0
-        fall[held] = np.log2(before[held] / last[held])
+        before, last = np.abs(self.scaled(ways[:, None])[:, :, 0]).T + np.finfo(float).tiny
         # a tail that falls nearly as slowly as 1/x is taken to fall as x^-1.01
-        return np.asarray(last * ways[1] / np.clip(fall - 1.0, 1e-2, 1.0))
+        return np.asarray(last * ways[1] / np.clip(np.log2(before / last) - 1.0, 1e-2, 1.0))
 
 
 def thresholds_beyond(contacts: Contacts, far: float) -> Array:

@@ -11,7 +11,6 @@ from numpy.polynomial import legendre
 from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import reforming_law
 from master.renewal.march import March
 from master.rigid import FINEST, GRAINS, ROUND_OFF, longest_stretch, march_of
 from master.steady.travel import Travel
@@ -79,8 +78,7 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
 def births_table(contacts: Contacts, velocity: float, tolerance: float) -> Travel:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(1e-6 * tolerance, 1e-13)  # a slope loses some four digits
-    life = steady_life(contacts, velocity)
-    return Travel(contacts, life, reforming_law(contacts), velocity, accuracy)
+    return Travel(contacts, steady_life(contacts, velocity), velocity, accuracy)
 
 
 def forward_march(

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from master.outcome import judged
 from master.steady.kinetic import Along, Points
-from master.steady.travel import check_finite
 from master.stick_slip.extremes import extremes, unit_of
 from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
@@ -79,7 +78,6 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)
     check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
-    check_finite(contacts)
     velocity = positive("velocity", velocity)
     fall, static, travel = extremes(contacts, velocity, tolerance)
     wait = velocity * contacts.waiting_time
@@ -154,7 +152,6 @@ def phase_line(
     tolerance = check_tolerance("tolerance", tolerance)
     asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
     points = Points(contacts, **asked)
-    check_finite(contacts)
     cases, which = np.unique(points.rows, axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
     for i, (speed, *laws) in enumerate(cases):

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.steady.travel import Travel, check_finite, tail_rate
+from master.steady.travel import Travel, tail_rate
 from master.stick_slip.extremes import births_table, forward_march
 from master.stick_slip.roots import (
     BROAD,
@@ -134,14 +134,13 @@ def decoherence_spectrum(
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
-    check_finite(contacts)
     travel, start = births_table(contacts, velocity, TOLERANCE), contacts.start
     wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
     transform = Transform(travel, wait, _deepest(contacts, travel, velocity))
     roots, searched = leading_roots(transform, n_roots + 1)
     s, of_start = roots[:n_roots], transform
     if not (start.is_single and start.span == travel.born.span):
-        way = Travel(contacts, travel.life, start, velocity)
+        way = Travel(contacts, travel.life, velocity, born=start)
         of_start = Transform(way, wait, -float(s.real.min(initial=0.0)))
     root_error = transform(s).root_error(s)
     beside = np.append(s, s + root_error)

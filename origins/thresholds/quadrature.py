@@ -34,15 +34,14 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
     """
     lower, end = thresholds.support()
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
-    low = thresholds.ppf(_SEEDS)
-    high = thresholds.isf(np.concatenate([_SEEDS, far, [tail]]))
-    top = min(upper, end if np.isfinite(end) else float(high[-1]))
+    ranks = thresholds.isf(np.concatenate([1.0 - _SEEDS, _SEEDS, far, [tail]]))
+    top = min(upper, end if np.isfinite(end) else float(ranks[-1]))
     if not top > lower:
         return np.empty(0)
-    edges = np.unique(np.concatenate([[lower, top], low, high[:-1], thresholds.breakpoints]))
+    edges = np.unique(np.concatenate([[lower, top], ranks[:-1], thresholds.breakpoints]))
     edges = edges[(edges >= lower) & (edges <= top)]
     left, right = edges[:-1], edges[1:]
-    scale = float(low[-1]) or 1.0
+    scale = float(ranks[_SEEDS.size - 1]) or 1.0
     done, found = np.zeros(2), [edges]
     for _ in range(64):
         # between ends that are decades apart the geometric mean, so that a spike at small x is reached
