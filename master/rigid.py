@@ -144,7 +144,8 @@ def march_of(
     # panels get the part of the tolerance that rounding and the life's own error leave
     taken = round_off(motion, mean) + life.error * stretch / mean
     of_panels = max(tolerance - taken, 0.4 * tolerance) * (1.0 if life.quick else 0.8)
-    allowed = max(of_panels * mean / stretch, FINEST)
+    # survivals that are more than a look-up are rounded by some 1e-13
+    allowed = max(of_panels * mean / stretch, FINEST * (1.0 if life.quick else 15.0))
     # a panel sums some hundred integrals over births
     accuracy = max(3e-3 * allowed, 1e-15)
     births = Births(life, again, motion, contacts.waiting_time, accuracy, until)

@@ -31,12 +31,7 @@ CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "13")), 1000
 FIRST = int(os.environ.get("FORCE_ERROR_FIRST", "0"))
 ROUND_OFF = 1e-13
 DENSE = 400  # points of a path at which errors are looked for
-SPARSE = {
-    "pulled",
-    "pulled_with_laws",
-    "warm_in_time",
-    "older_in_time",
-}  # not there: they take long
+SPARSE = {"pulled", "pulled_with_laws", "older_in_time"}  # not there: they take long
 MISSED = 0.01  # of the scenes may be off by more than they claim
 NEAR = 30.0  # times the true error, or round-off: half of the claims are no larger
 

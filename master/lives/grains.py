@@ -52,7 +52,7 @@ class GrainLife(Life):
     and the age tau_m.
     """
 
-    error = 5e-14  # the share's error by that of the hazards
+    error = 1e-13  # the share's error by that of the hazards
     left_out, fresh = 1e-17, False  # e^-GONE
 
     def __init__(self, contacts: Contacts, longest: float) -> None:

@@ -142,7 +142,9 @@ class Life:
             found = self.survivors(born.ravel(), np.repeat(side, nodes), moves)
             return found.reshape(2, *born.shape) * (finite_density(law, born) / kept)
 
-        found = integrals(weighed, pieces, now.size, self.resolved)
+        # densities of a law far narrower than its distance from 0 are rounded
+        rounding = 100.0 * np.finfo(float).eps * max(abs(first), abs(last)) / (last - first)
+        found = integrals(weighed, pieces, now.size, max(self.resolved, rounding))
         self.error = max(self.error, MARGIN * float(found.missed[0].max(initial=0.0)))
         return found.value
 

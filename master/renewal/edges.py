@@ -58,7 +58,8 @@ def edges(
     """Where panels begin and end.
 
     start : law of the stretches at t = 0
-    tolerance : of the number of breaks; moments of a size below SMOOTHER times this are left out
+    tolerance : of the number of breaks; moments of a size below SMOOTHER times this are left out: the
+        panels' own errors, at points between their nodes, count them
     since, known : for a march that is continued, the time that it has reached, and the moments that
         it has met
     """
@@ -84,9 +85,8 @@ def edges(
         together = speed == 0.0 and not life.timeless and again.is_single
         if delay > 0.0 or together:
             first.append(Moment(time - delay, 1.0 if together else SMOOTHER**2))
-    if delay > 0.0 or life.atoms.size or not life.quick:
-        # with exact thresholds or heat contacts of the start may break at once; births begin one delay later
-        first += [Moment(0.0, SMOOTHER), Moment(delay, SMOOTHER)]
+    # contacts of the start may break at once; births begin one delay later
+    first += [Moment(0.0, SMOOTHER), Moment(delay, SMOOTHER)]
 
     def following(least: float) -> Iterator[Moment]:
         """All moments after `since` of a size above the least, in the order of time."""

@@ -36,13 +36,14 @@ class Points:
         self.nodes: Array = 0.5 * (z + 1.0)
         self.series = np.asarray(np.linalg.inv(legendre.legvander(z, z.size - 1)).T, dtype=float)
 
-    def beyond(self, values: Array, scale: float) -> Array:
-        """About the first coefficient left out, by the decay of the last four, of number or force/scale."""
+    def beyond(self, values: Array, scale: float) -> tuple[Array, Array]:
+        """About the first coefficient left out, of number or force/scale, and the ratio of one
+        coefficient to the one before, by the decay of the last four."""
         size = np.abs(values @ self.series[:, -4:])
         size = np.maximum(size[0], size[1] / scale)
         before, last = size[..., :2].max(axis=-1), size[..., 2:].max(axis=-1)
         fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
-        return np.asarray(last * np.sqrt(fall))
+        return last * np.sqrt(fall), np.sqrt(fall)
 
     def at(self, share: Array) -> Array:
         """The matrix from values at the nodes to those at shares, shape (size, shares)."""

@@ -20,15 +20,8 @@ Array = npt.NDArray[np.float64]
 class ColdSlider:
     """A soft slider pulled by a drive along its path (paper, Eq. Q16x2).
 
-    Parameters
-    ----------
-    contacts : Contacts
-        Without laws that depend on time.
-    drive : Drive
-    tolerance : float
-        Of the force, in mean thresholds.
-    until : float
-        Reading of time.monotonic() at which to stop.
+    contacts : without laws that depend on time
+    tolerance : of the force, in mean thresholds; until : reading of time.monotonic() at which to stop
     """
 
     def __init__(self, contacts: Contacts, drive: Drive, tolerance: float, until: float) -> None:

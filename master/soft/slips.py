@@ -62,6 +62,7 @@ class Followed(NamedTuple):
 
     balance, nodes : see SoftSolution
     position, force, holding : arrays of shape (k,), at the first k points of the path
+    error, holding_error : estimates from above, of force and load at slips, and of the share that holds
     stopped_because : why the path was not followed to its end, or steps were not halved further
     """
 
@@ -72,7 +73,13 @@ class Followed(NamedTuple):
     slips: Slips
     error: float
     nodes: int
+    holding_error: float = 0.0
     stopped_because: str = ""
+
+    @property
+    def largest_error(self) -> float:
+        """The error by which the solution is judged."""
+        return max(self.error, self.holding_error)
 
     def outcome(
         self, contacts: Contacts, drive: Drive, tolerance: float, place: str
@@ -80,8 +87,9 @@ class Followed(NamedTuple):
         """Success and message; `place` is the symbol of the path's positions."""
         solved = self.force.size
         if solved == drive.path.size:
-            above = f"error estimate {self.error:.1e} is above the tolerance {tolerance:.1e}"
+            error = self.largest_error
+            above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
             reason = self.stopped_because or f"{above}; shorten the path or loosen the tolerance"
-            return outcome(contacts, self.error, tolerance, reason)
+            return outcome(contacts, error, tolerance, reason)
         last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
         return False, f"{self.stopped_because}: the path is cut at {last}"

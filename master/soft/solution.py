@@ -61,7 +61,7 @@ class SoftSolution:
     nodes : int
         Moments at which number conservation was solved.
     success : bool
-        Whether force_error is at or below the requested tolerance.
+        Whether force_error, and the error of `holding`, are at or below the requested tolerance.
     message : str
     """
 

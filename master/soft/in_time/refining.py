@@ -2,7 +2,9 @@
 
 Errors of the answers fall about as the square of the step, faster with ageing, more slowly where thresholds grow
 or births jump; all are extrapolated to step 0 as if by the square. The error estimate is one to three times the last
-change, plus the error of the contacts' memory and rounding, or what the steps do not resolve if that is larger.
+change, of the extrapolated answers or of the others, whichever is smaller, plus the error of the contacts' memory and
+rounding, or what the steps do not resolve if that is larger. Steps are halved until force and holding are both known;
+the error of the force, and of the load at slips, is claimed.
 """
 
 from __future__ import annotations
@@ -85,11 +87,11 @@ def refined(
         levels = [*same, slider]
         found = extrapolated(levels, contacts, drive, balance, asked)
         progress(found.error)
-        if best is None or found.error <= best.error:
+        if best is None or found.largest_error <= best.largest_error:
             best = found
         # the next level takes twice the steps, each of which has twice the strands
         too_many = 2.0 * cohorts.steps > MOST_STEPS or 4.0 * cohorts.work > MOST_WORK
-        if best.error <= tolerance or found.error < 2.0 * memory.error or too_many:
+        if best.largest_error <= tolerance or found.largest_error < 2.0 * memory.error or too_many:
             return best
         level += 1
 
@@ -99,7 +101,7 @@ def extrapolated(
 ) -> Followed:
     """The answer at times (n,) of three levels with as many slips; of fewer, with an infinite error."""
     unit, spring, n = contacts.mean_threshold, float(drive.spring or 0.0), asked.size
-    path, cohorts, error = drive.path[:n], levels[-1].contacts, np.inf
+    path, cohorts, error, of_holding = drive.path[:n], levels[-1].contacts, np.inf, np.inf
     slips = [np.array(one.slips).reshape(-1, 3).T for one in levels]
     read_out = [
         np.append(read(one.sections, asked) / [[unit], [1.0]], rows / unit)
@@ -107,15 +109,17 @@ def extrapolated(
     ]
     answer = read_out[-1]
     if len(levels) == 3:
-        first, second = np.diff(read_out, axis=0)
+        before, last = np.diff(read_out, axis=0)
         # points that the change of a slip moves across it are left out
         crossed = [_beside(path, *pair) for pair in pairwise(rows[0] / spring for rows in slips)]
         told = np.append(np.tile(~(crossed[0] | crossed[1]), 2), np.ones(slips[0].size, dtype=bool))
-        changes = np.abs(second + (second - first) / 3.0)[told]
+        changes = np.abs([last, last + (last - before) / 3.0]) * told
         # three times the last change, as changes fall irregularly where births jump or P_c bends, and
         # by a half where thresholds grow; once with ageing, where errors fall faster
-        error = (3.0 if contacts.ageing is None else 1.0) * float(changes.max(initial=0.0))
-        answer = answer + np.where(told, second / 3.0, 0.0)
+        safety = 3.0 if contacts.ageing is None else 1.0
+        parts = np.delete(changes, np.s_[n : 2 * n], axis=1), changes[:, n : 2 * n]
+        error, of_holding = (safety * float(part.max(axis=1, initial=0.0).min()) for part in parts)
+        answer = answer + np.where(told, last / 3.0, 0.0)
     # round-off of the force grows with the number of steps
     stiff = spring if slips[-1].size else min(spring, 1.0)
     rounding = 1e-13 * (1.0 + cohorts.steps) * (1.0 + stiff)
@@ -130,6 +134,7 @@ def extrapolated(
         holding=holding,
         slips=Slips(drives, drives - above / spring, drives - below / spring, above, below, off),
         error=error,
+        holding_error=of_holding,
         nodes=cohorts.steps,
     )
 

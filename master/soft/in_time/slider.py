@@ -30,19 +30,10 @@ class Node(NamedTuple):
 class Slider:
     """The solution along the whole path, with steps of 2^-level of the coarsest.
 
-    Parameters
-    ----------
-    contacts : Cohorts
-        All contacts at X = 0; StoppedError says how far their steps came.
-    drive : Drive
-    motion : Motion or None
-        Of the drive; None where it does not move.
-
-    Attributes
-    ----------
+    contacts : all at X = 0; StoppedError says how far their steps came
+    motion : of the drive; None where it does not move
     sections : list of lists of Node, one for each smooth section
-    slips : list of arrays of shape (3,)
-        K X_T, F before and after (lengths); the spring balances F before and after.
+    slips : list of arrays of shape (3,), K X_T, F before and after (lengths), which the spring balances
     """
 
     def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
@@ -155,5 +146,7 @@ def read(sections: list[list[Node]], asked: Array) -> Array:
             (step[cell - 1], step[cell]),
             args=(np.clip(at, times[cell - 1], times[cell]),),
         )
-        out[:, which == k] = values(found.x)[:, 1:].T
+        # at the end of a cell rounding may take the root out of it
+        place = np.where(found.success, found.x, np.interp(at, times, step))
+        out[:, which == k] = values(place)[:, 1:].T
     return out

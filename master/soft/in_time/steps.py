@@ -27,16 +27,9 @@ CLOSE, CLOSE_TO_SLIP = 1e-9, 1e-6
 class StepCount:
     """Count of steps: uniform in time, and after a bend, where changes slow down, in its logarithm.
 
-    Parameters
-    ----------
-    begin, end : float
-        Times of two consecutive bends.
-    held : bool
-        Whether the drive holds.
-    rate : float
-        Uniform steps per time.
-    first : float
-        The shortest time over which contacts change after a bend; inf where nothing changes then.
+    begin, end : times of two consecutive bends; held : whether the drive holds
+    rate : uniform steps per time
+    first : the shortest time over which contacts change after a bend; inf where nothing changes then
     """
 
     def __init__(self, begin: float, end: float, held: bool, rate: float, first: float) -> None:
@@ -68,22 +61,11 @@ class StepCount:
 
 
 class Steps:
-    """Steps of contacts on one leg of the drive's motion, until the next bend.
+    """Steps of contacts on one leg of the drive's motion X_T(t), until the next bend.
 
-    Parameters
-    ----------
-    contacts : Cohorts
-    spring : float
-        K/(N_c <k>).
-    drive : Motion
-        X_T(t).
-
-    Attributes
-    ----------
-    length : float
-        The travel of a step of the size 1 that takes no time (a length).
-    sign : float
-        Direction in which the spring pulls: travels and imbalances are counted along it.
+    spring : K/(N_c <k>)
+    length : the travel of a step of the size 1 that takes no time (a length)
+    sign : direction in which the spring pulls: travels and imbalances are counted along it
     """
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
@@ -105,11 +87,8 @@ class Steps:
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
-        return self._time(trial) + self.sign * trial.travel / self.length
-
-    def _time(self, trial: Trial) -> float:
-        """The uniform steps that a step takes."""
-        return self._count.steps(trial.now) - self._count.steps(self._contacts.now)
+        takes = self._count.steps(trial.now) - self._count.steps(self._contacts.now)
+        return takes + self.sign * trial.travel / self.length
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion."""
