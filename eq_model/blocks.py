@@ -110,8 +110,8 @@ class State:
         if len(courses) > 1 or len(shapes) > 1:
             rule = "was found on another path, or for other contacts; start anew"
             raise InputError(f"earlier: {rule}")
-        tables = [self.rows, other.rows], [self.slips, other.slips]  # without rows: no columns
-        rows, slips = (np.concatenate([a for a in two if a.size] or two[:1]) for two in tables)
+        two = (self.rows, other.rows), (self.slips, other.slips)  # without rows: no columns
+        rows, slips = (a if not b.size else np.append(a, b, 0) if a.size else b for a, b in two)
         return State(
             sums=self.sums + other.sums,
             counts=self.counts + other.counts,
