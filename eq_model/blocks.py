@@ -81,8 +81,7 @@ def share(blocks: range, done: list[range], rank: int, ranks: int) -> list[int]:
     for part in done:
         left = left[(left < part.start) | (left >= part.stop)]
     begin, end = (-(-left.size * one // ranks) for one in (rank, rank + 1))
-    found: list[int] = left[begin:end].tolist()
-    return found
+    return [int(block) for block in left[begin:end]]
 
 
 @dataclass(frozen=True)
@@ -111,11 +110,13 @@ class State:
         if len(courses) > 1 or len(shapes) > 1:
             rule = "was found on another path, or for other contacts; start anew"
             raise InputError(f"earlier: {rule}")
+        two = (self.rows, other.rows), (self.slips, other.slips)  # without rows: no columns
+        rows, slips = (a if not b.size else np.append(a, b, 0) if a.size else b for a, b in two)
         return State(
             sums=self.sums + other.sums,
             counts=self.counts + other.counts,
-            rows=_stacked(self.rows, other.rows),
-            slips=_stacked(self.slips, other.slips),
+            rows=rows,
+            slips=slips,
             contacts=self.contacts + other.contacts,
             breaks=self.breaks + other.breaks,
             done=joined(self.done + other.done),
@@ -141,11 +142,6 @@ class State:
             name: one if one.ndim else one.item() for name, one in found.items()
         }
         return cls(**values | {"done": [range(*ends) for ends in arrays["done"].tolist()]})
-
-
-def _stacked(one: Array, other: Array) -> Array:
-    """The rows of both tables; those without rows have no columns."""
-    return np.concatenate([one, other]) if one.size and other.size else one if one.size else other
 
 
 def rank_and_size(comm: Any) -> tuple[int, int]:

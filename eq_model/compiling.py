@@ -57,4 +57,3 @@ def sources() -> str:
 # the same bits as another type of number
 bits_of = inlined(lambda x: np.float64(x).view(np.int64))
 double_of = inlined(lambda x: np.int64(x).view(np.float64))
-single_of = inlined(lambda x: np.int32(x).view(np.float32))

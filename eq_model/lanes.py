@@ -6,7 +6,8 @@ that absent laws cost nothing, and cached on disk, which closures cannot be.
 
 Under any law a contact holds until `break_of` breaks it, and is out for the delay if there is one. In steady forward
 motion, cold or warm (`Forward`), a contact that breaks at the stretches x1, x2, ... is relaxed again at x1, x1 + x2,
-... of the slider; the released stretches are summed in the bins of the breaks, in loops that become vector code.
+... of the slider; the released stretches are summed in the bins of the breaks. Its loops, over at most four arrays, as
+the compiler must test that none overlap, become vector code.
 """
 
 from typing import Any, NamedTuple
@@ -62,37 +63,46 @@ class Rows(NamedTuple):
     stretch: Whole  # at which the contact forms
     log_exposure: Whole
     first: Whole  # where its rate breaks it if the leg goes on, as contact.breaks_in_row has it
+    square: Whole  # the slider at the end of the break's bin; then the change of the sum of squares by the break
     bins: npt.NDArray[np.int32]
     log_amount: Array  # ln of the integral of the rate over the way to the break
 
 
 def _advance_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Move n contacts forward to their breaks, by a law for rows. Returns the number of breaks."""
-    way, breaks, end, moment = work.way, whole(0), work.way.end, lanes.moment
-    broken, bins, legs = rows.stretch, rows.bins, lanes.leg
-    x = breaks_in_row(law.law, n, rows.threshold, rows.first, rows, legs, work)
+    way, breaks, end, many = work.way, whole(0), work.way.end, work.way.bin_ends.size
+    moment, bins, square = lanes.moment, rows.bins, rows.square
+    x = breaks_in_row(law.law, n, rows.threshold, rows.first, rows, lanes.leg, work)
+    # from here on, the slider's position at which the contact is relaxed
+    for i in range(unsigned(0 if work.again.relaxed else n)):
+        moment[i] -= rows.stretch[i]
+        lanes.initial[i] = whole(moment[i] + x[i] > end)
+    for i in range(n if counts.shape[0] or not way.even else 0):
+        born, broken = moment[i] + rows.stretch[i], moment[i] + x[i]
+        bins[i] = np.int32(many if broken > end else bin_of(broken, way))
+        square[i] = way.bin_positions[min(bins[i], many - 1)]
+        if born <= end:
+            for k in range(way.before[bin_of(born, way)], way.before[bins[i]]):
+                look_at(k, moment[i], real(rows.threshold[i]), way, counts)
     for i in range(unsigned(n)):
-        broken[i] = moment[i] - rows.stretch[i] + x[i]
-        bins[i] = np.int32(way.bin_ends.size if broken[i] > end else bin_of(broken[i], way))
-    for i in range(unsigned(n)):
-        sums[unsigned(bins[i]), 1] += x[i]
-    for i in range(unsigned(n) if work.measured else unsigned(0)):
-        j = unsigned(bins[i])
-        place = way.bin_positions[min(j, unsigned(way.bin_positions.size - 1))]
-        change = real(x[i]) * real(2 * (broken[i] - place) - x[i]) * way.square
-        sums[j, 2] += whole(np.floor(0.5 + change))
-    for i in range(n if counts.shape[0] else 0):
-        if moment[i] <= end:
-            for k in range(way.before[bin_of(moment[i], way)], way.before[bins[i]]):
-                look_at(k, broken[i] - x[i], real(rows.threshold[i]), way, counts)
-    for i in range(unsigned(n)):
-        over = broken[i] > end
-        breaks += whole(not over)
+        broken = moment[i] + x[i]
+        over = broken > end
+        if way.even:
+            bins[i] = np.int32(min(max((broken + way.offset) >> way.shift, whole(0)), many))
         number = lanes.number[i] + (whole(LANES) if over else whole(0))
         again = whole(0) if number < count else end + 1
-        moment[i] = again if over else broken[i]
-        lanes.number[i] = number
-        lanes.initial[i] = whole(over)
+        lanes.number[i], moment[i] = number, again if over else broken
+        breaks += whole(not over)
+    measured = unsigned(n if work.measured else 0)
+    for i in range(measured if way.even else unsigned(0)):
+        square[i] = way.bin_positions[0] + (whole(bins[i]) << way.shift)
+    for i in range(measured):
+        change = real(x[i]) * real(2 * (moment[i] - square[i]) - x[i]) * way.square
+        square[i] = whole(np.floor(0.5 + change))
+    for i in range(unsigned(n)):
+        sums[unsigned(bins[i]), 1] += x[i]
+        if work.measured:
+            sums[unsigned(bins[i]), 2] += square[i]
     return breaks
 
 
@@ -144,30 +154,26 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
     """
     stream, starts, again, scratch = work.stream, work.starts, work.again, make_scratch()
     # the stretches of the start, a single one if it is that of all contacts
-    parts = -(-(count if starts.drawn else 1) // LANES)
-    first = np.empty(parts * LANES, whole)
-    for part in range(whole(parts)):
-        out = first[part * LANES : (part + 1) * LANES]
+    first = np.empty(count + LANES, whole)
+    for part in range(whole(count // LANES + 1)):
+        out = first[part * LANES :]
         draw_stretches(whole(LANES), part & 3, part >> 2, stream, starts, scratch, out)
     first = first[: count if starts.drawn else 1]
     if work.forward:  # rows count no births
-        sums[0, 0] += count
         for stretch in first:
-            y, many = -stretch - work.way.bin_positions[0], count // first.size
-            sums[0, 1] += many * y
-            sums[0, 2] += many * whole(np.floor(0.5 + real(y) * real(y) * work.way.square))
-    now, log_amount = np.zeros((7, LANES), whole), np.zeros(LANES)
+            count_event(whole(1), 1.0, -stretch, 0, work, sums)
+        sums[0] *= 1 if starts.drawn else count
+    now, log_amount = np.zeros((8, LANES), whole), np.zeros(LANES)
     lanes = Lanes(now[0], now[1], np.ones(LANES, whole), np.arange(LANES), now[2])
-    rows = Rows(now[3], now[4], now[5], now[6], np.zeros(LANES, np.int32), log_amount)
+    rows = Rows(now[3], now[4], now[5], now[6], now[7], np.zeros(LANES, np.int32), log_amount)
     n, turn, breaks = min(LANES, count), whole(0), whole(0)
     while n > 0:
         for row in range(whole(4)):
-            draw_stretches(n, row, turn, stream, again, scratch, rows.stretch)
-            for i in range(unsigned(n)):
-                start = starts.single
-                if starts.drawn:
+            if not again.relaxed:
+                draw_stretches(n, row, turn, stream, again, scratch, rows.stretch)
+                for i in range(unsigned(n)):
                     start = first[unsigned(min(lanes.number[i], first.size - 1))]
-                rows.stretch[i] = start if lanes.initial[i] else rows.stretch[i]
+                    rows.stretch[i] = start if lanes.initial[i] else rows.stretch[i]
             draw_thresholds(n, row, turn, stream, again, scratch, rows.stretch, rows.threshold)
             if work.needs_exposure:
                 words, e = scratch.exposures, rows.log_exposure

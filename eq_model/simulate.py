@@ -84,8 +84,7 @@ def simulate(
 
     Plain Python twin: eq_model/closest.py, the paper's algorithm (Sec. II).
     """
-    arguments = locals()  # the same as those of Ensemble
-    ensemble = Ensemble(**arguments)
+    ensemble = Ensemble(**locals())  # the same arguments
     for _ in ensemble:
         pass
     return ensemble.result()

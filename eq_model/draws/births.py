@@ -11,25 +11,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import (
-    bare,
-    bits_of,
-    compiled,
-    double_of,
-    inlined,
-    real,
-    single_of,
-    unsigned,
-    whole,
-)
+from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, real, unsigned, whole
 from eq_model.draws.streams import LANES, ROW, STARTS, THRESHOLDS, draw, uniform, words_at
 from eq_model.draws.tables import CELL_BITS, DEEPEST, FAR, OCTAVES, SIDE, Table, make_table
 from origins import Contacts
 from origins.errors import InputError
 from origins.start import Start
 
-_FRACTION_BITS = np.int64(52 - CELL_BITS)  # of a double, below those that number the cells
-_FIRST = np.int64(((1023 + 31 - OCTAVES) << CELL_BITS) - 1)  # the tail's last cell
 LEVEL_UNIT = 2.0**-40  # logs of exposures are drawn as whole multiples of this
 
 
@@ -42,6 +30,7 @@ class Births(NamedTuple):
     drawn: bool
     largest: np.int64  # upper end of the thresholds: larger stretches are drawn again
     purpose: np.int64  # of the random words
+    relaxed: bool  # whether contacts only form at the stretch 0, both at X = 0 and later on
 
 
 # runs with many seeds share the tables of the same contacts
@@ -81,11 +70,12 @@ def births_of(contacts: Contacts, unit: float) -> tuple[Births, Births]:
     """Births at X = 0 and later on, in whole multiples of the length `unit`."""
     tables = {name: table.in_units(unit) for name, table in tables_of(contacts).items()}
     largest = np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR)))
+    relaxed = all(law.span == (0.0, 0.0) for law in laws_of(contacts).values())
 
     def make(name: str, purpose: np.int64) -> Births:
-        law, stretches = laws_of(contacts).get(name), tables.get(name, tables["thresholds"])
-        single = np.int64(round(law.mean() / unit) if law else 0)
-        return Births(tables["thresholds"], stretches, single, name in tables, largest, purpose)
+        law, table = laws_of(contacts).get(name), tables["thresholds"]
+        stretches = tables.get(name, table), np.int64(round(law.mean() / unit) if law else 0)
+        return Births(table, *stretches, name in tables, largest, purpose, relaxed)
 
     return make("start", STARTS), make("reforming", THRESHOLDS)
 
@@ -111,18 +101,23 @@ def make_scratch():  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _cell_of(v, bits):  # type: ignore[no-untyped-def]
+    """The cell of v in units of 2^-32, at 2^bits cells an octave: exponent and first bits of the double's fraction."""
+    return max((bits_of(v) >> (52 - bits)) - (whole(1023 + 31 - OCTAVES) << bits) + 1, whole(0))
+
+
+@inlined
 def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # type: ignore[no-untyped-def]
     """Whole quantiles for a row of a round. Of a word the top bit is the side; the rest gives octave, cell, share."""
     if row == 0:
         draw(n, turn, stream, purpose, words)
-    start = unsigned(row * ROW)
+    start, bits, fraction = unsigned(row * ROW), table.bits, (whole(1) << 52) - 1
     for i in range(unsigned(n)):
         word = words[i + start]
-        bits = bits_of(real(np.int32(word & np.uint32(0x7FFFFFFF))) + 0.5)
-        cell = max((bits >> _FRACTION_BITS) - _FIRST, whole(0))
-        scratch.cell[i] = np.uint32(cell + (whole(np.int32(word) >> np.int32(31)) & whole(SIDE)))
-        inside = (bits & ((whole(1) << _FRACTION_BITS) - whole(1))) << whole(CELL_BITS)
-        scratch.share[i] = double_of(inside | whole(0x3FF << 52)) - 1.0
+        v = real(np.int32(word & np.uint32(0x7FFFFFFF))) + 0.5
+        side = whole(np.int32(word) >> np.int32(31)) & whole((whole(OCTAVES) << bits) + 1)
+        scratch.cell[i] = np.uint32(_cell_of(v, bits) + side)
+        scratch.share[i] = double_of((bits_of(v) << bits) & fraction | whole(0x3FF << 52)) - 1.0
     for i in range(unsigned(n)):  # copies of sixteen bytes are faster than gather instructions
         k, j = unsigned(scratch.cell[i]) << unsigned(1), i << unsigned(1)
         first, slopes = table.hot[k], table.hot[k + unsigned(1)]
@@ -131,8 +126,9 @@ def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # t
     for i in range(unsigned(n)):
         j, t = i << unsigned(1), scratch.share[i]
         first, slopes = scratch.coefficients[j], scratch.coefficients[j + unsigned(1)]
-        c1, c2 = real(single_of(np.int32(slopes))), real(single_of(np.int32(slopes >> whole(32))))
-        value = whole(np.floor(double_of(first) + t * (c1 + t * c2) + 0.5))
+        # a double changes by 1e-6 at most with the lower half of its bits, which may be another's
+        c1, c2 = double_of(slopes), double_of(slopes << whole(32))
+        value = whole(np.floor(double_of(first) + t * (c1 + t * c2)))
         out[i] = value
         largest = max(largest, value)
     if largest >= FAR:
@@ -151,15 +147,14 @@ def _replace_far(n, row, turn, stream, purpose, words, table, out):  # type: ign
 @bare
 def quantile(word, further, table):  # type: ignore[no-untyped-def]
     """The whole quantile of a word, with `further` as its next 32 bits."""
-    low = real(word & np.uint32(0x7FFFFFFF))
-    v = (low + (real(further) + 0.5) * 2.0**-32) * 2.0**-32
+    v = (real(word & np.uint32(0x7FFFFFFF)) + (real(further) + 0.5) * 2.0**-32) * 2.0**-32
     return _value_at(word > np.uint32(0x7FFFFFFF), v, table)
 
 
 @bare
 def _value_at(above, v, table):  # type: ignore[no-untyped-def]
     """The whole quantile at v = 1 - u if `above`, else v = u; 0 < v <= 1/2."""
-    cell = min(max((bits_of(v * 2.0**32) >> _FRACTION_BITS) - _FIRST, whole(0)), whole(SIDE - 1))
+    cell = min(_cell_of(v * 2.0**32, whole(CELL_BITS)), whole(SIDE - 1))
     node = cell + (table.above if above else 0)
     place = v if cell else min(-np.log2(v), table.cells[node, 0] + table.cells[node, 1])
     while table.child[node] >= 0:
@@ -173,8 +168,7 @@ def _value_at(above, v, table):  # type: ignore[no-untyped-def]
 @bare
 def _above(v, table):  # type: ignore[no-untyped-def]
     """The whole value that a share v of all values exceeds, 0 < v <= 1."""
-    upper = v <= 0.5
-    return _value_at(upper, v if upper else max(1.0 - v, 1e-300), table)
+    return _value_at(v <= 0.5, v if v <= 0.5 else max(1.0 - v, 1e-300), table)
 
 
 @bare
@@ -230,11 +224,7 @@ def draw_thresholds(n, row, turn, stream, births, scratch, r, x):  # type: ignor
     """Thresholds x of n contacts that form at stretches r: P_c conditional on x_s > |r|."""
     purpose, table = births.purpose, births.thresholds
     draw_values(n, row, turn, stream, purpose, table, scratch.thresholds, scratch, x)
-    below = False
-    for i in range(unsigned(n)):
-        below |= x[i] < abs(r[i])
-    if below:
-        for i in range(n):
-            if x[i] < abs(r[i]):
-                a, b, _, _ = words_at(i, turn, stream, purpose + 32 + row)
-                x[i] = beyond(abs(r[i]), uniform(a, b), table, scratch.survival)
+    for i in range(0 if births.relaxed else n):
+        if x[i] < abs(r[i]):
+            a, b, _, _ = words_at(i, turn, stream, purpose + 32 + row)
+            x[i] = beyond(abs(r[i]), uniform(a, b), table, scratch.survival)

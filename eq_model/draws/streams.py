@@ -31,8 +31,7 @@ class Stream(NamedTuple):
 
 def make_stream(seed: object, block: int) -> Stream:
     """The stream of a block; InputError unless the seed is a whole number from 0 to 2^64 - 1."""
-    low, high = key_of(seed)
-    return Stream(unsigned(low), unsigned(high), unsigned(block))
+    return Stream(*(unsigned(part) for part in (*key_of(seed), block)))
 
 
 @inlined

@@ -3,8 +3,8 @@
 Probability is counted from both ends, v = min(u, 1 - u), so that tails are as accurate as the middle.
 Each octave of v from 2^-12 to 1/2 is divided in 32 quadratic cells, which kernels find from the bits
 of a random word. Where a cell fails its certificate, as at kinks and jumps, a tree of halved cells
-replaces it. A tree also covers v < 2^-12; its cells are quadratic in -log2 v, so that even a deep tail
-takes few of them.
+replaces it, and kernels have smaller quick cells: beside a gap many fail. A tree also covers v < 2^-12;
+its cells are quadratic in -log2 v, so that even a deep tail takes few of them.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from origins.thresholds.law import Array
 Flags = npt.NDArray[np.bool_]
 
 OCTAVES, CELL_BITS = 11, 5  # of the quick cells
+MOST_BITS = 9  # of the quick cells of kernels: their table, of 180 kB, is well within an L2 cache
 SIDE = (OCTAVES << CELL_BITS) + 1  # cells of one side; the first is its tail, v < 2^-12
 FAR = 1 << 58  # whole length beyond every path; in a quick cell it refers to the tree
 DEEPEST = 2.0**-64  # smallest v that 64 random bits resolve
@@ -34,23 +35,33 @@ class Table(NamedTuple):
     cell of each side, the share below -log2 v.
     """
 
-    hot: Whole  # (2 SIDE 2,): c0, and c1 and c2 in single precision; see in_units
+    hot: Whole  # (2 sides, cells, 2), flat: c0 + 1/2, and the upper halves of c1 and c2; see in_units
+    bits: np.int64  # 2^bits quick cells an octave
     child: npt.NDArray[np.int32]  # (nodes,): the lower half, the upper half follows it; -1: a leaf
     cells: Array  # (nodes, 5): lower edge, width, c0, c1, c2
     above: np.int64  # first cell of the side from above
 
     def in_units(self, unit: float) -> Table:
-        """This table in units of a length, with the quick cells that draws need."""
+        """This table in units of a length, with quick cells for draws, halved while trees remain."""
         cells = self.cells.copy()
         cells[:, 2:] /= unit
-        quick = np.append(np.arange(SIDE), self.above + np.arange(SIDE))
-        # tails, halved cells, and values beyond all paths are left to the tree
-        slow = (np.arange(quick.size) % SIDE == 0) | (self.child[quick] >= 0)
-        slow |= np.abs(cells[quick, 2:]).sum(axis=1) >= FAR
-        hot = np.zeros((quick.size, 2))
-        hot[:, 0] = np.where(slow, 2.0 * FAR, cells[quick, 2])
-        hot.view(np.float32)[:, 2:] = np.where(slow[:, None], 0.0, cells[quick, 3:])
-        return self._replace(cells=cells, hot=hot.view(np.int64).ravel())
+        node = np.stack([np.arange(1, SIDE), self.above + np.arange(1, SIDE)])
+        c, bits = cells[node, 2:], CELL_BITS
+        while (slow := self.child[node] >= 0).any() and bits < MOST_BITS:
+            upper = np.arange(2 * slow.shape[1]) % 2
+            node, c, slow = (np.repeat(a, 2, axis=1) for a in (node, c * [1.0, 0.5, 0.25], slow))
+            c[..., 0] += upper * (c[..., 1] + c[..., 2])
+            c[..., 1] += upper * 2.0 * c[..., 2]
+            node = np.where(slow, self.child[node] + upper, node)
+            c, bits = np.where(slow[..., None], cells[node, 2:], c), bits + 1
+        # values beyond all paths, and the tails, each side's first cell, are left to trees, too
+        slow |= np.abs(c).sum(axis=2) >= FAR
+        c[..., 0] += 0.5
+        c = np.where(slow[..., None], [2.0 * FAR, 0.0, 0.0], c)
+        hot = np.full((2, node.shape[1] + 1, 2), [2.0 * FAR, 0.0])
+        hot[:, 1:, 0], slopes = c[..., 0], np.stack([c[..., 2], c[..., 1]], axis=2)
+        hot.view(np.uint32)[:, 1:, 2:] = slopes.view(np.uint32)[..., 1::2]
+        return self._replace(cells=cells, hot=hot.view(np.int64).ravel(), bits=np.int64(bits))
 
     @property
     def largest(self) -> float:
@@ -73,7 +84,7 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
     upper += len(below) * (upper >= 0)
     child = np.append(lower, upper).astype(np.int32)
     cells = np.concatenate([below, above])
-    return Table(np.zeros(0, np.int64), child, cells, np.int64(len(below)))
+    return Table(np.zeros(0, np.int64), np.int64(CELL_BITS), child, cells, np.int64(len(below)))
 
 
 def _side(
