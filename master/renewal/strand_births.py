@@ -23,7 +23,7 @@ Array = npt.NDArray[np.float64]
 SIZE = 8
 # Fewest pieces of a leg, and the error (measured) of the number if they are as wide as the narrowest width
 # of the thresholds at most; larger errors allow wider ones.
-LEAST, PIECES_ERROR = 12, 1e-7
+LEAST, PIECES_ERROR = 12, 1e-6
 
 
 class StrandBirths:

@@ -29,12 +29,11 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Errors fall to an eighth from one resolution to the next, and to no more than this share where laws jump; a
-# finer resolution is tried as long as they fall at all.
+# Share to which errors fall from one resolution to the next; where they fall less, none finer is tried.
 LEAST_FALL, HARDLY = 0.125, 0.8
 # Factor on an estimated error, which may be larger between the moments at which it is estimated.
 MARGIN = 1.3
-# Moments on each leg that are compared, over its duration: right after a birth, and even in the root of time.
+# Moments on each leg that are compared, over its duration: 20 early ones, and even in the root of time.
 MOMENTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] ** 2)
 # Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where
@@ -167,19 +166,19 @@ class AgeingLife(Life):
             finer = cells[1], self._cells_of(cells[1].resolution + 1)
             now = self._trial(finer)
             # extrapolated survivals converge at least as fast as those of which they are made
-            fall = np.abs(now[1]).max() / max(np.abs(before[1]).max(), 1e-300)
-            fall = float(np.clip(fall, LEAST_FALL, HARDLY))
-            error = MARGIN * float(np.abs(now - before)[0].max()) / (1.0 - fall)
+            falls = np.abs(now[1]).max() / max(np.abs(before[1]).max(), 1e-300)
+            fall = float(np.clip(falls, LEAST_FALL, HARDLY))
+            change = float(np.abs(now - before)[0].max())
+            last, error = error, MARGIN * change / (1.0 - fall)
             if error > self.accuracy:
                 cells, before, error = finer, now, fall * error
-            if fall == HARDLY:
+            if error > HARDLY * last:
                 break
         self._add_error("strands", error)
         return cells
 
     @cached_property
     def _coarse(self) -> tuple[Cells, Cells]:
-        """Cells of the two lowest resolutions."""
         return self._cells_of(-1), self._cells_of(0)
 
     def _cells_of(self, resolution: int) -> Cells:
@@ -196,10 +195,11 @@ class AgeingLife(Life):
         return np.concatenate(shares, axis=1)
 
     def _shares(self, strand: Strands, first: int) -> Array:
-        """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs,
-        and what extrapolation adds to it, shape (2, moments)."""
+        """As _trial, of a strand born as the leg `first` begins, at moments of this and later legs."""
+        # right after a birth at x = 0 contacts bear no force, however many hold
+        moments = MOMENTS if strand.stretch.any() else MOMENTS[20:]
         followed = zip(self.follow(strand, first), self._lasts[first:], strict=True)
-        each = [over_root(t, left[:, ::2, 0])(lasts * MOMENTS) for (t, left), lasts in followed]
+        each = [over_root(t, left[:, ::2, 0])(lasts * moments) for (t, left), lasts in followed]
         return np.concatenate(each).T
 
     def _rule(self, born: Start) -> StretchRule:
