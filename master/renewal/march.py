@@ -22,7 +22,7 @@ import numpy.typing as npt
 from master.outcome import StoppedError
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, Lump, Panels
-from master.renewal.kernels import AT_ENDS, TARGETS, Kernels, Run, solve_run
+from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
 from master.renewal.past import Past
 from origins.start import Start
 
@@ -84,9 +84,7 @@ class March:
     @property
     def life_error(self) -> float:
         """Error of the survival itself, to which the residuals of the panels are blind."""
-        # births are integrated, but contacts of the start are looked up, also where a table is worst
-        table = self.kernels.error * (AT_ENDS if self._as_births else 1.0)
-        return self.life.error + table + self._past.error
+        return self.life.error + self.kernels.error + self._past.error
 
     @property
     def reached(self) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.lives.age.ageing import MARGIN, AgeingLife
+from master.lives.age.ageing import AgeingLife
 from master.lives.age.strands import over_root
 from master.motion.motion import Motion
 from master.renewal import rule
@@ -21,8 +21,9 @@ Array = npt.NDArray[np.float64]
 
 # Gauss nodes of a piece in the time of birth.
 SIZE = 8
-# Fewest pieces of a leg; they are as wide as the narrowest width of the thresholds at most.
-LEAST = 8
+# Fewest pieces of a leg, and the error (measured) of the number if they are as wide as the narrowest width
+# of the thresholds at most; larger errors allow wider ones.
+LEAST, PIECES_ERROR = 12, 1e-6
 
 
 class StrandBirths:
@@ -45,8 +46,9 @@ class StrandBirths:
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
-        count = np.ptp(ends) * abs(speed) / life.cells[0].width
-        edges = np.linspace(ends[0], ends[-1], max(LEAST, int(np.ceil(count))) + 1)
+        finer = min(1.0, (PIECES_ERROR / life.accuracy) ** (1.0 / SIZE))
+        count = finer * max(LEAST, np.ptp(ends) * abs(speed) / life.cells[0].width)
+        edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
@@ -63,7 +65,7 @@ class StrandBirths:
 
         Returns whether more contacts than is negligible hold at the leg's beginning.
         """
-        leg = int(motion.leg(np.finfo(float).tiny))
+        leg, self._strands.spent = int(motion.leg(np.finfo(float).tiny)), negligible
         while self._seen < leg:
             self._seen += 1
             if not np.abs(self._weight).ravel() @ self._strands.left()[0] > negligible:
@@ -71,7 +73,7 @@ class StrandBirths:
             times, left = next(self._legs)
             told = left.reshape(*left.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(told[:, 0], self._weight).sum()))
-            self._sums = over_root(times, np.einsum("jkpi,pi->jk", told, self._weight))
+            self._sums = over_root(times, np.einsum("jkpi,pi->jk", told[:, :2], self._weight))
         return True
 
     def sums(self, t: Array) -> Array:
@@ -85,7 +87,7 @@ def _missed(told: Array, weight: Array) -> Array:
     The coefficients of the survival alone (extrapolated by their decay; at a bend they fall as the
     inverse square of their order) overestimate it up to 1e4 times, as the rate of births is nearly
     constant. The contribution of the last coefficients to the sums underestimates it up to 20
-    times. The geometric mean of both is about right.
+    times. The geometric mean of both is about right, twice that a bound.
     """
     basis = rule.gauss(SIZE)
     size = np.abs(told @ basis.series)
@@ -94,4 +96,4 @@ def _missed(told: Array, weight: Array) -> Array:
     alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)
     moments_of_births = np.abs(weight @ legendre.legvander(2.0 * basis.nodes - 1.0, SIZE - 1))
     changed = (size[..., -2:] * moments_of_births[:, -2:]).sum(axis=-1).max(axis=0)
-    return np.asarray(MARGIN * np.sqrt(alone * changed))
+    return np.asarray(2.0 * np.sqrt(alone * changed))

@@ -50,7 +50,7 @@ class Table:
     begin, end, widths : arrays of shape (panels,)
     edges : array of shape (panels + 1,)
     error : float
-        Largest of the last coefficients of all panels.
+        Largest error at the ends of panels, where polynomials are off most; unchecked, last coefficient.
     tails : array of shape (panels,)
         The larger of the last two coefficients of any function.
     """
@@ -76,17 +76,17 @@ class Table:
             x = np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
             values = function(x)
             series = (values[..., 1:-1] if ends > 0.0 else values) @ gauss.series
-            tail = np.abs(series[..., -2:]).max(axis=2)
+            tail = wrong = np.abs(series[..., -2:]).max(axis=2)
             if ends > 0.0:
-                off = np.abs(values[..., 1:-1] @ at_ends - values[..., [0, -1]])
-                tail = np.maximum(tail, off.max(axis=2) / ends)
+                wrong = np.abs(values[..., 1:-1] @ at_ends - values[..., [0, -1]]).max(axis=2)
+                tail = np.maximum(tail, wrong / ends)
             tail = (tail / felt(values, high - low) if felt else tail).max(axis=0)
             # nodes nearer to each other than 1e-15 of their place coincide by rounding
             rough = (tail > accuracy) & (high - low > np.maximum(shortest, 1e-15 * np.abs(high)))
             rough &= (tail > rounding * accuracy) | (tail < HARDLY * before)
             rough &= low.size <= MOST + edges.size
             kept.append((low[~rough], high[~rough], series[:, ~rough].transpose(2, 0, 1)))
-            self.error = max(self.error, float(tail[~rough].max(initial=0.0)))
+            self.error = max(self.error, float(wrong[:, ~rough].max(initial=0.0)))
             low, high, before = low[rough], high[rough], np.tile(tail[rough], 2)
             if not low.size:
                 break

@@ -96,7 +96,7 @@ def forward_march(
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
     # some lives know their error only after they were evaluated for the stretches of the start
     life.left(contacts.start, motion.history(motion.times[None, 1:], np.zeros((1, 1))))
-    known = life.error + (0.0 if life.quick else travel.table.error)
+    known = life.error + (0.0 if life.quick else float(travel.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
     finest = max(FINEST, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
     finest *= min(longest_stretch(contacts, motion, life), most) / mean

@@ -29,13 +29,12 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Error of the finer and of the coarser of two resolutions, over the change between them; a finer
-# resolution is tried as long as the error falls below HARDLY times the one before.
-FELL, COARSE, HARDLY = 0.5, 4.0, 0.7
-# Factor on an estimated error that no change between resolutions confirms.
-MARGIN = 2.0
-# Moments on each leg that are compared, even in the root of the time since its beginning.
-MOMENTS = 40
+# Share to which errors fall from one resolution to the next; where they fall less, none finer is tried.
+LEAST_FALL, HARDLY = 0.125, 0.8
+# Factor on an estimated error, which may be larger between the moments at which it is estimated.
+MARGIN = 1.3
+# Moments on each leg that are compared, over its duration: 20 early ones, and even in the root of time.
+MOMENTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] ** 2)
 # Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where
 # survivals have a kink.
@@ -67,7 +66,7 @@ class AgeingLife(Life):
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final
         self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
-        self._accuracy, self._until = accuracy, until
+        self.accuracy, self._until = accuracy, until
         self.reach = max(float(law.isf(1e-17)) for law in laws)
         self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
         longest = LONGEST * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
@@ -83,7 +82,7 @@ class AgeingLife(Life):
         self._errors: dict[str, float] = {}
         if self.has_strands:
             start = self.follow(self.begin(contacts.start), 0)
-            self._start = [over_root(times, left[..., 0]) for times, left in start]
+            self._start = [over_root(times, left[:, :2, 0]) for times, left in start]
         elif not self._closed:
             # so that its error is known from the beginning
             self._table(float(motion.speeds[0]), 0.0)
@@ -139,7 +138,7 @@ class AgeingLife(Life):
             along, contacts = -stretch if speed < 0.0 else stretch, self.contacts
             if self._closed and speed:
                 assert contacts.ageing is not None
-                aim = float(np.clip(1e-3 * self._accuracy, 1e-13, 1e-10))  # of each panel
+                aim = float(np.clip(1e-3 * self.accuracy, 1e-13, 1e-10))  # of each panel
                 found = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
                 self._add_error("passages", found.error)
                 self._tables[speed, stretch] = found.survival
@@ -162,17 +161,17 @@ class AgeingLife(Life):
     @cached_property
     def cells(self) -> tuple[Cells, Cells]:
         """Cells of the two resolutions that suffice for strands."""
-        cells, (before, differed) = self._coarse, self._trial(self._coarse)
-        # the largest difference of the two resolutions at any moment, before they are extrapolated
-        error = MARGIN * differed
-        while error > self._accuracy and cells[1].can_be_finer and clock.monotonic() <= self._until:
-            finer, last = (cells[1], self._cells_of(cells[1].resolution + 1)), error
-            now, differed = self._trial(finer)
-            change = float(np.abs(now - before).max())
-            if COARSE * change <= self._accuracy and self.has_strands:
-                error = COARSE * change
-                break
-            cells, before, error = finer, now, min(FELL * change, differed)
+        cells, before, error = self._coarse, self._trial(self._coarse), np.inf
+        while error > self.accuracy and cells[1].can_be_finer and clock.monotonic() <= self._until:
+            finer = cells[1], self._cells_of(cells[1].resolution + 1)
+            now = self._trial(finer)
+            # extrapolated survivals converge at least as fast as those of which they are made
+            falls = np.abs(now[1]).max() / max(np.abs(before[1]).max(), 1e-300)
+            fall = float(np.clip(falls, LEAST_FALL, HARDLY))
+            change = float(np.abs(now - before)[0].max())
+            last, error = error, MARGIN * change / (1.0 - fall)
+            if error > self.accuracy:
+                cells, before, error = finer, now, fall * error
             if error > HARDLY * last:
                 break
         self._add_error("strands", error)
@@ -180,28 +179,28 @@ class AgeingLife(Life):
 
     @cached_property
     def _coarse(self) -> tuple[Cells, Cells]:
-        """Cells of the two lowest resolutions."""
-        return self._cells_of(0), self._cells_of(1)
+        return self._cells_of(-1), self._cells_of(0)
 
     def _cells_of(self, resolution: int) -> Cells:
         return Cells(self.contacts, resolution, float(np.abs(self.motion.speeds).max()))
 
-    def _trial(self, cells: tuple[Cells, Cells]) -> tuple[Array, float]:
+    def _trial(self, cells: tuple[Cells, Cells]) -> Array:
         """Share that holds, along the whole motion, of the contacts of the start and of some births;
-        and how much the two resolutions differ."""
+        and what extrapolation of the two resolutions adds to it, shape (2, moments)."""
         legs = self.motion.speeds.size
         firsts = np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()
         births = [(first, StretchRule(np.zeros(1), np.ones(1))) for first in firsts]
         born = [(0, self._rule(self.contacts.start)), *births]
-        strands = [(Strands(cells, *rule), first) for first, rule in born]
-        shares = [self._shares(*each) for each in strands]
-        return np.concatenate(shares), max(each.error for each, _ in strands)
+        shares = [self._shares(Strands(cells, *rule), first) for first, rule in born]
+        return np.concatenate(shares, axis=1)
 
     def _shares(self, strand: Strands, first: int) -> Array:
-        """Share that holds of a strand born as the leg `first` begins, at moments of this and later legs."""
-        held = [over_root(times, left[:, 0, 0]) for times, left in self.follow(strand, first)]
-        moments = self._lasts[first:, None] * np.linspace(0.0, 1.0, MOMENTS) ** 2
-        return np.concatenate([share(t) for share, t in zip(held, moments, strict=True)])
+        """As _trial, of a strand born as the leg `first` begins, at moments of this and later legs."""
+        # right after a birth at x = 0 contacts bear no force, however many hold
+        moments = MOMENTS if strand.stretch.any() else MOMENTS[20:]
+        followed = zip(self.follow(strand, first), self._lasts[first:], strict=True)
+        each = [over_root(t, left[:, ::2, 0])(lasts * moments) for (t, left), lasts in followed]
+        return np.concatenate(each).T
 
     def _rule(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
@@ -215,18 +214,17 @@ class AgeingLife(Life):
             now = self._shares_of_rule(rule)
             change, before = float(np.abs(now - before).max()), now
             late = count > COUNTS[0] and clock.monotonic() > self._until
-            if change <= self._accuracy or late:
+            if change <= self.accuracy or late:
                 break
         self._add_error("stretches", change)
         self._rules[born] = rule
         return rule
 
     def _shares_of_rule(self, rule: StretchRule) -> Array:
-        """Share that holds of contacts born at the rule's stretches at the motion's beginning; strands
-        use few cells, whose errors hardly depend on the rule."""
+        """Share that holds of contacts born at first; strands use few cells, whose errors hardly matter."""
         speed = float(self.motion.speeds[0])
         if not self._closed or self.has_strands or not speed:
-            return self._shares(Strands(self._coarse, *rule), 0)
+            return self._shares(Strands(self._coarse, *rule), 0)[0]
         lags = np.linspace(0.0, self._lasts[0], 150)
         tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
         return rule.weight @ np.array([table(lags) for table in tables])

@@ -45,7 +45,7 @@ class Cells:
     contacts : Contacts
         With `ageing`, closure "exact".
     resolution : int
-        From 0 on; the next one has an eighth of the errors.
+        From -1 on; the next one has an eighth of the errors.
     fastest : float
         Largest speed of the slider.
 
@@ -86,9 +86,10 @@ class Cells:
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
             self.heat_rate = float(self._thermal.rates.rate(0.0, thresholds, 1.0).mean())
-        # the edge of the density at |x| is D/v thick; thinner ones contain too few thresholds to matter
+        # the edge of the density at |x| is D/v thick, and right after a birth it is thinner: with cells of
+        # 0.1 widths 1e-3 of the contacts were missed then; far thinner ones contain too few to matter
         layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
-        thinnest = float(np.clip(layer, 2e-6 * self.width, 0.1 * self.width))
+        thinnest = float(np.clip(layer, 2e-6 * self.width, 2e-5 * self.width))
         far, bulk = (max(float(each.isf(q)) for each in laws) for q in (FAR, 1e-4))
         share = 2.0 ** (-FINER * resolution)
         self.edges = _cell_edges(far, self.width, thinnest, bulk, share)

@@ -36,15 +36,14 @@ class Strands:
     ----------
     stretch : array (strands, parts), now (lengths)
     until : float, reading of time.monotonic() after which `advance` raises StoppedError
-    error : float
-        Largest estimate so far of the error of the finer resolution, which is extrapolated.
+    spent : float, share below which no part is followed any more
     """
 
     def __init__(self, cells: tuple[Cells, Cells], stretch: Array, share: Array) -> None:
         """Begin with one strand, of fresh thresholds."""
         self._cells, self._share, self.stretch = cells, share, stretch[None].copy()
-        self._steady_for, self._speed, self.error = 0.0, np.nan, 0.0
-        self.until = np.inf
+        self._steady_for, self._speed = 0.0, np.nan
+        self.until, self.spent = np.inf, 1e-15  # the size of rounding
         # arrays (strands, parts, cells) for both resolutions
         self._weights = [each.fresh(stretch)[None] for each in cells]
 
@@ -58,9 +57,10 @@ class Strands:
             self._speed, self._steady_for = speed, 0.0
         steps = self._cells[0].steps(speed, self._steady_for, duration)
         halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
+        alive = self._weights[1].sum(axis=2) > self.spent
+        stretch = self.stretch[alive]
         for cells, weights, times in zip(self._cells, self._weights, (steps, halves), strict=True):
-            alive = weights.sum(axis=2) > 1e-15  # the size of rounding
-            moving, stretch = weights[alive], self.stretch[alive]
+            moving, weights[~alive] = weights[alive], 0.0
             for before, after in pairwise(times.tolist()):
                 begin, end = stretch + speed * before, stretch + speed * after
                 moving = cells.stepped(moving, begin, end, after - before)
@@ -71,7 +71,7 @@ class Strands:
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
         """Advance along a leg, until hardly any contact holds.
 
-        Returns times since its beginning, shape (n,), and what is `left` then, shape (n, 2, strands).
+        Returns times since its beginning, shape (n,), and what is `left` then, shape (n, 3, strands).
         """
         # where a leg begins, thresholds may have gathered right above |x|: the first steps are short
         self._speed, self._steady_for = speed, 0.0
@@ -84,12 +84,12 @@ class Strands:
         return times[: len(shares)], np.array(shares)
 
     def left(self) -> Array:
-        """Share of each strand that holds, and its force per contact born, shape (2, strands)."""
+        """Share of each strand that holds, its force per contact born, and what extrapolation of the two
+        resolutions adds to the share, shape (3, strands)."""
         coarse, fine = (weights.sum(axis=2) for weights in self._weights)
         missed = (fine - coarse) / 7.0  # the finer resolution has an eighth of the error
-        self.error = max(self.error, float((np.abs(missed) @ self._share).max(initial=0.0)))
         holds = np.clip(fine + missed, 0.0, 1.0)
-        return np.stack([holds @ self._share, (holds * self.stretch) @ self._share])
+        return np.stack([holds, holds * self.stretch, missed]) @ self._share
 
     def aged(self, speed: float, ages: Array) -> Strands:
         """Strands like this one, right after its birth, that have moved on at a speed for `ages` (n,)."""
