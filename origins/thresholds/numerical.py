@@ -173,7 +173,7 @@ class NumericalLaw:
         panel = np.clip(np.searchsorted(self._edges, y, side="right") - 1, 0, self._widths.size - 1)
         away = y - self._edges[panel]
         place = 2.0 * (away / self._widths[panel]) - 1.0
-        weight = away * chebyshev.chebval(place, self._means[:, panel], tensor=False)
+        weight = away * chebyshev.chebval(place, self._means.take(panel, axis=1), tensor=False)
         if np.isfinite(self._power):
             first = panel == 0
             share = away[first] / self._widths[0]

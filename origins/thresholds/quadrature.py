@@ -34,8 +34,8 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
     """
     lower, end = thresholds.support()
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
-    low = thresholds.ppf(_SEEDS)
-    high = thresholds.isf(np.concatenate([_SEEDS, far, [tail]]))
+    above = np.concatenate([1.0 - _SEEDS, _SEEDS, far, [tail]])
+    low, high = np.split(thresholds.isf(above), [_SEEDS.size])
     top = min(upper, end if np.isfinite(end) else float(high[-1]))
     if not top > lower:
         return np.empty(0)
