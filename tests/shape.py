@@ -32,7 +32,7 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 8513, 200, 145),
+    "master": Room(7500, 8513, 200, 142),
     "eq_model": Room(2200, 3279, 60, 36),
     "origins": Room(4500, 6249, 120, 69),
     "toolkit": Room(4000, 3991, 100, 64),
