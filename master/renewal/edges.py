@@ -84,8 +84,8 @@ def edges(
         together = speed == 0.0 and not life.timeless and again.is_single
         if delay > 0.0 or together:
             first.append(Moment(time - delay, 1.0 if together else SMOOTHER**2))
-    if delay > 0.0 or life.atoms.size or not life.quick:
-        # with exact thresholds or heat contacts of the start may break at once; births begin one delay later
+    if delay > 0.0 or life.atoms.size or not life.quick or np.abs(start.span).max() > life.quiet:
+        # contacts of the start may break at once by heat or stretched so far; births begin one delay later
         first += [Moment(0.0, SMOOTHER), Moment(delay, SMOOTHER)]
 
     def following(least: float) -> Iterator[Moment]:
