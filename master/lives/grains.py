@@ -21,20 +21,19 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import integrals_above
+from master.lives.averages import Rows, integrals_above
 from master.lives.life import MARGIN, Life
 from master.motion.motion import History
 from origins import Contacts, GrainContact
 from origins.start import Start
 
 Array = npt.NDArray[np.float64]
-Rows = npt.NDArray[np.intp]
 
 # H above which the survival e^-H, below 1e-17, counts as 0.
 GONE = 39.2
 # Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients, of these
 # sums and of ln A over time, below which pieces are not halved.
-HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
+HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-8
 
 
 class GrainLife(Life):
@@ -67,7 +66,7 @@ class GrainLife(Life):
         self.grain, self._thermal = 0.25 * grains.at_start.std(), contacts.thermal
         if contacts.thermal is not None:
             # with this `resolved` normal laws are summed to 1e-8
-            self.pair_work, self.resolved = 1000, 1e-5
+            self.pair_work, self.resolved = 1000, 1e-7
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import CHECKED, Integrals, integrals_above
+from master.lives.averages import CHECKED, Integrals, Rows, integrals_above
 from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
 from master.motion.motion import History, Legs
 from master.renewal.table import Table
@@ -18,10 +18,9 @@ from origins.laws.rate_law import LARGEST_EXPONENT
 from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
-Rows = npt.NDArray[np.intp]
 
-# Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
-RESOLVED = 1e-9
+# Error of a piece of the stretches at birth (see Pieces.sums) below which it is not halved.
+RESOLVED = 1e-10
 # Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
 # taken as 0. Panels with a share of contacts below _NO_WEIGHT are left out.
 _GONE, _DEAD, _NO_WEIGHT = np.log(67.0), 7.0, 1e-18
@@ -95,7 +94,7 @@ class ThermalLife(LawLife):
         felt = self._mass * weight[:, None] > _NO_WEIGHT
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-        # the error of a sum is about the square of this; a larger one would show as roughness in tables of
+        # the error of a sum is far smaller than this; a larger one would show as roughness in tables of
         # such sums; where few contacts hold, they are stretched far and their error counts the more
         few = np.maximum(weight * self.law.sf(least), 1e-4)
         accuracy = max(0.1 * self.resolved, 2e-12) * few
@@ -132,26 +131,34 @@ class Replay:
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
         self._offset: Array | None = None
         if self._rates.separable and contacts.stiffness != "linked":
-            # A at one threshold gives A at all others
-            furthest = self.furthest[:, None]
-            spent = self.log_spent(np.arange(born.size), furthest)
-            self._offset = spent - self._rates.log_rate(0.0, furthest, 1.0)
+            # A at one threshold gives A at all others; on all legs but the last those born together share it
+            births = np.stack([born, self._duration[:, :-1].sum(axis=1)])
+            first = np.any(np.diff(births, prepend=np.nan) != 0.0, axis=0)
+            last = np.append(np.zeros(legs.speed.size - 1), 1.0)
+            shared = self._log_spent_at_0(np.flatnonzero(first), 1.0 - last)[np.cumsum(first) - 1]
+            self._offset = np.logaddexp(shared, self._log_spent_at_0(np.arange(born.size), last))
 
-    def log_spent(self, row: Rows, threshold: Array) -> Array:
-        """ln A of the contacts `row`, shape (n,), at thresholds of shape (n, k), which |x| has exceeded
-        at most by rounding; finite."""
+    def _log_spent_at_0(self, row: Rows, on: Array) -> Array:
+        """ln A of contacts on the legs where `on` is 1, continued to a threshold of 0; shape (n, 1)."""
+        ends = np.abs(self._stretch[row]) * np.maximum(np.append(on, 0.0), np.append(0.0, on))
+        furthest = ends.max(axis=1, keepdims=True, initial=SMALLEST)
+        return self.log_spent(row, furthest, on) - self._rates.log_rate(0.0, furthest, 1.0)
+
+    def log_spent(self, row: Rows, threshold: Array, on: Array | float = 1.0) -> Array:
+        """ln A of the contacts `row`, shape (n,), on all legs or those where `on` is 1, at thresholds of shape
+        (n, k), which |x| has exceeded there at most by rounding; finite."""
         least = -740.0  # where A = 0 or underflows
         if self._offset is not None:
             level = self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row]
             return np.maximum(level, least)
-        spent, (contact, leg) = np.zeros(threshold.shape), np.nonzero(self._duration[row] > 0.0)
+        spent, (contact, leg) = np.zeros(threshold.shape), np.nonzero(self._duration[row] * on)
         # moves whose rates stay in the processor's cache
         together = max(4096 // threshold.shape[1], 1)
         for begin in range(0, contact.size, together):
-            on, some = leg[begin : begin + together, None], contact[begin : begin + together]
+            which, some = leg[begin : begin + together, None], contact[begin : begin + together]
             own = row[some, None]
-            near, far = self._stretch[own, on], self._stretch[own, on + 1]
-            passed = self._mean_rate(near, far, threshold[some]) * self._duration[own, on]
+            near, far = self._stretch[own, which], self._stretch[own, which + 1]
+            passed = self._mean_rate(near, far, threshold[some]) * self._duration[own, which]
             first = np.flatnonzero(np.diff(some, prepend=-1))
             spent[some[first]] += np.add.reduceat(passed, first, axis=0)
         return np.log(np.maximum(spent, np.exp(least)))

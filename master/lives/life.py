@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Pieces, integrals
+from master.lives.averages import Pieces, Rows, integrals
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
@@ -13,7 +13,6 @@ from origins.start import Start
 from origins.thresholds.quadrature import finite_density, panel_edges
 
 Array = npt.NDArray[np.float64]
-Rows = npt.NDArray[np.intp]
 
 # Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of the
 # sums that contain them.
@@ -68,7 +67,7 @@ class Life:
     force_error : float
         Error of the force however few contacts hold, over the stretches at a break.
     resolved : float
-        Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
+        Error of a piece of the stretches at birth (see Pieces.sums) below which it is not halved.
     fresh : bool
         Whether contacts of the start are as those born later at the same stretch.
     has_strands : bool
@@ -124,7 +123,7 @@ class Life:
         bends = np.append(self.bends, reach)
         first, last = np.clip(law.span, -self.birth_reach, self.birth_reach)
         even = np.linspace(first, last, 5)
-        fixed = np.concatenate([even, law.breakpoints, np.zeros(1), bends, -bends])
+        fixed = np.concatenate([even, law.breakpoints, [0.0], bends, -bends])
         now, high, low = (part[:, None] for part in (history.now, history.high, history.low))
         moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
         cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
@@ -201,9 +200,9 @@ class ColdLife(LawLife):
 
     quick = timeless = True
 
-    def __init__(self, contacts: Contacts) -> None:
+    def __init__(self, contacts: Contacts, resolved: float = 1e-12) -> None:
         """Find where the survival bends; InputError where P_c has weight too near to 0."""
-        law, self._mean = contacts.thresholds, contacts.mean_threshold
+        law, self._mean, self.resolved = contacts.thresholds, contacts.mean_threshold, resolved
         beneath = float(law.cdf(LOWEST * self._mean))
         if beneath > 1e-12:
             raise InputError(

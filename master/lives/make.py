@@ -13,10 +13,7 @@ from origins.errors import refuse
 
 
 def life_of(
-    contacts: Contacts,
-    tolerance: float = 0.0,
-    motion: Motion | None = None,
-    until: float = np.inf,
+    contacts: Contacts, tolerance: float = 0.0, motion: Motion | None = None, until: float = np.inf
 ) -> Life:
     """The life of these contacts.
 
@@ -34,12 +31,12 @@ def life_of(
 
         accuracy = max(0.2 * tolerance, 1e-10)
         return AgeingLife(contacts, motion, accuracy, until)
+    # the error of averages is far smaller than this, near an onset of P_c 1e-3 of it
+    resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6))
     if contacts.thermal is None:
-        return ColdLife(contacts)
-    # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
-    resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
+        return ColdLife(contacts, max(0.1 * resolved, 1e-12))
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
-    return life(contacts, resolved)
+    return life(contacts, resolved if tolerance else RESOLVED)
 
 
 def steady_life(contacts: Contacts, velocity: float) -> Life:

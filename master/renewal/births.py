@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.lives.averages import Pieces
+from master.lives.averages import Pieces, Rows
 from master.lives.life import Life
 from master.motion.motion import Motion
 from master.renewal import rule
@@ -27,7 +27,6 @@ from origins import Contacts
 from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
-Rows = npt.NDArray[np.intp]
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)

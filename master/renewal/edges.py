@@ -49,11 +49,7 @@ class Edges(NamedTuple):
 
 
 def edges(
-    births: Births,
-    start: Start,
-    tolerance: float,
-    since: float = 0.0,
-    known: Sequence[Moment] = (),
+    births: Births, start: Start, tolerance: float, since: float = 0.0, known: Sequence[Moment] = ()
 ) -> Edges:
     """Where panels begin and end.
 
@@ -66,6 +62,9 @@ def edges(
     motion, life, again, delay = births.motion, births.life, births.law, births.delay
     end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
     grain = life.grain / fastest if fastest else 0.0
+    # contacts born together break together where their thresholds are alike, and panels are wide beside
+    alike = life.quiet > 0.9 * life.reach
+    bends = np.union1d(life.bends, [life.quiet, life.reach] if alike else [])
 
     def breaks(birth: float, size: float, law: Start) -> Iterator[Moment]:
         """When births with a jump or bend of this size make breaks jump or bend.
@@ -73,8 +72,9 @@ def edges(
         Where P_c jumps, the effect comes back one order smoother; at an exact threshold as sharp, times
         the share of the contacts that have it.
         """
-        for stretch in [law.mean()] if law.is_single else law.breakpoints.tolist():
-            for t, bend in passings(motion, birth, stretch, life.bends):
+        ends = law.span if np.ptp(law.span) < 0.1 * life.reach else []
+        for stretch in np.union1d(law.breakpoints, ends).tolist():
+            for t, bend in passings(motion, birth, stretch, bends):
                 if t > since + CLOSE * (t + grain):
                     yield Moment(t, size * (life.atom_share(bend, stretch) or SMOOTHER))
 

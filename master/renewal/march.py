@@ -19,6 +19,7 @@ from copy import copy
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.life import NONE_LEFT
 from master.outcome import StoppedError
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, Lump, Panels
@@ -147,17 +148,17 @@ class March:
                 continue
             # the error grows as the width to the power DEGREE; where contacts break at rates of all
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
-            sooner = not quick or width < 1e-2 * grain
-            spare = max(self.tolerance * (1e-2 if sooner else 0.5**rule.DEGREE), 1e-14)
+            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
+            soon = still or not quick or width <= 0.5 * grain
+            spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
             # each width needs its own kernel: wide panels are widened only if that serves many
-            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
             many = 0 if still or width <= 0.5 * grain else 32
-            wider = easy > many and left - good >= many and width > 0.6 * self.widest
             count = min(2 * count, 256)
-            if hurried or wider:
-                self.widest = min(2.0 * width, self._duration(self.life.reach, leg))
-                count, easy = 1 if sooner else max(1, count // 4), 0
+            if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
+                wide = (8.0 if still else 2.0) * width
+                self.widest = min(wide, self._duration(self.life.reach, leg))
+                count, easy = 1 if soon else max(1, count // 4), 0
             yield
 
     def _duration(self, length: float, leg: int) -> float:
@@ -242,8 +243,10 @@ class March:
 
     def on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t on a leg, counted from its beginning, of births on it."""
-        if not panels.begin.size:
+        felt = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NONE_LEFT)
+        if not felt.size:
             return np.zeros((2, t.size))
+        panels = Panels(*(part[felt[0] : felt[-1] + 1] for part in panels))
         born = panels.born(self.motion.times[leg], self.births.delay)
         ends = np.append(born, born[-1] + panels.width[-1])
         return self.kernels.sums(float(self.motion.speeds[leg]), t, ends, panels.breaks)
@@ -253,11 +256,14 @@ class March:
         if not t > 0.0 or not len(self.life.atoms):
             return
         leg = int(self.motion.leg(t))
-        sides = (t - 0.5 * self.width[-1], t + 0.5 * (end - t))
-        rows = (np.array([[t, side, t]]) - self.motion.times[leg] for side in sides)
-        before, after = (self.known(row, leg=leg)[0, 0, 0] for row in rows)
-        if before - after > 1e-15:  # the rounding of conservation
-            self.lumps.append(Lump(t + self.births.delay, before - after, self.births.law))
+        beside = 0.5 * min(self.width[-1], end - t)
+        sides = t + beside * np.array([[-1.0, -0.5, 0.0], [0.0, 0.5, 1.0]]) - self.motion.times[leg]
+        # what is seen after a knot is seen from the next leg
+        rows = np.split(sides, 1 if t < self.motion.times[leg + 1] else 2)
+        number = np.concatenate([self.known(row, leg=leg)[0] for row in rows])
+        broken = float(number[0, 2] - number[1, 0])
+        if broken > 1e-15:  # the rounding of conservation
+            self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
     def cut(self, t: float, births: Births) -> March:
         """A march that has the contacts of this one at the time t; set its edges before it runs.

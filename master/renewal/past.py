@@ -18,24 +18,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Pieces
+from master.lives.averages import Pieces, Rows
 from master.lives.life import MARGIN
 from master.motion.motion import History
 from master.renewal import rule
-from master.renewal.births import (
-    CLOSE,
-    MOST_WORK,
-    TINY,
-    Births,
-    Lump,
-    Panels,
-    Rows,
-    moments,
-    pieces_between,
-)
+from master.renewal.births import CLOSE, MOST_WORK, TINY, Panels, moments, pieces_between
 from origins.start import Start
 
 if TYPE_CHECKING:
+    from master.renewal.births import Births, Lump
     from master.renewal.strand_births import StrandBirths
 
 Array = npt.NDArray[np.float64]
