@@ -31,12 +31,12 @@ def life_of(
 
         accuracy = max(0.2 * tolerance, 1e-10)
         return AgeingLife(contacts, motion, accuracy, until)
-    # the error of averages is far smaller than this, near an onset of P_c 1e-3 of it
-    resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6))
     if contacts.thermal is None:
-        return ColdLife(contacts, max(0.1 * resolved, 1e-12))
+        return ColdLife(contacts)
+    # the error of averages is far smaller than this, near an onset of P_c 1e-3 of it
+    resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
-    return life(contacts, resolved if tolerance else RESOLVED)
+    return life(contacts, resolved)
 
 
 def steady_life(contacts: Contacts, velocity: float) -> Life:
