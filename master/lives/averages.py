@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.renewal import rule
 from origins.start import Start
 from origins.thresholds.quadrature import finite_density
 
@@ -19,7 +18,7 @@ Rows = npt.NDArray[np.intp]
 # Gauss nodes of a piece; the integrand is evaluated at BESIDE of its length from its ends, too,
 # because the nodes would miss a steep change right at an end.
 SIZE, BESIDE = 14, 1e-9
-# Error of the polynomial at the ends of its piece that its last coefficients explain, over these.
+# Allowed error of the polynomial at the ends of its piece, over that of its last coefficients.
 ENDS = 3.0
 # Most halvings of a piece; and the least length of a piece, relative to its position, at which its
 # nodes are still distinct in floating point.
@@ -30,13 +29,15 @@ CHECKED = 17
 # Pieces evaluated together, so that their nodes stay in the processor's cache.
 TOGETHER = 1024
 
-_GAUSS = rule.gauss(SIZE)
-_AT = np.concatenate([[BESIDE], _GAUSS.nodes, [1.0 - BESIDE]])
-# matrix from values to the last four coefficients and to the polynomial's errors at both ends
-_TAIL = np.zeros((SIZE + 2, 6))
-_TAIL[1:-1] = np.append(_GAUSS.series[:, -4:], _GAUSS.at(_AT[[0, -1]]), axis=1)
-_TAIL[[0, -1], [4, 5]] = -1.0
-_RULE = np.concatenate([[0.0], _GAUSS.series[:, 0], [0.0]])
+_NODES, _WEIGHTS = legendre.leggauss(SIZE)
+_SERIES = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
+_AT = np.concatenate([[BESIDE], 0.5 * (_NODES + 1.0), [1.0 - BESIDE]])
+# matrix from values to the last two coefficients and to the polynomial's errors at both ends
+_TAIL = np.zeros((SIZE + 2, 4))
+_TAIL[1:-1, :2] = _SERIES[:, -2:]
+_TAIL[1:-1, 2:] = _SERIES @ legendre.legvander(2.0 * _AT[[0, -1]] - 1.0, SIZE - 1).T / ENDS
+_TAIL[[0, -1], [2, 3]] = -1.0 / ENDS
+_RULE = np.concatenate([[0.0], 0.5 * _WEIGHTS, [0.0]])
 
 # Values of the integrands of ranges (n,) at places (n, k), each row within one piece; (functions, n, k)
 Integrand = Callable[[Rows, Array], Array]
@@ -66,20 +67,15 @@ class Pieces(NamedTuple):
         return Pieces(np.tile(self.owner, 2), low, high)
 
     def sums(self, integrand: Integrand) -> tuple[Array, Array]:
-        """Integral of each function over each piece, shape (functions, n), and about the error of the first
-        one's, shape (n,): by the decay of its last coefficients over six further degrees, of fourteen to
-        which Gauss sums stay exact, and by errors at ends that these coefficients do not explain."""
+        """Integral of each function over each piece, shape (functions, n), and the largest of the last
+        coefficients and errors at ends of the first function, shape (n,), as contributions to it."""
         sums, tails = [], []
         for begin in range(0, max(self.owner.size, 1), TOGETHER):
             some = slice(begin, begin + TOGETHER)
             owner, low, high = self.owner[some], self.low[some], self.high[some]
             values = integrand(owner, low[:, None] + (high - low)[:, None] * _AT)
             sums.append(values @ _RULE * (high - low))
-            size = np.abs(_TAIL.T @ values[0].T).reshape(3, 2, -1)
-            before, last, ends = size.max(axis=1)
-            fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
-            missed = np.maximum(last * fall ** (SIZE // 4), ends - ENDS * last)
-            tails.append(missed * (high - low))
+            tails.append(np.abs(_TAIL.T @ values[0].T).max(axis=0) * (high - low))
         return np.concatenate(sums, axis=1), np.concatenate(tails)
 
 
@@ -103,8 +99,9 @@ def integrals(
     """Integrals of functions over ranges, of which each is cut into pieces.
 
     integrand : smooth inside pieces; the first of its functions decides which pieces are halved
-    accuracy : error of a piece (see Pieces.sums) below which it is not halved, for all ranges or for
-        each; that of the Gauss sum is far smaller, near an onset 1e-3 of it
+    accuracy : last coefficients, as contributions to the integral, below which a piece is not halved,
+        for all ranges or for each;
+        the error of the Gauss sum is then about their square, or 1e-3 of them near an onset
     relative : whether the accuracy counts in units of the last function's integral
     checked : the error of one range in so many is measured
     """
@@ -186,9 +183,9 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     edges = np.clip(np.append(np.linspace(low, high, 9), born.breakpoints), low, high)
     whole = Pieces.between(np.sort(edges)[None])
     fine = integrals(lambda _, x: finite_density(born, x)[None], whole, 1, 1e-12).pieces
-    width = (fine.high - fine.low)[:, None]
-    nodes = (fine.low[:, None] + width * _GAUSS.nodes).ravel()
-    weights = (width * _GAUSS.series[:, 0]).ravel() * finite_density(born, nodes)
+    half = 0.5 * (fine.high - fine.low)[:, None]
+    nodes = (fine.low[:, None] + half * (_NODES + 1.0)).ravel()
+    weights = (half * _WEIGHTS).ravel() * finite_density(born, nodes)
     nodes, weights = nodes[weights > 0.0], weights[weights > 0.0] / weights.sum()
     # orthogonal polynomials on the nodes: their Jacobi matrix has the rule's nodes as eigenvalues
     middle, scale = 0.5 * (nodes.min() + nodes.max()), 0.5 * np.ptp(nodes)

@@ -33,7 +33,7 @@ Array = npt.NDArray[np.float64]
 GONE = 39.2
 # Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients, of these
 # sums and of ln A over time, below which pieces are not halved.
-HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-8
+HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 
 
 class GrainLife(Life):
@@ -66,7 +66,7 @@ class GrainLife(Life):
         self.grain, self._thermal = 0.25 * grains.at_start.std(), contacts.thermal
         if contacts.thermal is not None:
             # with this `resolved` normal laws are summed to 1e-8
-            self.pair_work, self.resolved = 1000, 1e-7
+            self.pair_work, self.resolved = 1000, 1e-5
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life."""

@@ -19,8 +19,8 @@ from origins.thresholds.quadrature import finite_density
 
 Array = npt.NDArray[np.float64]
 
-# Error of a piece of the stretches at birth (see Pieces.sums) below which it is not halved.
-RESOLVED = 1e-10
+# Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
+RESOLVED = 1e-9
 # Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
 # taken as 0. Panels with a share of contacts below _NO_WEIGHT are left out.
 _GONE, _DEAD, _NO_WEIGHT = np.log(67.0), 7.0, 1e-18
@@ -94,7 +94,7 @@ class ThermalLife(LawLife):
         felt = self._mass * weight[:, None] > _NO_WEIGHT
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-        # the error of a sum is far smaller than this; a larger one would show as roughness in tables of
+        # the error of a sum is about the square of this; a larger one would show as roughness in tables of
         # such sums; where few contacts hold, they are stretched far and their error counts the more
         few = np.maximum(weight * self.law.sf(least), 1e-4)
         accuracy = max(0.1 * self.resolved, 2e-12) * few

@@ -67,7 +67,7 @@ class Life:
     force_error : float
         Error of the force however few contacts hold, over the stretches at a break.
     resolved : float
-        Error of a piece of the stretches at birth (see Pieces.sums) below which it is not halved.
+        Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
     fresh : bool
         Whether contacts of the start are as those born later at the same stretch.
     has_strands : bool

@@ -33,7 +33,7 @@ def life_of(
         return AgeingLife(contacts, motion, accuracy, until)
     if contacts.thermal is None:
         return ColdLife(contacts)
-    # the error of averages is far smaller than this, near an onset of P_c 1e-3 of it
+    # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
     resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
     return life(contacts, resolved)
