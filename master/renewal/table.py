@@ -51,8 +51,8 @@ class Table:
     edges : array of shape (panels + 1,)
     error : float
         Largest error at the ends of panels, where polynomials are off most; unchecked, last coefficient.
-    tails : array of shape (panels,)
-        The larger of the last two coefficients of any function.
+    tails : array of shape (functions, panels)
+        The larger of the last two coefficients.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class Table:
         self.widths: Array = self.end - self.begin
         # shape (size, functions, n)
         self._parts = np.ascontiguousarray(parts[..., order])
-        self.tails: Array = np.abs(self._parts[-2:]).max(axis=(0, 1))
+        self.tails: Array = np.abs(self._parts[-2:]).max(axis=0)
 
     def __call__(self, x: Array) -> Array:
         """Values of the functions, shape (functions, *x.shape)."""

@@ -122,7 +122,8 @@ class Travel(Straight):
         ways = self.longest * np.array([0.5, 1.0])
         before, last = np.abs(self.scaled(ways[:, None])[:, :, 0]).T + np.finfo(float).tiny
         # a tail that falls nearly as slowly as 1/x is taken to fall as x^-1.01
-        return np.asarray(last * ways[1] / np.clip(np.log2(before / last) - 1.0, 1e-2, 1.0))
+        power = np.log2(before) - np.log2(last)  # their quotient may overflow
+        return np.asarray(last * ways[1] / np.clip(power - 1.0, 1e-2, 1.0))
 
 
 def thresholds_beyond(contacts: Contacts, far: float) -> Array:

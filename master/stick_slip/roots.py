@@ -129,7 +129,7 @@ class Transform:
         share = np.where(held < 1e-120, 1.0, life.error / np.maximum(held, FEW) + ROUND_OFF)
         errors = np.abs(values) * share
         errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
-        errors += np.repeat(table.tails[:felt], pieces)[:, None]
+        errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
         errors[1] = (errors[1] + life.force_error * (way < life.reach)) * scale
         some, sums = held > NONE, np.stack([held, -way * held, force * scale])
         return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
