@@ -1,8 +1,8 @@
 """Quantiles of thresholds and stretches as tables of fixed cells, certified when they are built.
 
 Probability is counted from both ends, v = min(u, 1 - u), so that tails are as accurate as the middle.
-Each octave of v from 2^-12 to 1/2 is divided in 32 quadratic cells, which kernels find from the bits
-of a random word. Where a cell fails its certificate, as at kinks and jumps, a tree of halved cells
+Each octave of v from 2^-12 to 1/2 is divided in 32 quadratic cells, for kernels in up to 512, found from
+the bits of a random word. Where a cell fails its certificate, as at kinks and jumps, a tree of halved cells
 replaces it, and kernels have smaller quick cells: beside a gap many fail. A tree also covers v < 2^-12;
 its cells are quadratic in -log2 v, so that even a deep tail takes few of them.
 """

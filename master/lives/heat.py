@@ -94,9 +94,9 @@ class ThermalLife(LawLife):
         felt = self._mass * weight[:, None] > _NO_WEIGHT
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-        # the error of a sum is about the square of this; a larger one would show as roughness in tables of
-        # such sums; where few contacts hold, they are stretched far and their error counts the more
+        # where few contacts hold, each is stretched far, so that their error counts the more
         few = np.maximum(weight * self.law.sf(least), 1e-4)
+        # the error of a sum is about the square of this; a larger one would show as roughness in tables
         accuracy = max(0.1 * self.resolved, 2e-12) * few
         out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)
         self.error = max(self.error, MARGIN * float(missed.max(initial=0.0)))

@@ -21,8 +21,8 @@ Array = npt.NDArray[np.float64]
 
 # Gauss nodes of a piece in the time of birth.
 SIZE = 8
-# Fewest pieces of a leg, and the error (measured) of the number if they are as wide as the narrowest width
-# of the thresholds at most; larger errors allow wider ones.
+# Fewest pieces of a leg at PIECES_ERROR: that is the error (measured) of the number if they are as wide as
+# the narrowest width of the thresholds at most; larger errors allow wider and fewer ones.
 LEAST, PIECES_ERROR = 12, 1e-6
 
 

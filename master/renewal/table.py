@@ -124,7 +124,7 @@ class Table:
         last, before = size[-2:].max(axis=0), size[-4:-2].max(axis=0)
         fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
         rounding = np.finfo(float).eps * size.max(axis=0)
-        return np.asarray((last * fall ** (SIZE // 2) + rounding) @ self.widths)
+        return np.asarray((last * fall ** (self._parts.shape[0] // 2) + rounding) @ self.widths)
 
     def before(self, x: Array) -> Array:
         """Integral of the first function from the first edge to x, same shape as x."""

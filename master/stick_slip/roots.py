@@ -27,8 +27,8 @@ from origins import Contacts
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
-# Largest |s| times the distance over which as many Gauss nodes as a table's polynomial has coefficients
-# are placed: they integrate it times such a wave to rounding.
+# Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times
+# e^(-sx) to rounding.
 WAVE = 4.0
 # Relative rounding of a sum.
 ROUND_OFF = 4e-16
@@ -114,8 +114,8 @@ class Transform:
         self.table = Table(travel.scaled, edges, accuracy, shortest, felt=sizes, rounding=1e2)
 
     def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
-        """Gauss nodes, `size` at least on each panel where E e^(decay x) is not negligible, and over each
-        way on which |s| up to `fastest` times x grows by `wave`."""
+        """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
+        of wave/fastest, `fastest` the largest |s|."""
         table, scale, life = self.table, self.travel.scale, self.travel.life
         felt = _count_felt(table(table.begin)[0], table.end, decay)
         pieces = np.maximum(np.ceil(table.widths[:felt] * fastest / wave), 1.0).astype(int)
@@ -207,7 +207,7 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple
         return (1.0 / decay, error / decay**2) if error < decay else (1.0 / error, np.inf)
     if searched > 0.95 * NEAR * rate:  # an undetected root may lie from there to the rate
         return 1.0 / rate, (off + rate - searched) / rate**2
-    return 0.5 / searched, 0.5 / searched
+    return (0.5 / searched, 0.5 / searched) if searched else (travel.length, np.inf)
 
 
 def deepest_wave(travel: Travel, wait: float, rate: float) -> float:
@@ -217,7 +217,7 @@ def deepest_wave(travel: Travel, wait: float, rate: float) -> float:
 
 def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
     """All roots of D with Im s > 0 right of Re s = -searched, slowest first, and `searched` (per length):
-    at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate."""
+    at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate (0: everywhere)."""
     roots, searched, deepest = np.empty(0, dtype=complex), 0.0, transform.deepest
     decay = min(0.5 / (transform.travel.length + transform.wait), deepest)
     while True:
@@ -226,7 +226,7 @@ def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
         found, number = _right(transform, decay, roots, most)
         if found.size < number:
             if decay < max(1.05 * searched, 1e-3 * transform.deepest):
-                return roots, searched or 1e-2 * decay
+                return roots, searched
             deepest, decay = decay, float(np.sqrt(searched * decay)) or 0.5 * decay
             continue
         roots, searched = found[found.real > -decay], decay
@@ -236,13 +236,13 @@ def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
 
 
 def _right(transform: Transform, decay: float, some: Complex, most: float) -> tuple[Complex, float]:
-    """Roots right of the line Re s = -decay, and how many there are: inf where D is too inaccurate on it,
-    or they are more than `most`; `some` are known."""
+    """Roots right of the line Re s = -decay, or hardly left of it, and how many are right of it: inf where
+    D is too inaccurate, or they are more than `most`; `some` are known."""
     travel, wait, s = transform.travel, transform.wait, np.array([complex(-decay)])
     end = transform(s)
     if not end.conserved_error[0] * decay < 1e-3:
         return some, np.inf
-    # w turns by half a radian in a step: its slope on the real axis is the mean way, weighted by e^(decay x)
+    # w = 1 - sD turns by half a radian in a step: its slope on the real axis is the mean way, weighted by e^(decay x)
     step = float((0.5 * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     # at most 1e8 frequencies times nodes of an integral, and at most 2,000 per mean way
     highest = min(2e3 / (travel.length + wait), np.sqrt(1e8 * step / transform.table.end[-1]))
@@ -259,6 +259,7 @@ def _right(transform: Transform, decay: float, some: Complex, most: float) -> tu
     real = ((phase[:-1] > 0.0) != (phase[1:] > 0.0)) & (np.abs(turn) < np.pi)
     share = np.divide(phase[:-1], turn, out=np.zeros(turn.size), where=real)
     size = size[:-1] + share * np.diff(size)
+    # where w crosses the real axis beyond 1, it has turned once around 1, which a root does
     number = float(np.sign(turn)[real & (size > 0.0)].sum())
     if number > most:
         return some, np.inf

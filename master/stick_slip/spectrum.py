@@ -139,6 +139,7 @@ def decoherence_spectrum(
     transform = Transform(travel, wait, _deepest(contacts, travel, velocity))
     roots, searched = leading_roots(transform, n_roots + 1)
     s, of_start = roots[:n_roots], transform
+    next_decay = float(-roots[n_roots].real) if roots.size > n_roots else searched
     if not (start.is_single and start.span == travel.born.span):
         way = Travel(contacts, travel.life, velocity, born=start)
         of_start = Transform(way, wait, -float(s.real.min(initial=0.0)))
@@ -158,7 +159,7 @@ def decoherence_spectrum(
         decay_length_error=root_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
-        beyond=1.0 / (float(-roots[n_roots].real) if roots.size > n_roots else searched),
+        beyond=1.0 / next_decay if next_decay else np.inf,
         run_time=0.0,
         _unit=unit,
         _left_out=np.zeros((2, 1)),

@@ -131,8 +131,8 @@ class _Landscapes(NamedTuple):
         lowest = energies <= depths[owner] + _NOTHING
         first = _same(owner, feet)
         copies = np.rint((feet - feet[:, first]) / _TURN)
-        # of each minimum, by the number of its first foot: the copy in its pool, the number of the pool; of each pool:
-        # whether it meets a copy of itself
+        # copy, pool: of each minimum, by its first foot, its periodic copy and the number of its pool; winds: whether
+        # the pool meets a copy of itself
         copy, pool, winds = np.zeros(feet.shape), first, np.zeros(first.size, dtype=bool)
         rank = np.arange(which.size) - np.searchsorted(which, which)
         for k in range(rank.max(initial=-1) + 1):  # the next saddle of each landscape

@@ -29,8 +29,9 @@ from origins.start import SingleStart, Start
 
 Array = npt.NDArray[np.float64]
 
-# Share to which errors fall from one resolution to the next; where they fall less, none finer is tried.
-LEAST_FALL, HARDLY = 0.125, 0.8
+# Smallest ratio of an error to that of the resolution before that is trusted; and that above which no
+# finer resolution is tried.
+LEAST_RATIO, HARDLY = 0.125, 0.8
 # Factor on an estimated error, which may be larger between the moments at which it is estimated.
 MARGIN = 1.3
 # Moments on each leg that are compared, over its duration: 20 early ones, and even in the root of time.
@@ -167,7 +168,7 @@ class AgeingLife(Life):
             now = self._trial(finer)
             # extrapolated survivals converge at least as fast as those of which they are made
             falls = np.abs(now[1]).max() / max(np.abs(before[1]).max(), 1e-300)
-            fall = float(np.clip(falls, LEAST_FALL, HARDLY))
+            fall = float(np.clip(falls, LEAST_RATIO, HARDLY))
             change = float(np.abs(now - before)[0].max())
             last, error = error, MARGIN * change / (1.0 - fall)
             if error > self.accuracy:
@@ -196,7 +197,7 @@ class AgeingLife(Life):
 
     def _shares(self, strand: Strands, first: int) -> Array:
         """As _trial, of a strand born as the leg `first` begins, at moments of this and later legs."""
-        # right after a birth at x = 0 contacts bear no force, however many hold
+        # early moments are left out for births at x = 0: contacts bear no force yet, however many hold
         moments = MOMENTS if strand.stretch.any() else MOMENTS[20:]
         followed = zip(self.follow(strand, first), self._lasts[first:], strict=True)
         each = [over_root(t, left[:, ::2, 0])(lasts * moments) for (t, left), lasts in followed]

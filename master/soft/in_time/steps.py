@@ -118,8 +118,8 @@ class Steps:
         takes, trial : of this step, as `step` returns them; size : the one asked for
         """
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
-        # no slip is near while a step takes some LESS of its size in time, as it does where the slider
-        # follows the drive, or while a shorter step would take less time
+        # no slip is near while a step takes more than 0.3 LESS of its size in time, as it does where the
+        # slider follows the drive, or while a shorter step would take less time
         if takes > 0.3 * LESS * size or 0.0 < takes > self.step(0.99 * size)[0]:
             self._share = takes / size
             return None
