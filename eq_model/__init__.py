@@ -4,11 +4,5 @@ from eq_model.ensemble import CoupledEnsemble, Ensemble
 from eq_model.result import CoupledResult, CoupledSlips, EnsembleResult
 from eq_model.simulate import simulate
 
-__all__ = [
-    "CoupledEnsemble",
-    "CoupledResult",
-    "CoupledSlips",
-    "Ensemble",
-    "EnsembleResult",
-    "simulate",
-]
+__all__ = ["CoupledEnsemble", "CoupledResult", "CoupledSlips"]
+__all__ += ["Ensemble", "EnsembleResult", "simulate"]

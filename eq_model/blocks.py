@@ -110,13 +110,11 @@ class State:
         if len(courses) > 1 or len(shapes) > 1:
             rule = "was found on another path, or for other contacts; start anew"
             raise InputError(f"earlier: {rule}")
-        two = (self.rows, other.rows), (self.slips, other.slips)  # without rows: no columns
-        rows, slips = (a if not b.size else np.append(a, b, 0) if a.size else b for a, b in two)
         return State(
             sums=self.sums + other.sums,
             counts=self.counts + other.counts,
-            rows=rows,
-            slips=slips,
+            rows=_stacked(self.rows, other.rows),
+            slips=_stacked(self.slips, other.slips),
             contacts=self.contacts + other.contacts,
             breaks=self.breaks + other.breaks,
             done=joined(self.done + other.done),
@@ -137,11 +135,15 @@ class State:
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, npt.NDArray[Any]]) -> State:
         """The state with these arrays; raises KeyError, TypeError or ValueError if they do not make one."""
-        found = {name: arrays[name] for name in vars(cls())}
-        values: dict[str, Any] = {
-            name: one if one.ndim else one.item() for name, one in found.items()
-        }
+        values: dict[str, Any] = {name: arrays[name] for name in vars(cls())}
+        values |= {name: one.item() for name, one in values.items() if not one.ndim}
         return cls(**values | {"done": [range(*ends) for ends in arrays["done"].tolist()]})
+
+
+def _stacked(*tables: Array) -> Array:
+    """The rows of all tables; those without rows have no columns."""
+    filled = [table for table in tables if table.size]
+    return np.concatenate(filled) if filled else _NO_ROWS
 
 
 def rank_and_size(comm: Any) -> tuple[int, int]:

@@ -6,8 +6,8 @@ that absent laws cost nothing, and cached on disk, which closures cannot be.
 
 Under any law a contact holds until `break_of` breaks it, and is out for the delay if there is one. In steady forward
 motion, cold or warm (`Forward`), a contact that breaks at the stretches x1, x2, ... is relaxed again at x1, x1 + x2,
-... of the slider; the released stretches are summed in the bins of the breaks. Its loops, over at most four arrays, as
-the compiler must test that none overlap, become vector code.
+... of the slider; the released stretches are summed in the bins of the breaks. Its loops become
+vector code; each uses four arrays at most, since the compiler has to test that none overlap.
 """
 
 from typing import Any, NamedTuple

@@ -74,7 +74,7 @@ def judged(asked: Given) -> Judged:
         return Judged(asked.kind, found.force_error, np.inf, False, "the path is cut")
     force, claim = found.force / mean, found.force_error
     off = np.abs(force[np.isin(at, each)] - asked.values)
-    # thresholds fitted to samples were others then, by some 1e-10 of their survival
+    # the older version fitted other thresholds to samples: their survivals differ by some 1e-10
     kept = asked.success and "from_samples" not in asked.call
     truths = [(np.nanmax(off), asked.claims[0])] if kept else []
     if not (truths and asked.kind in SPARSE):

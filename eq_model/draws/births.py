@@ -69,13 +69,14 @@ def laws_of(contacts: Contacts) -> dict[str, Start]:
 def births_of(contacts: Contacts, unit: float) -> tuple[Births, Births]:
     """Births at X = 0 and later on, in whole multiples of the length `unit`."""
     tables = {name: table.in_units(unit) for name, table in tables_of(contacts).items()}
+    thresholds = tables["thresholds"]
     largest = np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR)))
     relaxed = all(law.span == (0.0, 0.0) for law in laws_of(contacts).values())
 
     def make(name: str, purpose: np.int64) -> Births:
-        law, table = laws_of(contacts).get(name), tables["thresholds"]
-        stretches = tables.get(name, table), np.int64(round(law.mean() / unit) if law else 0)
-        return Births(table, *stretches, name in tables, largest, purpose, relaxed)
+        law, stretches = laws_of(contacts).get(name), tables.get(name, thresholds)
+        single = np.int64(round(law.mean() / unit) if law else 0)
+        return Births(thresholds, stretches, single, name in tables, largest, purpose, relaxed)
 
     return make("start", STARTS), make("reforming", THRESHOLDS)
 
@@ -108,7 +109,7 @@ def _cell_of(v, bits):  # type: ignore[no-untyped-def]
 
 @inlined
 def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # type: ignore[no-untyped-def]
-    """Whole quantiles for a row of a round. Of a word the top bit is the side; the rest gives octave, cell, share."""
+    """Whole quantiles for a row of a round. A word's top bit is the side; the rest are octave, cell and share in it."""
     if row == 0:
         draw(n, turn, stream, purpose, words)
     start, bits, fraction = unsigned(row * ROW), table.bits, (whole(1) << 52) - 1
@@ -126,7 +127,7 @@ def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # t
     for i in range(unsigned(n)):
         j, t = i << unsigned(1), scratch.share[i]
         first, slopes = scratch.coefficients[j], scratch.coefficients[j + unsigned(1)]
-        # a double changes by 1e-6 at most with the lower half of its bits, which may be another's
+        # both slopes share one word: the lower half of a double's bits, here c2's, changes it by 1e-6 at most
         c1, c2 = double_of(slopes), double_of(slopes << whole(32))
         value = whole(np.floor(double_of(first) + t * (c1 + t * c2)))
         out[i] = value

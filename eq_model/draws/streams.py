@@ -31,7 +31,8 @@ class Stream(NamedTuple):
 
 def make_stream(seed: object, block: int) -> Stream:
     """The stream of a block; InputError unless the seed is a whole number from 0 to 2^64 - 1."""
-    return Stream(*(unsigned(part) for part in (*key_of(seed), block)))
+    low, high = key_of(seed)
+    return Stream(unsigned(low), unsigned(high), unsigned(block))
 
 
 @inlined

@@ -50,6 +50,7 @@ class Table(NamedTuple):
         while (slow := self.child[node] >= 0).any() and bits < MOST_BITS:
             upper = np.arange(2 * slow.shape[1]) % 2
             node, c, slow = (np.repeat(a, 2, axis=1) for a in (node, c * [1.0, 0.5, 0.25], slow))
+            # c(t) = c0 + c1 t + c2 t² as a polynomial over the upper half: c0 and c1 at its beginning
             c[..., 0] += upper * (c[..., 1] + c[..., 2])
             c[..., 1] += upper * 2.0 * c[..., 2]
             node = np.where(slow, self.child[node] + upper, node)
@@ -59,7 +60,8 @@ class Table(NamedTuple):
         c[..., 0] += 0.5
         c = np.where(slow[..., None], [2.0 * FAR, 0.0, 0.0], c)
         hot = np.full((2, node.shape[1] + 1, 2), [2.0 * FAR, 0.0])
-        hot[:, 1:, 0], slopes = c[..., 0], np.stack([c[..., 2], c[..., 1]], axis=2)
+        hot[:, 1:, 0] = c[..., 0]
+        slopes = np.ascontiguousarray(c[..., [2, 1]])
         hot.view(np.uint32)[:, 1:, 2:] = slopes.view(np.uint32)[..., 1::2]
         return self._replace(cells=cells, hot=hot.view(np.int64).ravel(), bits=np.int64(bits))
 

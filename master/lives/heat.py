@@ -139,7 +139,7 @@ class Replay:
             self._offset = np.logaddexp(shared, self._log_spent_at_0(np.arange(born.size), last))
 
     def _log_spent_at_0(self, row: Rows, on: Array) -> Array:
-        """ln A of contacts on the legs where `on` is 1, continued to a threshold of 0; shape (n, 1)."""
+        """ln A of contacts on the legs where `on` is 1, as the formula of a threshold of 0; shape (n, 1)."""
         ends = np.abs(self._stretch[row]) * np.maximum(np.append(on, 0.0), np.append(0.0, on))
         furthest = ends.max(axis=1, keepdims=True, initial=SMALLEST)
         return self.log_spent(row, furthest, on) - self._rates.log_rate(0.0, furthest, 1.0)

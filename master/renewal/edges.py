@@ -62,7 +62,8 @@ def edges(
     motion, life, again, delay = births.motion, births.life, births.law, births.delay
     end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
     grain = life.grain / fastest if fastest else 0.0
-    # contacts born together break together where their thresholds are alike; panels elsewhere may be wide
+    # contacts born together, at stretches that are alike, break together where their thresholds are alike, to a
+    # tenth: panels end there, so that those elsewhere may be wide
     alike = life.quiet > 0.9 * life.reach
     bends = np.union1d(life.bends, [life.quiet, life.reach] if alike else [])
 

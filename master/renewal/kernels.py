@@ -110,7 +110,8 @@ class Straight:
         self.edges, self.error = self.table.edges, self.table.error
 
     def scaled(self, lag: Array, born: Array | None = None) -> Array:
-        """E and K over `scale` after lags of shape (rows, columns), from the life itself; `born` as there."""
+        """E and K over `scale` after lags of shape (rows, columns), from the life itself; `born` (see
+        Life.left) takes the place of the law's stretches."""
         if not lag.size:
             return np.zeros((2, *lag.shape))
         far = max(float(lag.max()), self.longest) / self._per_time

@@ -152,7 +152,8 @@ class March:
             soon = still or not quick or width <= 0.5 * grain
             spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
-            # each width needs its own kernel: wide panels are widened only if that serves many
+            # each width needs its own kernel: wide panels are widened only if that serves many, and those
+            # with hardly any breaks at once by three doublings
             many = 0 if still or width <= 0.5 * grain else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
