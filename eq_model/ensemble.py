@@ -1,7 +1,5 @@
 """A running ensemble: blocks of independent contacts, or replicas of coupled ones, over threads and ranks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Results of an ensemble: of independent contacts, and of replicas of coupled ones."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

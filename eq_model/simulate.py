@@ -1,7 +1,5 @@
 """`simulate`: discrete contacts on a rigid slider, or on one that a spring pulls."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy.typing as npt

@@ -1,11 +1,8 @@
 """A rigid slider on any path: sets up the march for contacts and drive, reads force and error."""
 
-from __future__ import annotations
-
 import time as clock
 
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.life import Life
 from master.motion.motion import Motion
@@ -17,8 +14,7 @@ from master.renewal.march import March
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Longest path, in mean thresholds, and most lives of a contact on it: no physics lies beyond, and squares
 # of lengths stay far from overflow in any unit.

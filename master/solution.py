@@ -1,7 +1,5 @@
 """What `solve` returns for a rigid slider, and Q(x;X) read from it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,8 +14,7 @@ from master.renewal.past import Past
 from origins import InputError
 from origins.brief import brief
 from origins.errors import finite, refuse
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """The stretches of contacts at X = 0, and of broken ones as they form again, with thresholds that can bear them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

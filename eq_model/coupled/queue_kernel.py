@@ -6,8 +6,6 @@ place are alike. A bucket is sorted by place when the slider reaches it, in the 
 where places are equal. Positions and thresholds are whole multiples of a unit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ dX_T/dX = (K + k)/K. While the slider sticks, X_T rises to the next break. In an
 and the slider moves to where K (X_T - X) = F again, or to the next break if that comes first.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

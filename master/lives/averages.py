@@ -10,9 +10,9 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from origins.start import Start
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
 
-Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 # Gauss nodes of a piece; the integrand is evaluated at BESIDE of its length from its ends, too,

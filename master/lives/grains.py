@@ -16,18 +16,14 @@ early. Then
 A(η) being the integral over time of the rate h(|x|; x_s).
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.averages import Rows, integrals_above
 from master.lives.life import MARGIN, Life
 from master.motion.motion import History
 from origins import Contacts, GrainContact
 from origins.start import Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # H above which the survival e^-H, below 1e-17, counts as 0.
 GONE = 39.2

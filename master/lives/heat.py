@@ -7,7 +7,6 @@ closure "paper" (Eqs. temper3, temper4), in which all contacts break at one mean
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.averages import CHECKED, Integrals, Rows, integrals_above
 from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
@@ -15,9 +14,8 @@ from master.motion.motion import History, Legs
 from master.renewal.table import Table
 from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
-
-Array = npt.NDArray[np.float64]
 
 # Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
 RESOLVED = 1e-9

@@ -1,18 +1,14 @@
 """Life: what the master equation uses of the laws of contacts; and that of contacts without heat."""
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.averages import Pieces, Rows, integrals
 from master.motion.motion import History
 from master.renewal.table import Table
 from origins import Contacts, InputError
 from origins.start import Start
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
-
-Array = npt.NDArray[np.float64]
 
 # Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of the
 # sums that contain them.

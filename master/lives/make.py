@@ -1,7 +1,5 @@
 """The choice of the Life that belongs to the laws of some contacts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from master.lives.grains import GrainLife

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins import Drive
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 class Legs(NamedTuple):

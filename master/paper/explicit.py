@@ -24,8 +24,8 @@ from master.lives.heat import MeanRateLife
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import finite_array, one_of, positive, refuse
+from origins.thresholds.law import Array
 
-Array = npt.NDArray[np.float64]
 Breaking = Literal["survival", "printed"]
 
 MOST_NODES = 2**22  # nodes of the grid, and steps: more would take hours and gigabytes

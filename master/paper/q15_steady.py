@@ -14,7 +14,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 from scipy.linalg.lapack import get_lapack_funcs
 from scipy.optimize import brentq
@@ -22,9 +21,8 @@ from scipy.optimize import brentq
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.laws.diffusion import Diffusion
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import gauss
-
-Array = npt.NDArray[np.float64]
 
 PRINTED = "(Q15), the paper's closure of ageing,"
 

@@ -26,8 +26,8 @@ from origins import Contacts, Drive
 from origins.brief import brief
 from origins.errors import one_of, positive, refuse, whole
 from origins.laws.diffusion import Diffusion
+from origins.thresholds.law import Array
 
-Array = npt.NDArray[np.float64]
 Keep = Literal["positivity", "mass"]
 
 # Cells of P_c per step, which resolve how P_cf changes over a step; survival of P_ci or P_cf at which

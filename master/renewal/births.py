@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from master.lives.averages import Pieces, Rows
@@ -25,8 +24,7 @@ from master.motion.motion import Motion
 from master.renewal import rule
 from origins import Contacts
 from origins.start import SingleStart, Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)

@@ -1,20 +1,16 @@
 """Edges: the times at which the number of breaks may jump or bend, so that panels end there."""
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from master.motion.motion import Motion
 from master.renewal.births import Births
 from origins.start import Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Births that jump or bend make later breaks bend wherever these contacts meet a bend of P_c, one order
 # smoother each time: on panels of 17 nodes the effect is about two digits smaller.

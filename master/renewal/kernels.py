@@ -4,13 +4,10 @@
 width depends only on their distance, and is computed once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.life import NONE_LEFT, Life
 from master.motion.motion import Motion
@@ -19,8 +16,7 @@ from master.renewal.births import Births, Nodes, pieces_between
 from master.renewal.table import Table
 from origins.errors import refuse
 from origins.start import Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])

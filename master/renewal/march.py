@@ -17,7 +17,6 @@ from collections.abc import Iterator
 from copy import copy
 
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.life import NONE_LEFT
 from master.outcome import StoppedError
@@ -26,8 +25,7 @@ from master.renewal.births import MOST_WORK, Births, Lump, Panels
 from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
 from master.renewal.past import Past
 from origins.start import Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 class March:

@@ -24,12 +24,12 @@ from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import CLOSE, MOST_WORK, TINY, Panels, moments, pieces_between
 from origins.start import Start
+from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     from master.renewal.births import Births, Lump
     from master.renewal.strand_births import StrandBirths
 
-Array = npt.NDArray[np.float64]
 
 # Where the survival takes long: nodes of a piece that are tried first, and numbers of times from which
 # the sums are interpolated where these suffice.

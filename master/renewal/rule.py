@@ -6,15 +6,12 @@ DEGREE Radau nodes, the last of which is the panel's end. Conservation with surv
 equation of the first kind, for which Radau nodes are stable.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Degree of a panel's polynomial: 12 needs more panels for the same error, 20 needs more work on each
 # (measured on Gaussian thresholds to 1e-10).

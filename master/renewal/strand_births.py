@@ -5,10 +5,7 @@ some moments of the leg (the strands) are followed once along each later leg. Th
 is a weighted sum over strands: on pieces of the time of birth the survival is a polynomial in it.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from master.lives.age.ageing import AgeingLife
@@ -16,8 +13,7 @@ from master.lives.age.strands import over_root
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, moments
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Gauss nodes of a piece in the time of birth.
 SIZE = 8

@@ -1,16 +1,12 @@
 """Table: functions of one number, kept as polynomials on panels that are halved as needed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from master.renewal import rule
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Coefficients of a panel's polynomial.
 SIZE = 12

@@ -1,7 +1,5 @@
 """A soft slider at T = 0 along the whole path of its drive, move after move and slip after slip."""
 
-from __future__ import annotations
-
 import time as clock
 
 import numpy as np
@@ -13,8 +11,7 @@ from master.soft.moves import ColdContacts, Move, MoveWithoutBirths, Past
 from master.soft.slips import MOST_SLIPS, Followed, Slips
 from origins import Contacts
 from origins.drive import Drive
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 class ColdSlider:

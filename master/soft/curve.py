@@ -9,8 +9,6 @@ drive as long as the load rises. Where its slope falls below zero, or contacts a
 break together, it slips; it stops at the first y where the load has the same value again.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +17,8 @@ from numpy.polynomial import legendre
 from scipy.optimize.elementwise import find_root
 
 from master.renewal import rule
+from origins.thresholds.law import Array
 
-Array = npt.NDArray[np.float64]
 Travel = float | Array
 
 

@@ -3,14 +3,11 @@
 At T = 0 nothing depends on time, so t of the march is the distance that the slider has travelled.
 """
 
-from __future__ import annotations
-
 import time as clock
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.life import ColdLife
 from master.motion.motion import Motion
@@ -23,8 +20,7 @@ from master.renewal.march import March
 from master.soft.curve import LoadCurve, SlipBegin
 from origins import Contacts
 from origins.start import Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # First guess of a panel's width, in grains of the life; it gives 1e-10 for Gaussian thresholds.
 WIDE = 6.0

@@ -1,20 +1,17 @@
 """The regime of a soft slider: smooth sliding, stick-slip, or slips that die out."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from master.motion.motion import drive_motion
 from master.soft.slips import Followed
 from master.stick_slip.extremes import extremes
 from origins import Contacts
 from origins.drive import Drive
+from origins.thresholds.law import Array
 
-Array = npt.NDArray[np.float64]
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below

@@ -1,18 +1,12 @@
 """What both solvers of soft sliders find: the record of all slips, and forces along the path."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
-
-import numpy as np
-import numpy.typing as npt
 
 from master.outcome import outcome
 from origins import Contacts, Drive
 from origins.brief import brief
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 MOST_SLIPS = 20_000  # as many take some 20 s at T = 0
 

@@ -13,13 +13,10 @@ The drive begins where the spring balances the starting force, X_T = F(0)/K at X
 there straight to the first point of its path (paper Sec. III D).
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from master.outcome import Progress, unheard
 from master.soft.cold import ColdSlider
@@ -29,8 +26,7 @@ from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
 from origins.errors import refuse
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 @dataclass(frozen=True)

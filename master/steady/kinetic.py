@@ -5,8 +5,6 @@ the other, v tau its travel during the delay and F_0 the force without delay, F_
 So points that differ only in the delay share one steady state.
 """
 
-from __future__ import annotations
-
 import time
 from copy import copy
 from dataclasses import dataclass, replace
@@ -23,8 +21,7 @@ from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError, non_negative, positive, refuse
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Smooth sliding: the state that no longer depends on X (paper Eqs. Q11a-Q11d)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
@@ -16,9 +14,8 @@ from master.steady.travel import Travel
 from origins import Contacts, Thresholds
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import gauss
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,13 @@ of u, so that the same stretches serve all speeds:
     C = <x_b>,    integral of the force = <k x_b^2>/2.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
 from master.renewal.table import Table
 from master.steady.travel import check_finite, thresholds_beyond
 from origins import Contacts
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
-
-Array = npt.NDArray[np.float64]
 
 # Range of ln e: the shares of contacts that break below and above it are negligible.
 LEAST, MOST = -32.0, 3.65

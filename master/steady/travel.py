@@ -6,10 +6,7 @@ integrals over the way, the slider's travel since a contact's birth (paper, Eqs.
     C = integral of E,      F_k/(N_c <k>) = (integral of K) / (C + v tau).
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.heat import ThermalLife
 from master.lives.life import Life
@@ -17,8 +14,7 @@ from master.renewal.births import reforming_law
 from master.renewal.kernels import Straight
 from origins import Contacts, InputError
 from origins.start import Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Accuracy of tables of which only integrals are needed: of births at one stretch, and at many, where
 # a survival takes some hundred times as long and is smoother.

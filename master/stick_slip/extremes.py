@@ -1,11 +1,8 @@
 """The steepest fall and the largest value of F(X) on a slider that moves forward at one speed."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from master.lives.make import steady_life
@@ -15,8 +12,7 @@ from master.renewal.march import March
 from master.rigid import FINEST, GRAINS, ROUND_OFF, longest_stretch, march_of
 from master.steady.travel import Travel
 from origins import Contacts
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # F is followed for LIVES typical lives, and one more than those of all but the share FEW of the
 # contacts in steady sliding, but for at most MOST_LIVES.

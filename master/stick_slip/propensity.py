@@ -1,8 +1,6 @@
 """How prone to stick-slip: K*, F_s/F_k, X* and the onset power of P_c, each with its error; and the
 line between stick-slip and smooth sliding: K* along speeds, temperatures, ageing, delays."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 
@@ -16,8 +14,7 @@ from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.errors import check_tolerance, positive
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 @dataclass(frozen=True)

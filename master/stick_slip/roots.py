@@ -11,8 +11,6 @@ many of them lie right of a line of constant Re s as the real numbers above 1 th
 Newton's method starts from there, and has to find as many.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +21,8 @@ from master.renewal.kernels import SHORTEST
 from master.renewal.table import SIZE, Table
 from master.steady.travel import FEW, NONE, Travel, tail_rate
 from origins import Contacts
+from origins.thresholds.law import Array
 
-Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 # Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times

@@ -4,8 +4,6 @@ F - F_k ~ sum over pairs of roots of Re[c_n e^(s_n X)],
 c_n = 2 K^(s_n) e^(-s_n d) [1/s_n - G_0^(s_n)] / D'(s_n).
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, field, replace
 
@@ -27,8 +25,7 @@ from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse, whole
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9

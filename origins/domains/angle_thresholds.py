@@ -6,8 +6,6 @@ inverse square root where db/dangle = 0, and jumps where the two are equal. Betw
 in s, x = lower + (upper - lower) sin²(pi s/2): a Chebyshev series.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

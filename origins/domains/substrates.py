@@ -1,7 +1,5 @@
 """Substrates: the energy of one atom above a flat crystal, as a finite Fourier series (paper, Sec. VI C)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt

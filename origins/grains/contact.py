@@ -1,7 +1,5 @@
 """Contacts whose thresholds grow with age: each keeps its quantile in the law of the coalescing grains."""
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 

@@ -1,7 +1,5 @@
 """Coalescing grains in a film: their number, the number that pins, their thresholds (paper, Sec. VI, Eq. LS2)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal

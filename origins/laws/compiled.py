@@ -1,7 +1,5 @@
 """Optional compiled functions of a RateLaw, for one contact at a time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from math import exp

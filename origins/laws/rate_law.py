@@ -1,7 +1,5 @@
 """The protocol of rates: all that solvers use of the law by which contacts break below their threshold."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable

@@ -3,8 +3,6 @@
 With b = k_i/2k_BT and Dawson's integral D the integral of h from 0 to x is h(x) D(b^(1/2) x) / b^(1/2).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar, Literal, NamedTuple

@@ -4,8 +4,6 @@ c = k_i x_s²/2k_BT is the barrier at x = 0, and u = s^(3/2) falls from 1 to 0 o
 integral of h is (2 ω x_s/3c) (e^(-c u_far) - e^(-c u_near)).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, NamedTuple
 

@@ -1,7 +1,5 @@
 """Thermally activated breaking, for stretches of either sign and motion in either direction (paper, Sec. IV)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Literal
 

@@ -1,8 +1,6 @@
 """The material of a rough contact, and the record of one interface, which converts from thresholds in metres to newtons
 and pascals."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

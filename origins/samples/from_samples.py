@@ -1,7 +1,5 @@
 """Thresholds from your own values, from molecular dynamics or from an experiment, and their sampling errors."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 

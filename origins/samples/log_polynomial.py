@@ -6,8 +6,6 @@ further bend must raise the likelihood enough (B. W. Silverman, Ann. Stat. 10, 7
 Sci. 11, 89, 1996).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

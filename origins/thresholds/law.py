@@ -1,7 +1,5 @@
 """Thresholds: the law P_c(x) of the stretch at which a contact breaks. The class says what a new law must define."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Protocol, TypeAlias, runtime_checkable

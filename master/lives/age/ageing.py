@@ -8,14 +8,11 @@ the error is measured. On a path that turns round, rests or changes its speed, c
 and births of earlier legs, are strands that follow the slider leg by leg.
 """
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Callable, Iterator
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import chebyshev
 
 from master.lives.age.cells import TRAVEL_STEP, Cells, narrowest
@@ -26,8 +23,7 @@ from master.lives.life import Life
 from master.motion.motion import History, Motion
 from origins import Contacts
 from origins.start import SingleStart, Start
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Smallest ratio of an error to that of the resolution before that is trusted; and that above which no
 # finer resolution is tried.

@@ -9,18 +9,14 @@ The density u is stored as weights of cells in y, small ones towards y = 0; the 
 faces comes from cubics through the four cells around, of fourth order, and weight is conserved.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from origins import Ageing, Contacts, Thresholds
 from origins.errors import InputError
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Each resolution divides cells by 2 to this power, and steps by 2: errors, of fourth order in the cells and of
 # third order in the steps, fall by 8.

@@ -4,16 +4,13 @@ All code that numba compiles for ageing is in this file, because its cache on di
 only in a function's own file.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Radau's method of two stages, of third order: its last stage is the end of the step, so that stiff
 # components, such as the thin edge of a density at the level, are damped to their final values.

@@ -14,8 +14,6 @@ where a panel ends. (The probabilities above |stretch| obey the same equation, b
 where thresholds move away from |stretch|, and b would be lost in their rounding.)
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +25,9 @@ from master.renewal import rule
 from master.renewal.table import Table
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
+from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
-Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 # Nodes and weights on (0, 1), of the integral over earlier breaks between two of its cuts.

@@ -8,13 +8,11 @@ from copy import copy
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from master.lives.age.cells import Cells
 from master.outcome import StoppedError
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Survival below which strands are not followed any more, and the degree of splines in time.
 SPENT, DEGREE = 1e-12, 5

@@ -9,17 +9,13 @@ their law at their stretch and age so far (master.lives.grains). With heat they 
 see Memory: here the cells are those of the quantile.
 """
 
-from __future__ import annotations
-
 import numpy as np
-import numpy.typing as npt
 
 from master.lives.age.cells import Cells
 from master.lives.grains import GrainLife
 from master.soft.in_time.memory import Leg, Memory, Scales
 from origins import Contacts
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Longest age of grains, in pinning times: they hardly grow beyond.
 LONGEST = 1e7

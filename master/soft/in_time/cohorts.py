@@ -19,7 +19,6 @@ from bisect import bisect_left
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import KroghInterpolator
 
 from master.lives.averages import StretchRule, stretch_rule
@@ -27,8 +26,7 @@ from master.outcome import StoppedError
 from master.renewal.births import reforming_law
 from master.soft.in_time.memory import Leg, Memory
 from origins import Contacts
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Share of a strand that holds below which it is dropped.
 DEAD = 1e-19

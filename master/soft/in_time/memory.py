@@ -7,13 +7,10 @@ and A hardly changes over a cell, and where they are cold and only those of a th
 break early, errors are of second order in the cells.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import exp1
 
 from master.lives.age.cells import narrowest
@@ -21,8 +18,7 @@ from master.lives.heat import MeanRateLife, Replay
 from master.lives.life import TIE
 from master.motion.motion import Legs
 from origins import Contacts
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 # Shares of the contacts below the ends of cells, on the coarsest level; each is cut in 2
 # there, and halved with each level, from the fourth on with every second one.

@@ -7,8 +7,6 @@ rounding, or what the steps do not resolve if that is larger. Steps are halved u
 the error of the force, and of the load at slips, is claimed.
 """
 
-from __future__ import annotations
-
 import time
 from itertools import pairwise
 
@@ -25,8 +23,7 @@ from master.soft.slips import Followed, Slips
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:

@@ -1,11 +1,8 @@
 """A soft slider along its whole path, K (X_T - X) = F, step by step and slip after slip."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 from scipy.optimize.elementwise import find_root
@@ -14,8 +11,7 @@ from master.motion.motion import Motion
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.steps import Steps
 from origins.drive import Drive
-
-Array = npt.NDArray[np.float64]
+from origins.thresholds.law import Array
 
 
 class Node(NamedTuple):

@@ -5,8 +5,6 @@ steps of time), so that steps are uniform both where the slider creeps and just 
 diverges. A slip begins at a fold, where the time of balance, as a function of the size, is the latest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
