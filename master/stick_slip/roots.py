@@ -156,14 +156,11 @@ class Transform:
     def held_on_line(self, decay: float, step: float, count: int) -> Complex:
         """The transform of E at -decay + i step k for k < count, to 1e-8."""
         way, sums, _ = self.nodes(float(np.hypot(decay, step * count)), decay, 8, 8.0)
-        # waves of many frequencies are products of those of 32 and of every 32nd
-        powers = np.cumprod(np.tile(np.exp(-1j * step * way), (32, 1)), axis=0)
-        few = np.concatenate([np.ones((1, way.size)), powers[:-1]])
-        rows, wave = [], sums[0] * np.exp(decay * way, dtype=complex)
-        for _ in range(0, count, 32):
-            rows.append(few @ wave)
-            wave = wave * powers[-1]
-        return np.concatenate(rows)[:count]
+        # waves of many frequencies are products of those of a few, and of every few
+        few = int(np.ceil(np.sqrt(count)))
+        turns = (np.exp(-1j * step * apart * way) for apart in (1, few))
+        each, coarse = (np.vander(turn, few, increasing=True) for turn in turns)
+        return (coarse.T * (sums[0] * np.exp(decay * way)) @ each).ravel()[:count]
 
 
 def crowding_rate(travel: Travel, wait: float) -> float:
@@ -278,7 +275,6 @@ def _newton(transform: Transform, starts: Complex, decay: float, step: float) ->
         with np.errstate(all="ignore"):
             broken = 1.0 - s * found.conserved
             move = np.log1p(-s * found.conserved) * broken / (found.conserved + s * found.slope)
-            move *= np.minimum((step + 0.5 * decay) / np.abs(move), 1.0)
         ends[moving] += move
         last[moving] = np.abs(move)
     good = (last <= 1e-7 * np.abs(ends)) & (ends.imag > 0.1 * step)

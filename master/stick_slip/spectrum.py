@@ -66,7 +66,7 @@ class DecoherenceSpectrum:
     beyond: float
     run_time: float
     _unit: float = field(repr=False)
-    _left_out: Array = field(repr=False)
+    _left_out: float = field(repr=False)
 
     __repr__ = brief
 
@@ -103,8 +103,7 @@ class DecoherenceSpectrum:
         drift = np.minimum(np.multiply.outer(x, self.roots_error), 2.0)
         off = (size * (self.amplitude_error + np.abs(self.amplitude) * drift)).sum(axis=-1)
         with np.errstate(under="ignore"):
-            place = np.searchsorted(self._left_out[0], x, "right") - 1
-            off = off + self._left_out[1, np.maximum(place, 0)] * np.exp(-x / self.beyond)
+            off = off + self._left_out * np.exp(-x / self.beyond)
         return (off / self._unit + self.kinetic_force_error)[()]
 
 
@@ -159,7 +158,7 @@ def decoherence_spectrum(
         beyond=1.0 / next_decay if next_decay else np.inf,
         run_time=0.0,
         _unit=unit,
-        _left_out=np.zeros((2, 1)),
+        _left_out=0.0,
     )
     left = _remainder(contacts, travel, velocity, spectrum)
     return replace(spectrum, _left_out=left, run_time=time.perf_counter() - began)
@@ -194,9 +193,8 @@ def _deepest(contacts: Contacts, travel: Travel, velocity: float) -> float:
 
 def _remainder(
     contacts: Contacts, travel: Travel, velocity: float, spectrum: DecoherenceSpectrum
-) -> Array:
-    """Positions X (lengths), sorted, over the first few mean ways from birth to birth, and the largest
-    error of the terms from there on, times e^(X/beyond) (a length); shape (2, n)."""
+) -> float:
+    """The largest error of the terms over the first few mean ways from birth to birth, times e^(X/beyond), a length."""
     whole_way = travel.length + velocity * contacts.waiting_time
     horizon = 6.0 * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
     march = forward_march(contacts, travel, velocity, horizon, TOLERANCE).run()
@@ -206,10 +204,5 @@ def _remainder(
     apart = np.abs(np.array(march.force) - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
     # twice as much, as the terms left out may add up in phase elsewhere
-    x, apart = x[significant], 2.0 * apart[significant]
-    if not x.size:
-        return np.zeros((2, 1))
-    left = apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
-    left = np.maximum.accumulate(left[::-1])[::-1]
-    # later differences are taken to be no larger than those over the last significant mean way
-    return np.stack([x, np.maximum(left, left[np.searchsorted(x, x[-1] - whole_way)])])
+    left = 2.0 * apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
+    return float(left[significant].max(initial=0.0))
