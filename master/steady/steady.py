@@ -93,16 +93,16 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
 
         known = paper_steady(contacts, velocity)
     else:
-        life, wait = life or steady_life(contacts, velocity), velocity * contacts.waiting_time
+        life = life or steady_life(contacts, velocity)
         if contacts.reforming and not contacts.reforming.law.is_single:
             resolved = 1e-9 if life.quick else 1e-7  # the error of an average is about its square
             life.resolved = max(life.resolved, resolved)
         travel = Travel(contacts, life, velocity)
-        force, force_error = travel.force(wait)
+        force, force_error = travel.force()
         known = {
             "force": force,
             "force_error": force_error / unit,
-            "holding": travel.length / (travel.length + wait),
+            "holding": travel.length / travel.cycle,
             "thresholds": contacts.thresholds,
             "mean_threshold": unit,
             "cycle_length": travel.length,

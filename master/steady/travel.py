@@ -33,10 +33,8 @@ class Travel(Straight):
 
     Parameters
     ----------
-    contacts : Contacts
-    life : Life
-    velocity : float
-        v > 0, length per time.
+    contacts, life, velocity : Contacts, Life, float
+        Of the contacts, and v > 0, length per time; contacts and velocity are kept as attributes.
     accuracy : float, optional
         Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not
         halved: the error of integrals is then about its square. Kept as an attribute.
@@ -51,6 +49,8 @@ class Travel(Straight):
         Length over which E falls.
     most : float
         A length: the largest value of |K|.
+    wait : float
+        v tau, the travel during which a broken contact is out (a length).
     length, length_error : float
         C, the integral of E, and its error; lengths.
     area, area_error : float
@@ -67,6 +67,8 @@ class Travel(Straight):
     ) -> None:
         """Tabulate E and K over the way since a birth, and integrate them."""
         check_finite(contacts)
+        self.contacts, self.velocity = contacts, velocity
+        self.wait = velocity * contacts.waiting_time
         born = born or reforming_law(contacts)
         if accuracy is None:
             accuracy = ACCURACY if born.is_single else OF_MANY
@@ -107,11 +109,15 @@ class Travel(Straight):
         self.length_error = float(off[0]) + 1e-13 * self.length
         self.area_error = float(off[1]) * self.scale + 1e-13 * abs(self.area)
 
-    def force(self, wait: float) -> tuple[float, float]:
-        """F_k/(N_c <k>) and its error (paper, Eq. Q11d), lengths, where contacts are out for the travel `wait`."""
-        whole = self.length + wait
-        force = self.area / whole
-        return force, (self.area_error + abs(force) * self.length_error) / whole
+    @property
+    def cycle(self) -> float:
+        """The mean way from a birth to the next one, a length."""
+        return self.length + self.wait
+
+    def force(self) -> tuple[float, float]:
+        """F_k/(N_c <k>) and its error (paper, Eq. Q11d), lengths."""
+        force = self.area / self.cycle
+        return force, (self.area_error + abs(force) * self.length_error) / self.cycle
 
     def _beyond(self) -> Array:
         """Integrals of E and K over `scale` beyond the longest way, where both continue as powers."""

@@ -43,8 +43,8 @@ class Extremes(NamedTuple):
 def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`."""
     travel = births_table(contacts, velocity, tolerance)
-    horizon, followed = _horizon(contacts, travel)
-    unit, diverges = unit_of(contacts, travel), _diverges(contacts, travel.life.bends)
+    horizon, followed = _horizon(travel)
+    unit, diverges = unit_of(travel), _diverges(contacts, travel.life.bends)
     # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of
     # its slope: panels are solved to a thousandth of the slope's tolerance; beside densities that
     # diverge, tolerances below 1e-6 would take long
@@ -52,18 +52,17 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     asked *= unit / contacts.mean_threshold
     solved_to = np.inf
     for finer in (1.0, 1e-2, 1e-4):
-        march = forward_march(contacts, travel, velocity, horizon, finer * asked)
+        march = forward_march(travel, horizon, finer * asked)
         if march.tolerance >= solved_to:  # the finest already
             break
         solved_to = march.tolerance
-        fall, force = _of(march.run(), velocity, travel)
+        fall, force = _of(march.run(), travel)
         good = fall.error <= tolerance * (1.0 + fall.value) and force.error <= tolerance * unit
         if good or diverges:
             break
     fall = Largest(np.inf, 0.0, fall.position) if diverges else fall
     # F decays to the kinetic force, so that F_s is at least this
-    kinetic = travel.area / (travel.length + velocity * contacts.waiting_time)
-    force = force._replace(value=max(force.value, kinetic))
+    force = force._replace(value=max(force.value, travel.force()[0]))
     if not followed:
         steepest, highest = _beyond(travel, horizon)
         fall = fall._replace(error=max(fall.error, steepest - fall.value))
@@ -77,16 +76,11 @@ def births_table(contacts: Contacts, velocity: float, tolerance: float) -> Trave
     return Travel(contacts, steady_life(contacts, velocity), velocity, accuracy)
 
 
-def forward_march(
-    contacts: Contacts, travel: Travel, velocity: float, horizon: float, tolerance: float
-) -> March:
-    """The march of contacts from their start to X = `horizon` (a length), not yet run.
-
-    travel : from `births_table`
-    tolerance : of the force, in mean thresholds; limited by the error of the survival
-    """
-    life, mean = travel.life, contacts.mean_threshold
-    motion = Motion(np.array([0.0, horizon / velocity]), np.array([0.0, horizon]))
+def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
+    """The march of contacts with this `births_table` from their start to X = `horizon` (a length), not yet run;
+    the tolerance of the force, in mean thresholds, is limited by the error of the survival."""
+    contacts, life, mean = travel.contacts, travel.life, travel.contacts.mean_threshold
+    motion = Motion(np.array([0.0, horizon / travel.velocity]), np.array([0.0, horizon]))
     # with heat contacts break long before they reach the longest stretch; a limit below a tenth of
     # the mean threshold would make the march's tolerance finer than rounding
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
@@ -103,18 +97,19 @@ def forward_march(
     return march
 
 
-def unit_of(contacts: Contacts, travel: Travel) -> float:
+def unit_of(travel: Travel) -> float:
     """The unit of the tolerance of F_s, a length: the mean threshold, or with heat the mean travel C.
 
     With growing grains C is no measure: contacts of the start are older and live far longer.
     """
+    contacts = travel.contacts
     plain = contacts.thermal is None or contacts.grains is not None
     return contacts.mean_threshold if plain else travel.length
 
 
-def _of(march: March, velocity: float, travel: Travel) -> tuple[Largest, Largest]:
+def _of(march: March, travel: Travel) -> tuple[Largest, Largest]:
     """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `travel` as in `forward_march`."""
-    begin, width = velocity * np.array(march.begin), velocity * np.array(march.width)
+    begin, width = travel.velocity * np.array([march.begin, march.width])
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
     errors = (np.maximum(march.wrong, 2e-15) + march.life_error) * march.stretch
@@ -125,7 +120,7 @@ def _of(march: March, velocity: float, travel: Travel) -> tuple[Largest, Largest
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
     force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
-        return Largest(np.inf, 0.0, march.lumps[1].time * velocity), force
+        return Largest(np.inf, 0.0, march.lumps[1].time * travel.velocity), force
     # on panels narrower than this the change of F is rounding, and so would be its slope
     wide = width > 1e-6 * travel.typical
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
@@ -148,17 +143,18 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
     return Largest(float(best[k]), error, float(begin[k] + 0.5 * width[k] * (1.0 + z[k, at[k]])))
 
 
-def _horizon(contacts: Contacts, travel: Travel) -> tuple[float, bool]:
+def _horizon(travel: Travel) -> tuple[float, bool]:
     """How far to follow F (a length), and whether its extremes surely lie before that.
 
     Where generations of breaks do not overlap, only the first is followed: it is the sharpest.
     """
-    life, (low, high) = travel.life, contacts.start.span
+    life, contacts = travel.life, travel.contacts
+    low, high = contacts.start.span
     again = 0.0 if contacts.reforming is None else max(contacts.reforming.law.span[1], 0.0)
     if life.reach - low < 2.0 * life.quiet - high - again:
         # F is followed for 0.01 mean thresholds beyond the last break of the first generation
         return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
-    unit, begin, end = unit_of(contacts, travel), travel.table.begin, travel.table.end
+    unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
     many = end[travel.table(begin)[0] * end > FEW * travel.length].max(initial=0.0)
     furthest = max(LIVES * unit, many + unit)
     horizon = min(furthest, MOST_LIVES * unit)

@@ -77,18 +77,17 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
     velocity = positive("velocity", velocity)
     fall, static, travel = extremes(contacts, velocity, tolerance)
-    wait = velocity * contacts.waiting_time
-    kinetic, off = travel.force(wait)
+    kinetic, off = travel.force()
     if not kinetic > 0.0:
         raise InputError(
             f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
             "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
         )
-    length, length_error = decoherence_length(contacts, travel, wait)
+    length, length_error = decoherence_length(travel)
     # where F(X) falls nowhere F_k is its largest value
     ratio = max(static.value / kinetic, 1.0) if fall.value > 0.0 else 1.0
     sure_spring, spring_message = judged("K*", fall.error / (1.0 + fall.value), tolerance)
-    unit = unit_of(contacts, travel)
+    unit = unit_of(travel)
     sure_static, static_message = judged("F_s", static.error / unit, tolerance)
     return Propensity(
         critical_spring=fall.value,

@@ -20,7 +20,6 @@ from master.renewal import rule
 from master.renewal.kernels import SHORTEST
 from master.renewal.table import SIZE, Table
 from master.steady.travel import FEW, NONE, Travel, tail_rate
-from origins import Contacts
 from origins.thresholds.law import Array
 
 Complex = npt.NDArray[np.complex128]
@@ -80,13 +79,9 @@ class Transform:
     relative accuracy on each panel, until it underflows or no wave grows as fast as it falls.
     """
 
-    def __init__(self, travel: Travel, wait: float, deepest: float) -> None:
-        """Extend the table of E until hardly any contact holds.
-
-        travel, wait : of these contacts, and d (a length)
-        deepest : the fastest decay of a wave, -Re s (per length)
-        """
-        self.travel, self.wait, self.deepest = travel, wait, deepest
+    def __init__(self, travel: Travel, deepest: float) -> None:
+        """Extend the table of E until hardly any contact holds; deepest: the fastest decay of a wave (per length)."""
+        self.travel, self.wait, self.deepest = travel, travel.wait, deepest
         life, edges = travel.life, travel.table.edges
         for _ in range(40):  # doublings of the way
             edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
@@ -163,14 +158,14 @@ class Transform:
         return (coarse.T * (sums[0] * np.exp(decay * way)) @ each).ravel()[:count]
 
 
-def crowding_rate(travel: Travel, wait: float) -> float:
+def crowding_rate(travel: Travel) -> float:
     """Decay rate (per length) near which infinitely many roots of ever higher frequency crowd, due to
     exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     # the share that breaks at each is that just before less that just after it
     sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], ways)
     before, after = travel.scaled(sides.reshape(-1, 1))[0].reshape(sides.shape)
-    ways, shares = ways[before > after] + wait, (before - after)[before > after]
+    ways, shares = ways[before > after] + travel.wait, (before - after)[before > after]
     if not ways.size or shares.sum() > 1.0 - 1e-14:
         return 0.0 if ways.size else np.inf
     from scipy.optimize import brentq  # takes 0.1 s, which few laws need
@@ -180,7 +175,7 @@ def crowding_rate(travel: Travel, wait: float) -> float:
     return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))
 
 
-def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple[float, float]:
+def decoherence_length(travel: Travel) -> tuple[float, float]:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
     It is inf for exact values alone (F is periodic or nearly so), and for a tail that falls slower
@@ -188,13 +183,13 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple
     error is inf. Where exact values have a share of the weight, roots slower than the rate at which
     infinitely many crowd may not exist, and X* is that of this rate.
     """
-    rate, off = min(tail_rate(contacts), (crowding_rate(travel, wait), 0.0))
+    rate, off = min(tail_rate(travel.contacts), (crowding_rate(travel), 0.0))
     if rate == 0.0:
         return np.inf, 0.0
     if travel.longest > BROAD * travel.length:
         # X* depends on the few contacts that live longest, which the table of E does not resolve
         return travel.longest, np.inf
-    transform = Transform(travel, wait, deepest_wave(travel, wait, rate))
+    transform = Transform(travel, deepest_wave(travel, rate))
     roots, searched = leading_roots(transform, 1)
     if roots.size:
         decay, error = -float(roots[0].real), float(transform(roots[:1]).root_error(roots[:1])[0])
@@ -205,16 +200,16 @@ def decoherence_length(contacts: Contacts, travel: Travel, wait: float) -> tuple
     return (0.5 / searched, 0.5 / searched) if searched else (travel.length, np.inf)
 
 
-def deepest_wave(travel: Travel, wait: float, rate: float) -> float:
+def deepest_wave(travel: Travel, rate: float) -> float:
     """Decay rate to which roots are searched (per length): deeper waves vanish within a mean life."""
-    return min(NEAR * rate, 40.0 / (travel.length + wait))
+    return min(NEAR * rate, 40.0 / travel.cycle)
 
 
 def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
     """All roots of D with Im s > 0 right of Re s = -searched, slowest first, and `searched` (per length):
     at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate (0: everywhere)."""
     roots, searched, deepest = np.empty(0, dtype=complex), 0.0, transform.deepest
-    decay = min(0.5 / (transform.travel.length + transform.wait), deepest)
+    decay = min(0.5 / transform.travel.cycle, deepest)
     while True:
         # if far more roots are right of a line than asked for, the next line is nearer
         most = 4 * count + 50 if decay > 1.2 * searched > 0.0 else np.inf
@@ -233,19 +228,19 @@ def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
 def _right(transform: Transform, decay: float, some: Complex, most: float) -> tuple[Complex, float]:
     """Roots right of the line Re s = -decay, or hardly left of it, and how many are right of it: inf where
     D is too inaccurate, or they are more than `most`; `some` are known."""
-    travel, wait, s = transform.travel, transform.wait, np.array([complex(-decay)])
+    travel, s = transform.travel, np.array([complex(-decay)])
     end = transform(s)
     if not end.conserved_error[0] * decay < 1e-3:
         return some, np.inf
     # w = 1 - sD turns by half a radian in a step: its slope on the real axis is the mean way, weighted by e^(decay x)
     step = float((0.5 * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     # at most 1e8 frequencies times nodes of an integral, and at most 2,000 per mean way
-    highest = min(2e3 / (travel.length + wait), np.sqrt(1e8 * step / transform.table.end[-1]))
+    highest = min(2e3 / travel.cycle, np.sqrt(1e8 * step / transform.table.end[-1]))
     last = max(4.0 / travel.grain, 15.0 * step)
     while True:
         last = min(2.0 * last, highest)
         s = -decay + 1j * step * np.arange(int(np.ceil(last / step)) + 2)
-        w = (1.0 - s * transform.held_on_line(decay, step, s.size)) * np.exp(-s * wait)
+        w = (1.0 - s * transform.held_on_line(decay, step, s.size)) * np.exp(-s * travel.wait)
         loudest = float(s[np.flatnonzero(np.abs(w) > 0.8)[-1]].imag)
         if loudest < 0.7 * last or last >= highest:
             break

@@ -29,8 +29,7 @@ from origins.thresholds.law import Array
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
-# Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd at all
-# frequencies.
+# Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd everywhere.
 LONGEST = 400.0
 
 
@@ -131,14 +130,14 @@ def decoherence_spectrum(
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
     travel, start = births_table(contacts, velocity, TOLERANCE), contacts.start
-    wait, unit = velocity * contacts.waiting_time, contacts.mean_threshold
-    transform = Transform(travel, wait, _deepest(contacts, travel, velocity))
+    wait, unit = travel.wait, contacts.mean_threshold
+    transform = Transform(travel, _deepest(travel))
     roots, searched = leading_roots(transform, n_roots + 1)
     s, of_start = roots[:n_roots], transform
     next_decay = float(-roots[n_roots].real) if roots.size > n_roots else searched
     if not (start.is_single and start.span == travel.born.span):
         way = Travel(contacts, travel.life, velocity, born=start)
-        of_start = Transform(way, wait, -float(s.real.min(initial=0.0)))
+        of_start = Transform(way, -float(s.real.min(initial=0.0)))
     root_error = transform(s).root_error(s)
     beside = np.append(s, s + root_error)
     values, first = transform(beside), of_start(beside)
@@ -146,7 +145,7 @@ def decoherence_spectrum(
     amplitude, moved = np.split(2.0 * values.force * late / values.slope, 2)
     share = values.force_error / np.abs(values.force) + 1e-14
     share += first.held_error / np.abs(1.0 / beside - first.held)
-    kinetic, kinetic_off = travel.force(wait)
+    kinetic, kinetic_off = travel.force()
     spectrum = DecoherenceSpectrum(
         roots=s,
         roots_error=root_error,
@@ -160,46 +159,38 @@ def decoherence_spectrum(
         _unit=unit,
         _left_out=0.0,
     )
-    left = _remainder(contacts, travel, velocity, spectrum)
+    left = _remainder(travel, spectrum)
     return replace(spectrum, _left_out=left, run_time=time.perf_counter() - began)
 
 
-def _deepest(contacts: Contacts, travel: Travel, velocity: float) -> float:
+def _deepest(travel: Travel) -> float:
     """The decay rate to which roots are searched; InputError where none can be resolved."""
-    wait, why = velocity * contacts.waiting_time, ""
+    contacts, wait, why = travel.contacts, travel.wait, ""
     if wait > LONGEST * travel.length:
         grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
         rule = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
-        refuse("velocity", velocity, f"{rule}; roots are told up to {LONGEST:g} times")
-    crowd, tail = crowding_rate(travel, wait), tail_rate(contacts)[0]
-    if crowd * (travel.length + wait) < 1e-2:
-        why = (
-            "thresholds: so much of their weight is in exact values alone: their roots come as near to "
-            "Re s = 0 as one likes, and none is known to be the slowest; give each a width, or follow "
-            "F(X) with master.solve"
-        )
+        refuse("velocity", travel.velocity, f"{rule}; roots are told up to {LONGEST:g} times")
+    crowd, tail = crowding_rate(travel), tail_rate(contacts)[0]
+    if crowd * travel.cycle < 1e-2:
+        why = "thresholds: so much of their weight is in exact values alone: their roots come as near to Re s = 0 as "
+        why += "one likes, and none is the slowest; give each a width, or follow F(X) with master.solve"
     elif tail == 0.0:
         why = "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
     elif travel.longest > BROAD * travel.length:
-        why = (
-            f"thermal: contacts live for all lengths up to {travel.longest / travel.length:.1g} times "
-            "the mean: among so many no leading oscillating wave can be resolved; master.propensity "
-            "gives X*, or says that it is not known"
-        )
+        times = f"{travel.longest / travel.length:.1g} times the mean"
+        why = f"thermal: contacts live for all lengths up to {times}: among so many "
+        why += " no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
     if why:
         raise InputError(why)
-    return deepest_wave(travel, wait, min(tail, crowd))
+    return deepest_wave(travel, min(tail, crowd))
 
 
-def _remainder(
-    contacts: Contacts, travel: Travel, velocity: float, spectrum: DecoherenceSpectrum
-) -> float:
+def _remainder(travel: Travel, spectrum: DecoherenceSpectrum) -> float:
     """The largest error of the terms over the first few mean ways from birth to birth, times e^(X/beyond), a length."""
-    whole_way = travel.length + velocity * contacts.waiting_time
-    horizon = 6.0 * whole_way + max(-2.0 * contacts.start.span[0], 0.0)
-    march = forward_march(contacts, travel, velocity, horizon, TOLERANCE).run()
+    horizon = 6.0 * travel.cycle + max(-2.0 * travel.contacts.start.span[0], 0.0)
+    march = forward_march(travel, horizon, TOLERANCE).run()
     share = np.append(0.0, rule.NODES)
-    x = velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
+    x = travel.velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
     off = (np.array(march.wrong) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
