@@ -45,9 +45,8 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     travel = births_table(contacts, velocity, tolerance)
     horizon, followed = _horizon(travel)
     unit, diverges = unit_of(travel), _diverges(contacts, travel.life.bends)
-    # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of
-    # its slope: panels are solved to a thousandth of the slope's tolerance; beside densities that
-    # diverge, tolerances below 1e-6 would take long
+    # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of its slope:
+    # panels are solved to a thousandth of the slope's tolerance; beside densities that diverge, 1e-6 takes long
     asked = max(tolerance, 1e-6) if diverges else 1e-3 * tolerance
     asked *= unit / contacts.mean_threshold
     solved_to = np.inf
@@ -64,9 +63,7 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     # F decays to the kinetic force, so that F_s is at least this
     force = force._replace(value=max(force.value, travel.force()[0]))
     if not followed:
-        steepest, highest = _beyond(travel, horizon)
-        fall = fall._replace(error=max(fall.error, steepest - fall.value))
-        force = force._replace(error=max(force.error, highest - force.value))
+        fall, force = fall._replace(error=np.inf), force._replace(error=np.inf)
     return Extremes(fall, force, travel)
 
 
@@ -81,8 +78,8 @@ def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
     the tolerance of the force, in mean thresholds, is limited by the error of the survival."""
     contacts, life, mean = travel.contacts, travel.life, travel.contacts.mean_threshold
     motion = Motion(np.array([0.0, horizon / travel.velocity]), np.array([0.0, horizon]))
-    # with heat contacts break long before they reach the longest stretch; a limit below a tenth of
-    # the mean threshold would make the march's tolerance finer than rounding
+    # with heat contacts break long before they reach the longest stretch; a limit below a tenth of the mean
+    # threshold would make the march's tolerance finer than rounding
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
     # some lives know their error only after they were evaluated for the stretches of the start
     life.left(contacts.start, motion.history(motion.times[None, 1:], np.zeros((1, 1))))
@@ -113,8 +110,8 @@ def _of(march: March, travel: Travel) -> tuple[Largest, Largest]:
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
     errors = (np.maximum(march.wrong, 2e-15) + march.life_error) * march.stretch
-    # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the
-    # length over which contacts break: conservation puts the number right at the panel's end
+    # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
+    # over which contacts break: conservation puts the number right at the panel's end
     shifted = np.maximum.accumulate(errors * np.minimum(width / travel.grain, 1.0))
     force = _largest(series, np.maximum(errors, shifted), begin, width)
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
@@ -159,22 +156,6 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
     furthest = max(LIVES * unit, many + unit)
     horizon = min(furthest, MOST_LIVES * unit)
     return horizon - min(low, 0.0), bool(furthest <= horizon)
-
-
-def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
-    """Bounds of the slope -dF/dX and of F (a length) beyond the horizon.
-
-    From -dF/dX = integral of x p (u - 1), with u = C times the rate of breaks: u - 1 has an integral of about F_k, and
-    decays to the contribution of lives longer than the horizon. Both are taken twice for safety.
-    """
-    ways = np.append(0.5 * horizon, travel.table.end[travel.table.end > 0.5 * horizon])
-    middle = np.sqrt(ways[1:] * ways[:-1])
-    held, kinetic = travel.table(middle)[0], travel.area / travel.length
-    broken = np.maximum(-np.diff(travel.table(ways)[0]) / np.log(ways[1:] / ways[:-1]), 0.0)
-    older = float(held @ np.diff(ways)) / travel.length
-    steepest = kinetic / travel.length * float(broken.max(initial=0.0)) + older
-    excess = float((held * middle).max(initial=0.0)) / travel.length + older
-    return 2.0 * steepest, kinetic * (1.0 + 2.0 * excess)
 
 
 def _diverges(contacts: Contacts, bends: Array) -> bool:

@@ -67,7 +67,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
     F(X) is followed for ten typical lives of a contact, further where more than one in a million
-    contacts live longer, but for at most 1,000; the errors include bounds on F beyond.
+    contacts live longer, but for at most 1,000: the errors are inf where these do not suffice.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and
     where contacts re-form so far behind x = 0 that the kinetic force is not above 0.

@@ -178,7 +178,7 @@ def _deepest(travel: Travel) -> float:
         why = "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
     elif travel.longest > BROAD * travel.length:
         times = f"{travel.longest / travel.length:.1g} times the mean"
-        why = f"thermal: contacts live for all lengths up to {times}: among so many "
+        why = f"thermal: contacts live for all lengths up to {times}: among so many"
         why += " no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
     if why:
         raise InputError(why)
