@@ -3,8 +3,8 @@
 With the paper's reset every slip puts all contacts back to Q_ini, with fresh thresholds of age 0:
 each run up to a slip repeats the first, so there is stick-slip if and only if -F'(X) reaches the
 spring K on the way. Slow sliding gives the thresholds time to age, which makes the drop steeper.
-D_X = D/v holds for the slider's own X, as in (Q15). Where the drive's X_T = X + F/K moves at v, more
-time passes before the drop and less in it, and v_c is larger; `master.solve` with a spring finds it.
+D_X = D/v holds for the slider's own X, as in (Q15). Where the drive's X_T = X + F/K moves at v, more time passes
+before the drop and less in it, and v_c is larger; `master.solve` with a spring finds it.
 """
 
 from dataclasses import dataclass
@@ -56,9 +56,8 @@ def critical_velocity(
     slowest, fastest : float
         Two speeds, a length per time, that v_c lies between.
 
-    The error is estimated from that of K*, or from the change with finer steps. Raises InputError
-    where the drop is steeper than the spring at both speeds, or at neither; for contacts that do not
-    age, and for other laws of the contact beside ageing.
+    The error is estimated from that of K*, or from the change with finer steps. Raises InputError where the drop is
+    steeper than the spring at both speeds, or at neither; for contacts that do not age, or have other laws beside.
     """
     from scipy.optimize import brentq
 
@@ -67,10 +66,7 @@ def critical_velocity(
     if contacts.ageing is None:
         why = "without ageing nothing depends on the speed"
         if contacts.laws:
-            why = (
-                "v_c is that of contacts that age by diffusion. What a temperature, a delay or thresholds "
-                "that grow make of K* at each speed is master.phase_line(contacts, velocity)"
-            )
+            why = "v_c is that of contacts that age; what other laws make of K* at each speed tells master.phase_line"
         raise InputError(f"contacts.ageing: is None; {why}")
     check_contacts(contacts, "master.critical_velocity", ("ageing",))
     exact = contacts.ageing.closure == "exact"
@@ -88,10 +84,9 @@ def critical_velocity(
     ends = np.log([slowest, fastest])
     slow, fast = (excess(end) for end in ends)
     if not slow > 0.0 >= fast:
-        raise InputError(
-            f"slowest, fastest: -F' is at most {slow + spring:.4g} at v = {slowest:g} and "
-            f"{fast + spring:.4g} at v = {fastest:g}; the spring {spring:g} must lie between them"
-        )
+        found = f"{slow + spring:.4g} at v = {slowest:g} and {fast + spring:.4g} at v = {fastest:g}"
+        rule = f"the spring {spring:g} must lie between them"
+        raise InputError(f"slowest, fastest: -F' is at most {found}; {rule}")
     root = brentq(excess, *ends, xtol=CLOSE)
     slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
     finer = fall(float(np.exp(root)), finer=True)  # moves v_c by little
@@ -115,9 +110,7 @@ def _printed_fall(contacts: Contacts, velocity: float, finer: bool) -> Largest:
     rises = np.diff(forces[0]) > 0.0
     begin = int(np.argmin(rises))
     if rises[begin]:
-        raise InputError(
-            "contacts: the force never falls on the way; there is no stick-slip at any spring"
-        )
+        raise InputError("contacts: the force never falls; there is no stick-slip at any spring")
     end_of_fall = begin + int(np.argmax(np.append(rises[begin:], True)))
     path = path[: max(end_of_fall, 6) + 1]  # a spline of degree 5 takes six points
     for parts in (2, 4)[: 1 + finer]:

@@ -5,16 +5,14 @@ and
 
     - D_X L P_c = (P_ci - P_c)/C,        C = <x>,        F_k/(N_c <k>) = <x²>/(2 C).
 
-P_c is represented by weights of cells between a wall at the lower end of P_cf and one beyond nearly
-all weight. Errors are series in even powers of the cell width, which extrapolation over halved cells
-removes.
+P_c is represented by weights of cells between a wall at the lower end of P_cf and one beyond nearly all weight.
+Errors are series in even powers of the cell width, which extrapolation over halved cells removes.
 """
 
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 from scipy.linalg.lapack import get_lapack_funcs
 from scipy.optimize import brentq
 
@@ -42,11 +40,9 @@ def ageing_of(contacts: Contacts) -> Ageing:
 
 
 def make_ageing(hops: Diffusion, amount: complex) -> Callable[[Array], Array]:
-    """The function that applies (1 - amount L)^-1 to the weights (n,) of cells, with the same sum.
-
-    amount : D t, a length squared. The net weight y[i] that crosses the edge i upwards is solved for:
-    y[i] = amount (up[i] w[i] - down[i] w[i+1]) after w[i] has gained y[i-1] - y[i].
-    """
+    """The function that applies (1 - amount L)^-1 to the weights (n,) of cells, with the same sum; amount : D t, a
+    length squared. The net weight y[i] that crosses the edge i upwards is solved for: y[i] = amount (up[i] w[i] -
+    down[i] w[i+1]) after w[i] has gained y[i-1] - y[i]."""
     diagonal = 1.0 + amount * (hops.up + hops.down)
     factor, solve = get_lapack_funcs(("gttrf", "gttrs"), (diagonal,))
     factors = factor(-amount * hops.up[1:], diagonal, -amount * hops.down[:-1])[:5]
@@ -59,11 +55,8 @@ def make_ageing(hops: Diffusion, amount: complex) -> Callable[[Array], Array]:
 
 
 def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
-    """(Q15), (Q11c), (Q11d): fields of SteadyState, from fresh thresholds P_ci, any final law, D_X = D/v.
-
-    Exact single values are allowed. Raises InputError for fresh thresholds outside the support of
-    the final law, and for a final law with a gap that thresholds would have to cross.
-    """
+    """(Q15), (Q11c), (Q11d): fields of SteadyState; InputError for fresh thresholds outside the support of the final
+    law, and for a final law with a gap that thresholds would have to cross. Exact single values are allowed."""
     check_contacts(contacts, PRINTED, ("ageing",))
     assert contacts.ageing is not None
     contacts.ageing.check_fresh(contacts.thresholds)
@@ -147,30 +140,27 @@ def _solve(
 
 
 class TabulatedLaw(Thresholds):
-    """Thresholds known by their weights (n,) >= 0 in cells between edges (n + 1,), lengths: cdf and
-    survival are smooth monotone curves through the edges, each summed from its own end."""
+    """Thresholds known by their weights (n,) >= 0 in cells between edges (n + 1,), lengths: the density is even within
+    a cell, and cdf and survival are each summed from its own end."""
 
     onset_power = 0.0
 
     def __init__(self, edges: Array, weights: Array) -> None:
-        # the interpolation divides by slopes, and would overflow with smaller weights
-        weights = np.where(weights > 1e-200, weights, 0.0) / weights.sum()
-        sums = np.append(0.0, weights.cumsum()), np.append(weights[::-1].cumsum()[::-1], 0.0)
-        self._edges, self._sides = edges, PchipInterpolator(edges, np.stack(sums, axis=1))
-        self._slopes = self._sides.derivative()
-
-    def support(self) -> tuple[float, float]:
-        return float(self._edges[0]), float(self._edges[-1])
+        weights = weights / weights.sum()
+        self._edges, self._densities = edges, weights / np.diff(edges)
+        self._support = float(edges[0]), float(edges[-1])
+        self._below = np.append(0.0, weights.cumsum())
+        self._above = np.append(weights[::-1].cumsum()[::-1], 0.0)
 
     def _pdf(self, x: Array) -> Array:
-        return np.maximum(self._slopes(x)[..., 0], 0.0)
+        return self._densities[np.searchsorted(self._edges[1:-1], x, "right")]
 
     def _cdf(self, x: Array) -> Array:
-        return np.clip(self._sides(x)[..., 0], 0.0, 1.0)
+        return np.interp(x, self._edges, self._below)
 
     def _sf(self, x: Array) -> Array:
-        return np.clip(self._sides(x)[..., 1], 0.0, 1.0)
+        return np.interp(x, self._edges, self._above)
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
         nodes, weights = gauss(self._edges[:-1], self._edges[1:])
-        return float((weights * (nodes - centre) ** n * self._pdf(nodes)).sum())
+        return float(((nodes - centre) ** n * weights).sum(axis=1) @ self._densities)
