@@ -1,16 +1,14 @@
 """(Q2), (Q3), (Q4): the paper's explicit step of Q(x;X) on a grid. First order in the step.
 
-It is kept as the plain twin of `master.solve`. All stretches are multiples of the step dX. In one
-step all contacts move on by dX, a fraction a(x) of those now at x breaks, and the broken contacts
-re-form at x = 0. The fraction is taken from Q after the shift. Taken before it, as (Q2) and (Q3) literally say, cells
-become negative and the solution diverges. A contact that breaks within a step should stretch again
-by up to dX before the step ends; here it does not. So where breaks are spread smoothly, every
-generation is dX/2 late.
+It is kept as the plain twin of `master.solve`. All stretches are multiples of the step dX. In one step all contacts
+move on by dX, a fraction a(x) of those now at x breaks, and the broken contacts re-form at x = 0. The fraction is taken
+from Q after the shift. Taken before it, as (Q2) and (Q3) literally say, cells become negative and the solution
+diverges. A contact that breaks within a step should stretch again by up to dX before the step ends; here it does not.
+So where breaks are spread smoothly, every generation is dX/2 late.
 
-Backward motion (App. C) is forward motion with P_b(x) = P(-x): breaking depends on x alone. A
-contact that was pulled to 0.9 and back to -0.5 is treated as if its threshold could be 0.6. So after
-a turn this differs from the discrete model: with P_c(1, 0.2) the force is off by 0.04 where turns
-are at +-3, by 0.18 where they are at +-0.9.
+Backward motion (App. C) is forward motion with P_b(x) = P(-x): breaking depends on x alone. A contact that was pulled
+to 0.9 and back to -0.5 is treated as if its threshold could be 0.6. So after a turn this differs from the discrete
+model: with P_c(1, 0.2) the force is off by 0.04 where turns are at +-3, by 0.18 where they are at +-0.9.
 """
 
 import time
@@ -37,10 +35,8 @@ class ExplicitSolution:
 
     Attributes
     ----------
-    path : array
-        Slider positions X (lengths).
-    force : array
-        F/(N_c <k>) of (Q6), a length; straight between the steps.
+    path, force : array
+        Slider positions X, and F/(N_c <k>) of (Q6), straight between the steps; lengths.
     holding : array
         Share of the contacts that hold, the sum of Q over the grid: 1 without a delay.
     run_time : float
@@ -74,9 +70,8 @@ def explicit(
     step : float
         dx = dX (a length).
     breaking : "survival" or "printed"
-        The fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), the effect of the
-        hazard P over the whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; it is limited
-        to 1, as P grows without bound towards the upper end of a bounded law.
+        The fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), the effect of the hazard P over the
+        whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; at most 1, as P diverges where a law ends.
     velocity : float
         v (length per time); only temperature and delay depend on it.
 
@@ -128,8 +123,10 @@ def _stepped(
     reach = max(min(last, float(law.isf(1e-18 * float(law.sf(first))))), first)
     longest = max(float(travel[-1]), 2.0 * reach)
     if longest / step > MOST_NODES:
-        example = f"write step={longest / 1e4:.3g} or so"
-        refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
+        rule = (
+            f"needs more than {MOST_NODES:,} steps or nodes; write step={longest / 1e4:.3g} or so"
+        )
+        refuse("step", step, rule)
     zero = 1 + int(np.ceil(reach / step))  # the index of x = 0
     x: Array = step * np.arange(-zero, zero + 1, dtype=float)
     fraction = broken_fraction(contacts, x, step, breaking, velocity)
@@ -191,7 +188,8 @@ def broken_fraction(
         if breaking == "survival":
             return np.where(before > -np.inf, -np.expm1(here - before - by_heat), 1.0)
         if law.atoms[0].size:
-            rule = 'P(x) does not exist at exact single thresholds; write "survival"'
-            refuse("breaking", breaking, rule)
+            refuse(
+                "breaking", breaking, 'P(x) does not exist at exact thresholds; write "survival"'
+            )
         hazard = np.where(x > 0.0, np.exp(law.logpdf(x) - here), 0.0)
     return np.where(here > -np.inf, np.minimum(hazard * step + by_heat, 1.0), 1.0)

@@ -4,11 +4,10 @@ dQ/dX + dQ/dx + P Q = delta(x) b,    b = integral of P Q
 dP_c/dX = D_X L P_c - P Q + P_ci b
 P_c = P exp(-integral of P),         that is P = P_c/S, S the survival of P_c
 
-(Q15) takes one P_c as both the law of new thresholds and the histogram of those that hold, which is
-right only in the steady state. From a peaked start the contacts outrun P_c: they reach stretches at
-which the thresholds that would break them are used up, and P_c would have to become negative to
-lose as many thresholds as contacts break. From there on either its mass or its sign is wrong, and
-the answer depends on which; both defects are returned at every X.
+(Q15) takes one P_c as both the law of new thresholds and the histogram of those that hold, which is right only in the
+steady state. From a peaked start the contacts outrun P_c: they reach stretches at which the thresholds that would break
+them are used up, and P_c would have to become negative to lose as many thresholds as contacts break. From there on
+either its mass or its sign is wrong, and the answer depends on which; both defects are returned at every X.
 """
 
 import time
@@ -30,8 +29,8 @@ from origins.thresholds.law import Array
 
 Keep = Literal["positivity", "mass"]
 
-# Cells of P_c per step, which resolve how P_cf changes over a step; survival of P_ci or P_cf at which
-# they end, so small a share being negligible; and most steps across them: more would take hours.
+# Cells of P_c per step, which resolve how P_cf changes over a step; survival of P_ci or P_cf at which they end, so
+# small a share being negligible; and most steps across them: more would take hours.
 CELLS, TAIL, MOST_STEPS = 4, 1e-13, 20_000
 
 
@@ -41,18 +40,14 @@ class AgeingTransient:
 
     Attributes
     ----------
-    path : array
-        Positions X (lengths), as far as the solution goes.
-    force : array
-        F/(N_c <k>), a length.
+    path, force : array
+        Positions X, as far as the solution goes, and F/(N_c <k>) there; lengths.
     force_error : float
         Estimate of its largest error in units of the mean fresh threshold; inf for a single step.
     holding : array
         Fraction of contacts that hold: 1.
-    mass_defect : array
-        Mass of P_c minus 1.
-    positivity_defect : array
-        Negative weight of P_c, without its sign.
+    mass_defect, positivity_defect : array
+        Mass of P_c minus 1, and negative weight of P_c, without its sign.
     edges : array (m + 1,)
         Ends of cells of P_c (lengths), one step wide except for the outermost.
     weights : array (n, m)
@@ -60,13 +55,11 @@ class AgeingTransient:
     step : float
         h, a length.
     outrun : float
-        X from which on contacts have stretches at which no thresholds are left (a length); inf if
-        that never happens. From there on (Q15) does not determine the answer: it depends on `keep`,
-        and on where the table of P_c ends, at a survival of 1e-13, where all contacts break.
-    success : bool
-        Whether the path was followed to its end with the requested accuracy.
-    message : str
-        The accuracy reached, and the defects of P_c.
+        X from which on contacts have stretches at which no thresholds are left (a length); inf if that never happens.
+        From there on (Q15) does not determine the answer: it depends on `keep`, and on where the table of P_c ends, at
+        a survival of 1e-13, where all contacts break.
+    success, message : bool, str
+        Whether the path was followed to its end with the requested accuracy; that reached, and the defects of P_c.
     run_time : float
         Seconds.
     """
@@ -105,14 +98,12 @@ def paper_transient(
     path : array of shape (n,)
         Positions X >= 0 that never turn back (lengths).
     step : float
-        h, of X and between cohorts (a length): at most a tenth of the narrowest width of start and
-        laws.
+        h, of X and between cohorts (a length): at most a tenth of the narrowest width of start and laws.
     velocity : float
         v > 0; D_X = D/v.
     keep : "positivity" or "mass"
-        What is conserved where both cannot be. "positivity": thresholds that are missing are not
-        subtracted, and the mass grows. "mass": P_c becomes negative; the solution ends where
-        contacts have a stretch with a survival that is not above 0.
+        What is conserved where both cannot be. "positivity": thresholds that are missing are not subtracted, and the
+        mass grows. "mass": P_c becomes negative; the solution ends where contacts stand at a survival not above 0.
     cells : int
         Cells of P_c per step.
 
@@ -167,8 +158,8 @@ def paper_transient(
 def solve_q15(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
 ) -> AgeingTransient:
-    """F along drive.path (paper, Eq. Q15): steps are halved until the extrapolated force changes by
-    less than `tolerance` (in mean fresh thresholds), or until some ten seconds are spent."""
+    """F along drive.path (paper, Eq. Q15): steps are halved until the extrapolated force changes by less than
+    `tolerance` (in mean fresh thresholds), or until some ten seconds are spent."""
     began, end = time.perf_counter(), float(drive.path[-1])
     step = 0.5 * narrowest(contacts)  # coarser steps do not resolve the laws
     fine = paper_transient(contacts, drive.path, step, drive.velocity)
@@ -193,19 +184,16 @@ def solve_q15(
 class _State:
     """Cohorts of contacts and cells of P_c, one step of X at a time.
 
-    Contacts are cohorts at (i + 1/2) h, which a step moves across whole groups of cells of P_c, from
-    one of the `walls` (lengths, shape (m + 1,)) to the next. Each step is half a step of ageing, the
-    breaks, with the survival in the middle of the step, and half a step of ageing. Errors fall as h²
-    as long as mass and sign of P_c are both conserved, and as h after that.
+    Contacts are cohorts at (i + 1/2) h, which a step moves across whole groups of cells of P_c, from one of the `walls`
+    (lengths, shape (m + 1,)) to the next. Each step is half a step of ageing, the breaks, with the survival in the
+    middle of the step, and half a step of ageing. Errors fall as h² while mass and sign are kept, and as h after that.
     """
 
     def __init__(self, contacts: Contacts, step: float, amount: float, cells: int) -> None:
         """Choose the cells of thresholds, which age by `amount` = D_X h (a length squared) in a step."""
         fresh, start, final = contacts.thresholds, contacts.start, ageing_of(contacts).final
         lower, end = final.support()
-        upper = float(fresh.isf(TAIL))
-        if amount > 0.0:
-            upper = min(end, max(upper, float(final.isf(TAIL))))
+        upper = min(end, max(float(fresh.isf(TAIL)), float(final.isf(TAIL))))
         low, high = min(start.span[0], 0.0), max(upper, start.span[1])
         if (high - low) / step > MOST_STEPS:
             example = f"write step={(high - low) / 2000.0:.3g} or so"
@@ -226,11 +214,8 @@ class _State:
         self._group = np.clip(np.searchsorted(self.walls, ends[1:-1], "right") - 1, 0, groups - 1)
         self._cells, self._fresh = cells, np.diff(fresh.cdf(edges))
         self._fresh /= self._fresh.sum()
-        self._half: Callable[[Array], Array] = np.asarray  # at D = 0 nothing ages
-        self._whole: Callable[[Array], Array] = np.asarray
-        if amount > 0.0:
-            hops = Diffusion(final, edges)
-            self._half, self._whole = (_exponential(hops, part * amount) for part in (0.5, 1.0))
+        hops = Diffusion(final, edges)
+        self._half, self._whole = (_exponential(hops, part * amount) for part in (0.5, 1.0))
         # P_c after a step's breaks, and after the ageing up to the next breaks
         self._broken, self._aged = self._fresh, self._half(self._fresh)
 
@@ -244,8 +229,7 @@ class _State:
         return np.array([self._stretches @ self._cohorts, w.sum() - 1.0, -w[w < 0.0].sum()])
 
     def advance(self, keep: Keep) -> bool:
-        """Take one step. With keep = "mass", returns False without a step where contacts have a
-        stretch with a survival that is not above 0."""
+        """Take one step; with keep = "mass" none, and False, where contacts stand at a survival not above 0."""
         begun = middle = self._aged
         for _ in range(2):  # the second time with the survival in the middle of the step
             tail = np.append(middle[::-1].cumsum()[:: -self._cells], 0.0)
@@ -276,8 +260,7 @@ class _State:
 def _exponential(hops: Diffusion, amount: float) -> Callable[[Array], Array]:
     """The function that ages weights (n,) by `amount` = D t (a length squared), their sum kept.
 
-    exp(z) ≈ 1/(1 - z + z²/2) = Re (1 - i)/(1 - (1 + i) z/2) is of second order, damps fast modes and
-    makes hardly any weight negative.
+    exp(z) ≈ Re (1 - i)/(1 - (1 + i) z/2) is of second order, damps fast modes and makes hardly any weight negative.
     """
     age = make_ageing(hops, (0.5 + 0.5j) * amount)
     return lambda weights: np.asarray(((1.0 - 1.0j) * age(weights)).real, dtype=float)
