@@ -33,14 +33,11 @@ class Along:
     velocity : array
         v, length per time.
     temperature, rate, delay : array or None
-        T = k_BT/<k> (a length squared), D (a length squared per time) and tau_m (a time); None
-        where the contacts have no such law.
+        T = k_BT/<k> (a length squared), D (a length squared per time), tau_m (a time); None without such a law.
     run_time : float
         Seconds.
-    success : array of bool
-        Whether the answer at each point is within the tolerance.
-    message : str
-        The accuracy reached, and the number of points that miss the tolerance.
+    success, message : array of bool, str
+        Whether each answer is within the tolerance; the accuracy reached, and the number of points that miss it.
     """
 
     velocity: Array
@@ -55,33 +52,26 @@ class Along:
 
 
 class Points:
-    """The points at which to solve, checked and broadcast; None: the contacts' own value.
+    """The points at which to solve, checked and broadcast.
 
     Attributes
     ----------
     shape : tuple of int
     rows : array of shape (n, 4)
         Speed, temperature, rate and delay; 0 for a law that the contacts do not have.
-
-    Raises InputError for values that are not finite or too small, for shapes that do not broadcast,
-    and for a temperature or a rate of contacts without that law.
     """
 
     def __init__(self, contacts: Contacts, **asked: npt.ArrayLike | None) -> None:
-        """asked : velocity, temperature, rate and delay, in this order"""
+        """asked : velocity, temperature, rate and delay, in this order; None: the contacts' own value"""
         self._began, self._contacts = time.perf_counter(), contacts
         # a rate law of the user's own has no temperature
         thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
         if asked["temperature"] is not None and thermal is None:
-            raise InputError(
-                "temperature: these contacts have no law for it; give them thermal = "
-                'Thermal("soft", 0.1), or a rate law of your own at each temperature, one after '
-                "the other, by contacts.replace(thermal=...)"
-            )
+            rule = 'thermal = Thermal("soft", 0.1), or a rate law of your own at each temperature'
+            raise InputError(f"temperature: these contacts have no law for it; give them {rule}")
         if asked["rate"] is not None and contacts.ageing is None:
-            raise InputError(
-                "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
-            )
+            rule = "give them ageing = Ageing(final, rate)"
+            raise InputError(f"rate: these contacts do not age; {rule}")
         own = {
             "temperature": thermal.temperature if thermal else None,
             "rate": contacts.ageing.rate if contacts.ageing else None,
@@ -133,10 +123,8 @@ class KineticCurve(Along):
 
     Attributes, beside those of `Along`
     ----------
-    force : array
-        F_k/(N_c <k>), a length.
-    force_error : array
-        Its error in units of the mean threshold.
+    force, force_error : array
+        F_k/(N_c <k>), a length, and its error in units of the mean threshold.
     holding, holding_error : array
         Fraction of the contacts that hold, C/(C + v tau_m), and its error.
     """
@@ -168,12 +156,12 @@ def kinetic_curve(
         tau_m >= 0 of their delay (they need not have one); 0 switches the law off; None: their own.
         Arrays broadcast: velocity[:, None] and temperature give a table.
 
-    Contacts that break by heat (closure "exact") and re-form relaxed are summed at all speeds
-    together; every other distinct point is solved individually.
+    Contacts that break by heat (closure "exact") and re-form relaxed are summed at all speeds together; every other
+    distinct point is solved individually.
 
-    Raises InputError as `steady_state` does, for values that are not finite or too small, for
-    shapes that do not broadcast, for a temperature or a rate of contacts without that law, and for
-    speeds so low that squares of stretches at a break underflow.
+    Raises InputError as `steady_state` does, for values that are not finite or too small, for shapes that do not
+    broadcast, for a temperature or a rate of contacts without that law, and for speeds so low that squares of stretches
+    at a break underflow.
     """
     check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
     asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}

@@ -25,8 +25,8 @@ class SteadyState:
     Attributes
     ----------
     force : float
-        F_k/(N_c <k>), a length. Where contacts form again at once and relaxed, and all are equally
-        stiff, it is <x_b^2>/(2 <x_b>); x_b is the stretch at which a contact breaks, x_s at T = 0.
+        F_k/(N_c <k>), a length. Where contacts form again at once and relaxed, and all are equally stiff, it is
+        <x_b^2>/(2 <x_b>); x_b is the stretch at which a contact breaks, x_s at T = 0.
     force_error : float
         Its error in units of the mean threshold.
     holding : float
@@ -35,17 +35,14 @@ class SteadyState:
         P_c: of new contacts, or with the paper's closure of ageing of all, from a table of weights.
     mean_threshold : float
         Its mean <x_s>, a length.
-    cycle_length : float
-        C, the mean travel of the slider between a contact's birth and its break.
-    cycle_length_error : float
-        Its error in units of the mean threshold.
-    success : bool
-        Whether the relative error of the force is at most 1e-3.
-    message : str
-        The accuracy reached.
+    cycle_length, cycle_length_error : float
+        C, the mean travel of the slider between a contact's birth and its break (a length), and its error in units of
+        the mean threshold.
+    success, message : bool, str
+        Whether the relative error of the force is at most 1e-3, and the accuracy reached.
     positivity_defect : float
-        With the paper's closure of ageing the sum of the negative weights of the table of P_c,
-        without the sign, which the density leaves out.
+        With the paper's closure of ageing the sum of the negative weights of the table of P_c, without the sign, which
+        the density leaves out.
     """
 
     force: float
@@ -73,13 +70,12 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
     Parameters
     ----------
     contacts : Contacts
-        With any laws; the start does not matter. The paper's closure of ageing is solved only
-        without other laws.
+        With any laws; the start does not matter. The paper's closure of ageing is solved only without other laws.
     velocity : float
         v > 0, length per time; it matters only with rates of breaking, ageing, grains or delay.
 
-    Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force
-    grows for ever and there is no steady state; and where contacts break at once.
+    Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
+    is no steady state; and where contacts break at once.
     """
     check_contacts(contacts, "master.steady_state", LAWS, own_rates=True)
     return state_at(contacts, positive("velocity", velocity))

@@ -16,15 +16,13 @@ from origins import Contacts, InputError
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Accuracy of tables of which only integrals are needed: of births at one stretch, and at many, where
-# a survival takes some hundred times as long and is smoother.
+# Accuracy of tables of which only integrals are needed: of births at one stretch, and at many, where a survival takes
+# some hundred times as long and is smoother.
 ACCURACY, OF_MANY = 1e-9, 1e-8
-# The coarsest accuracy, where E itself is known to no better; and the finest for births at many
-# stretches with heat: the quadrature rule of their average changes along the way, which makes steps
-# of some 1e-12 that no panel resolves.
+# The coarsest accuracy, where E itself is known to no better; and the finest for births at many stretches with heat:
+# the quadrature rule of their average changes along the way, which makes steps of some 1e-12 that no panel resolves.
 COARSEST, STEPPED = 1e-7, 1e-11
-# Share of contacts below which the error of the survival is relative instead of absolute; and below
-# which floating point underflows.
+# Share of contacts below which the error of the survival is relative, not absolute; and below which numbers underflow.
 FEW, NONE = 1e-4, 1e-290
 
 
@@ -36,8 +34,8 @@ class Travel(Straight):
     contacts, life, velocity : Contacts, Life, float
         Of the contacts, and v > 0, length per time; contacts and velocity are kept as attributes.
     accuracy : float, optional
-        Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not
-        halved: the error of integrals is then about its square. Kept as an attribute.
+        Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not halved: the error
+        of integrals is then about its square. Kept as an attribute.
     born : Start, optional
         The law of the stretches at birth; None: that of re-forming.
 
@@ -141,11 +139,8 @@ def thresholds_beyond(contacts: Contacts, far: float) -> Array:
 
 
 def tail_rate(contacts: Contacts) -> tuple[float, float]:
-    """Rate at which log S of the thresholds falls in the tail, and its error (per length); inf if it
-    falls faster than linearly, 0 if slower.
-
-    Heat does not change it: the stronger a contact, the less likely it breaks before its threshold.
-    """
+    """Rate at which log S of the thresholds falls in the tail, and its error (per length); inf if it falls faster than
+    linearly, 0 if slower. With heat, too: the stronger a contact, the less likely it breaks before its threshold."""
     law = contacts.thresholds
     if np.isfinite(law.support()[1]):
         return np.inf, 0.0
@@ -171,14 +166,13 @@ def power_of(contacts: Contacts) -> int:
 def check_finite(contacts: Contacts) -> None:
     """Raise InputError where the kinetic force is infinite.
 
-    Heat does not help, as strong contacts hardly break before their threshold. Thresholds that
-    diffuse or grow are exempt: the tail of the initial ones does not last, or they have a largest.
+    Heat does not help, as strong contacts hardly break before their threshold. Thresholds that diffuse or grow are
+    exempt: the tail of the initial ones does not last, or they have a largest.
     """
-    if contacts.ageing is not None or contacts.grains is not None:
-        return
-    power = power_of(contacts)
-    if not np.isfinite(contacts.thresholds.moment(power)):
-        raise InputError(
-            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force "
-            f"grows for ever; use a law whose tail falls faster than x^-{power + 1}"
+    power, changing = power_of(contacts), {"ageing", "grains"}.intersection(contacts.laws)
+    if not changing and not np.isfinite(contacts.thresholds.moment(power)):
+        fault = (
+            f"<x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever"
         )
+        rule = f"use a law whose tail falls faster than x^-{power + 1}"
+        raise InputError(f"thresholds: {fault}; {rule}")

@@ -24,8 +24,8 @@ class Propensity:
     Attributes
     ----------
     critical_spring, critical_spring_error : float
-        K*/(N_c <k>) = max over X of -dF/dX, in units of N_c <k>: a softer spring is unstable (paper
-        Eq. Q16). 0 where the force never falls; inf where it drops at one X.
+        K*/(N_c <k>) = max over X of -dF/dX, in units of N_c <k>: a softer spring is unstable (paper Eq. Q16). 0 where
+        the force never falls; inf where it drops at one X.
     static_to_kinetic, static_to_kinetic_error : float
         F_s/F_k, the largest force over the kinetic one; 1 where the force never exceeds it.
     decoherence_length, decoherence_length_error : float
@@ -34,11 +34,9 @@ class Propensity:
         m of P_c(x) ~ (x - a)^m at its lower end.
     run_time : float
         Seconds.
-    success : bool
-        Whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat in
-        mean travels C to a break) are within the tolerance.
-    message : str
-        The accuracy reached.
+    success, message : bool, str
+        Whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat in mean travels C to a
+        break) are within the tolerance, and the accuracy reached.
     """
 
     critical_spring: float
@@ -79,16 +77,14 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     fall, static, travel = extremes(contacts, velocity, tolerance)
     kinetic, off = travel.force()
     if not kinetic > 0.0:
-        raise InputError(
-            f"reforming: contacts form again behind x = 0 and bear {kinetic:.3g} in steady "
-            "sliding, of which no F_s is a multiple; ask master.phase_line for K* alone"
-        )
+        fault = f"contacts form again behind x = 0 and bear {kinetic:.3g} in steady sliding"
+        rule = "of which no F_s is a multiple; ask master.phase_line for K* alone"
+        raise InputError(f"reforming: {fault}, {rule}")
     length, length_error = decoherence_length(travel)
     # where F(X) falls nowhere F_k is its largest value
     ratio = max(static.value / kinetic, 1.0) if fall.value > 0.0 else 1.0
     sure_spring, spring_message = judged("K*", fall.error / (1.0 + fall.value), tolerance)
-    unit = unit_of(travel)
-    sure_static, static_message = judged("F_s", static.error / unit, tolerance)
+    sure_static, static_message = judged("F_s", static.error / unit_of(travel), tolerance)
     return Propensity(
         critical_spring=fall.value,
         critical_spring_error=fall.error,
@@ -139,9 +135,7 @@ def phase_line(
     tolerance : float
         Largest allowed error of K*, relative to 1 + K*.
 
-    v is the speed of the slider itself: that of a soft slider's drive is 1 + F'/K times higher
-    while the force rises.
-
+    v is the speed of the slider itself: that of a soft slider's drive is 1 + F'/K times higher while the force rises.
     Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
     """
     check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
