@@ -43,9 +43,8 @@ def critical_velocity(
 ) -> CriticalVelocity:
     """(Q16): v_c above which a soft slider whose contacts age no longer sticks and slips.
 
-    It is where the steepest -F'(X) from Q_ini and fresh thresholds just reaches the spring, D_X =
-    D/v on the slider's own X. With closure "exact" that is where K* of `master.propensity` is K;
-    with "paper" the first drop of (Q15) counts, as contacts outrun P_c after it.
+    With closure "exact" it is where K* of `master.propensity` is the spring; with "paper" where the steepest -F'(X) of
+    the first drop of (Q15) is, as contacts outrun P_c after it.
 
     Parameters
     ----------

@@ -1,9 +1,8 @@
 """C and the kinetic force of contacts that break by heat, at many speeds at once.
 
-A relaxed contact of threshold x_s that breaks by its own rate does so at min(x_s, x), where the
-rate integrated from 0 to x is J(x) = v e, with e drawn from the exponential law of mean 1. As a
-function of u = ln J the stretch x is smooth at any temperature, and the speed only shifts the weight
-of u, so that the same stretches serve all speeds:
+A relaxed contact of threshold x_s that breaks by its own rate does so at min(x_s, x), where the rate integrated from 0
+to x is J(x) = v e, with e drawn from the exponential law of mean 1. As a function of u = ln J the stretch x is smooth
+at any temperature, and the speed only shifts the weight of u, so that the same stretches serve all speeds:
 
     C = <x_b>,    integral of the force = <k x_b^2>/2.
 """
@@ -20,11 +19,11 @@ from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_ed
 LEAST, MOST = -32.0, 3.65
 # ln e beyond which e^-e counts as 0; larger ln e are cut here to avoid overflow.
 OVER = 7.0
-# Panels of 8 nodes in u: of one width above ln e = EVEN, wider and wider ones below, where the
-# weight is an exponential. The relative error of sums is then ROUND_OFF (measured).
+# Panels of 8 nodes in u: of one width above ln e = EVEN, wider and wider ones below, where the weight is an
+# exponential. The relative error of sums is then ROUND_OFF (measured).
 EVEN, WIDTH, ROUND_OFF = -1.0, 0.6, 2e-12
-# Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root
-# of the distance in u: the stretch is smooth in this root.
+# Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root of the distance
+# in u: the stretch is smooth in this root.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last two Legendre coefficients on a panel of thresholds, in units of typical values, below which it is
 # not halved (the error of its integral is about their square); and its least width, in mean thresholds.
@@ -34,13 +33,8 @@ TAIL = 1e-80
 
 
 def summed(contacts: Contacts, speeds: Array) -> Array:
-    """C (lengths) and the integral of the force over a cycle (lengths squared), each with its error.
-
-    contacts : with heat (closure "exact"), born relaxed
-    speeds : array of shape (n,), length per time
-
-    Returns an array of shape (2, 2, n): C and its error, the integral and its error.
-    """
+    """C (lengths) and the integral of the force over a cycle (lengths squared), each with its error, shape (2, 2, n),
+    of contacts with heat (closure "exact"), born relaxed, at speeds of shape (n,)."""
     check_finite(contacts)
     law, unit, breaks = contacts.thresholds, contacts.mean_threshold, _Breaks(contacts, speeds)
     positions, shares = law.atoms

@@ -96,7 +96,7 @@ class Travel(Straight):
         felt = np.minimum(held / FEW, 1.0)
         weights = 0.5 * (felt[1:] + felt[:-1]) * table.widths
         own = life.error * np.array([weights.sum(), weights @ table.end / self.scale])
-        off = table.missed() + own + self._beyond()
+        off = table.missed() + own
         if isinstance(life, ThermalLife):
             alive = np.clip(table(life.law.isf([life.FEW]))[0] / life.FEW, 0.0, 1.0)
             far = max(self.longest, float(contacts.thresholds.isf(1e-30)))
@@ -116,14 +116,6 @@ class Travel(Straight):
         """F_k/(N_c <k>) and its error (paper, Eq. Q11d), lengths."""
         force = self.area / self.cycle
         return force, (self.area_error + abs(force) * self.length_error) / self.cycle
-
-    def _beyond(self) -> Array:
-        """Integrals of E and K over `scale` beyond the longest way, where both continue as powers."""
-        ways = self.longest * np.array([0.5, 1.0])
-        before, last = np.abs(self.scaled(ways[:, None])[:, :, 0]).T + np.finfo(float).tiny
-        # a tail that falls nearly as slowly as 1/x is taken to fall as x^-1.01
-        power = np.log2(before) - np.log2(last)  # their quotient may overflow
-        return np.asarray(last * ways[1] / np.clip(power - 1.0, 1e-2, 1.0))
 
 
 def thresholds_beyond(contacts: Contacts, far: float) -> Array:

@@ -95,10 +95,8 @@ def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
 
 
 def unit_of(travel: Travel) -> float:
-    """The unit of the tolerance of F_s, a length: the mean threshold, or with heat the mean travel C.
-
-    With growing grains C is no measure: contacts of the start are older and live far longer.
-    """
+    """The unit of the tolerance of F_s, a length: the mean threshold, or with heat the mean travel C, which is no
+    measure with growing grains: contacts of the start are older and live far longer."""
     contacts = travel.contacts
     plain = contacts.thermal is None or contacts.grains is not None
     return contacts.mean_threshold if plain else travel.length
@@ -141,10 +139,8 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
 
 
 def _horizon(travel: Travel) -> tuple[float, bool]:
-    """How far to follow F (a length), and whether its extremes surely lie before that.
-
-    Where generations of breaks do not overlap, only the first is followed: it is the sharpest.
-    """
+    """How far to follow F (a length), and whether its extremes surely lie before that: where generations of breaks do
+    not overlap, only the first is followed, which is the sharpest."""
     life, contacts = travel.life, travel.contacts
     low, high = contacts.start.span
     again = 0.0 if contacts.reforming is None else max(contacts.reforming.law.span[1], 0.0)

@@ -140,8 +140,7 @@ def phase_line(
     """
     check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
     tolerance = check_tolerance("tolerance", tolerance)
-    asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
-    points = Points(contacts, **asked)
+    points = Points(contacts, velocity=velocity, temperature=temperature, rate=rate, delay=delay)
     cases, which = np.unique(points.rows, axis=0, return_inverse=True)
     found = np.empty((2, len(cases)))
     for i, (speed, *laws) in enumerate(cases):

@@ -24,8 +24,7 @@ from origins.thresholds.law import Array
 
 Complex = npt.NDArray[np.complex128]
 
-# Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times
-# e^(-sx) to rounding.
+# Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times e^(-sx) to rounding.
 WAVE = 4.0
 # Relative rounding of a sum.
 ROUND_OFF = 4e-16
@@ -178,10 +177,9 @@ def crowding_rate(travel: Travel) -> float:
 def decoherence_length(travel: Travel) -> tuple[float, float]:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
-    It is inf for exact values alone (F is periodic or nearly so), and for a tail that falls slower
-    than any exponential. Where a few contacts live more than 10,000 times as long as the mean, the
-    error is inf. Where exact values have a share of the weight, roots slower than the rate at which
-    infinitely many crowd may not exist, and X* is that of this rate.
+    It is inf for exact values alone (F is periodic or nearly so), and for a tail slower than any exponential. Where a
+    few contacts live more than 10,000 times as long as the mean, the error is inf. Where exact values have a share of
+    the weight, roots slower than the rate at which infinitely many crowd may not exist: X* is that of this rate.
     """
     rate, off = min(tail_rate(travel.contacts), (crowding_rate(travel), 0.0))
     if rate == 0.0:

@@ -35,8 +35,8 @@ LONGEST = 400.0
 
 @dataclass(frozen=True)
 class DecoherenceSpectrum:
-    """Leading roots, one of each pair, slowest first; arrays of shape (n,). n is 0 where no
-    oscillation decays as slowly as `beyond`, as where heat breaks contacts long before x_s.
+    """Leading roots, one of each pair, slowest first; arrays of shape (n,). n is 0 where no oscillation decays as
+    slowly as `beyond`, as where heat breaks contacts long before x_s.
 
     Attributes
     ----------
@@ -49,8 +49,7 @@ class DecoherenceSpectrum:
     kinetic_force, kinetic_force_error : float
         F_k/(N_c <k>), a length, and its error in units of the mean threshold.
     beyond : float
-        Decay length (a length) of the terms left out, and so of `force_error`; further roots may
-        have shorter decay lengths.
+        Decay length (a length) of the terms left out, and so of `force_error`; that of further roots may be shorter.
     run_time : float
         Seconds.
     """
@@ -93,8 +92,8 @@ class DecoherenceSpectrum:
     def force_error(self, x: npt.ArrayLike) -> Array:
         """Its error at those positions in units of the mean threshold; same shape.
 
-        An estimate: the terms left out are taken from F, solved over the first few mean ways from
-        birth to birth, and extrapolated as e^(-X/beyond).
+        An estimate: the terms left out are taken from F, solved over the first few mean ways from birth to birth, and
+        extrapolated as e^(-X/beyond).
         """
         x = np.asarray(x, dtype=float)
         size = np.exp(np.multiply.outer(x, self.roots.real))
@@ -118,13 +117,12 @@ def decoherence_spectrum(
     velocity : float
         v > 0, length per time; it matters only with heat, ageing, grains or a delay.
     n_roots : int
-        Number of roots; fewer are returned where fewer are found: the search ends before the decay
-        rate of the law's tail, and before that near which the infinitely many roots of exact values
-        crowd. It includes periods down to 1/300 of the mean way from birth to birth.
+        Number of roots; fewer are returned where fewer are found: the search ends before the decay rate of the law's
+        tail, and before that near which the infinitely many roots of exact values crowd. It includes periods down to
+        1/300 of the mean way from birth to birth.
 
-    Raises InputError for thresholds of exact values alone, or nearly so, whose roots come
-    arbitrarily near to Re s = 0; for contacts that are out for more than 400 times as long as they
-    hold; and as `steady_state` does.
+    Raises InputError for thresholds of exact values alone, or nearly so, whose roots come arbitrarily near to Re s = 0;
+    for contacts that are out for more than 400 times as long as they hold; and as `steady_state` does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
