@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite_array, one_of, positive, refuse
+from origins.errors import finite_array, one_of, positive, refuse
 
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
@@ -79,8 +79,7 @@ class Drive:
 def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
     """The times of the path's points, in order, with time to move wherever the path moves."""
     if velocity != 1.0:
-        rule = "the times of the points say how fast; give one of the two"
-        raise InputError(f"velocity = {velocity!r}: {rule}")
+        refuse("velocity", velocity, "the times of the points say how fast; give one of the two")
     times = finite_array("time", time)
     if times.shape != path.shape:
         refuse("time", times, f"must have the shape of the path, {path.shape}")

@@ -92,12 +92,10 @@ def as_start(start: object, name: str = "start") -> Start:
     if isinstance(start, int | float | np.number) and not isinstance(start, bool):
         return SingleStart(finite(name, start))
     if (frozen := as_frozen(start)) is None:
-        such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
-        refuse(name, start, f"must be None, a stretch, {such}")
+        refuse(name, start, "must be None, a stretch, a Start or a frozen scipy.stats distribution")
     mean = single_mean(name, frozen)
     if not np.isfinite(mean):
-        rule = "stretches need a finite mean"
-        raise InputError(f"{name}: the mean of the distribution is {mean}; {rule}")
+        raise InputError(f"{name}: the mean of the distribution is {mean}; it must be finite")
     ends = np.array(frozen.support(), dtype=float)
     reach = np.array([frozen.ppf(1e-16), frozen.isf(1e-16)])
     lower, upper = np.where(np.isfinite(ends), ends, reach).tolist()

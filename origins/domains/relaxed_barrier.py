@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
-from origins.domains.islands import points_of
+from origins.domains.islands import Atoms, points_of
 from origins.domains.lowest_saddle import lowest_saddles
 from origins.domains.substrates import vectors
 from origins.errors import refuse
 from origins.thresholds.law import Array
-
-if TYPE_CHECKING:
-    import ase
 
 _SMALL = 1e-7  # of the largest wave: smaller waves are left out of the search
 _RELAXED = 1e-3  # of the greatest force on an atom: forces that a relaxation leaves, and differences from slopes
@@ -48,14 +45,14 @@ class RelaxedBarrier:
 
     barrier: float
     barrier_error: float
-    minimum: ase.Atoms
-    saddle: ase.Atoms
+    minimum: Atoms
+    saddle: Atoms
     evaluations: int
     run_time: float
 
 
 def relaxed_barrier(
-    atoms: ase.Atoms,
+    atoms: Atoms,
     calculator: Any,
     *,
     rigid: bool = True,
@@ -91,8 +88,7 @@ def relaxed_barrier(
     started = perf_counter()
     points_of(atoms)
     if not hasattr(calculator, "get_forces"):
-        rule = "must be an ASE calculator, such as origins.substrate_calculator(substrate)"
-        refuse("calculator", type(calculator).__name__, rule)
+        refuse("calculator", calculator, "must be an ASE calculator, as substrate_calculator(...)")
     island = _MovingIsland(atoms, calculator, rigid, planar, _periods(atoms, calculator, periods))
     noise = _checked(island)
     shifts, missed = _minimum_and_saddle(island, noise)
@@ -114,7 +110,7 @@ class _MovingIsland:
     """
 
     def __init__(
-        self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
+        self, atoms: Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
     ) -> None:
         """Find the atoms that move, and the units; InputError where none, or too many, do."""
         from ase.constraints import FixAtoms
@@ -122,11 +118,9 @@ class _MovingIsland:
         fixed = [each.index for each in atoms.constraints if isinstance(each, FixAtoms)]
         self.moving = np.delete(np.arange(len(atoms)), np.concatenate([[], *fixed]).astype(int))
         if len(fixed) < len(atoms.constraints) or not self.moving.size:
-            rule = "must hold atoms that FixAtoms does not fix, the island, and no other constraint"
-            refuse("atoms", atoms, rule)
+            refuse("atoms", atoms, "needs some that FixAtoms does not fix, and no other constraint")
         if not rigid and self.moving.size > 1500:
-            rule = "may hold at most 1500 atoms that move by themselves; take rigid=True"
-            refuse("atoms", atoms, rule)
+            refuse("atoms", atoms, "may hold at most 1500 that move by themselves; take rigid=True")
         self.rigid, self.planar, self.periods, self.evaluations = rigid, planar, periods, 0
         self.rest = atoms.positions[self.moving]
         turn = np.cross([0.0, 0.0, 1.0], self.rest - self.rest.mean(axis=0))
@@ -157,8 +151,7 @@ class _MovingIsland:
         forces = self.atoms.get_forces(apply_constraint=False)[self.moving]
         self.evaluations += 1
         if not (np.isfinite(energy) and np.isfinite(forces).all()):
-            rule = "must give finite energies and forces wherever the island goes"
-            refuse("calculator", energy, rule)
+            refuse("calculator", energy, "must give finite energies and forces everywhere")
         return energy, forces
 
     def relaxed(self, share: npt.ArrayLike, change: Array) -> tuple[float, Array]:
@@ -194,7 +187,7 @@ class _MovingIsland:
         settled = np.abs(forces(q)).max() <= 1e-8 and np.abs(q).max() <= 0.5
         return shifts + self.radian * self.permitted(q) if settled else shifts
 
-    def finished(self, shifts: Array) -> tuple[ase.Atoms, float]:
+    def finished(self, shifts: Array) -> tuple[Atoms, float]:
         """A copy of the atoms as given, the island shifted, with energy and forces; the force that remains."""
         from ase.calculators.singlepoint import SinglePointCalculator
 
@@ -205,7 +198,7 @@ class _MovingIsland:
         return atoms, float(np.abs(remaining).max())
 
 
-def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
+def _periods(atoms: Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
     """The periods as given, or those of the calculator or of the atoms."""
     if given is None:
         parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
@@ -235,13 +228,10 @@ def _checked(island: _MovingIsland) -> float:
         there, behind, ahead = (island.energy_and_forces(place)[0] for place in places)
         change, work = abs(there - energy), 2e-5 * forces.sum(axis=0)[:2] @ period
         if change > 1e-9 * unit + 4.0 * noise:
-            shown = f"({period[0]:.6g}, {period[1]:.6g})"
-            rule = f"must leave energies as they are; moved by {shown} they change by {change:.2g}"
-            refuse("periods", island.periods, rule)
+            refuse("periods", period, f"must leave energies equal, and change them by {change:.2g}")
         allowed = 2e-5 * _RELAXED * island.force * np.hypot(*period) + 2.0 * noise
         if abs(behind - ahead - work) > allowed:
-            name = type(island.atoms.calc).__name__
-            refuse("calculator", name, "forces must be those of its energy")
+            refuse("calculator", island.atoms.calc, "forces must be those of its energy")
     return noise
 
 

@@ -60,8 +60,7 @@ class Substrate:
         are not whole multiples of two of them (V then never repeats).
         """
         if self.rank == 1:
-            rule = "are all parallel: the substrate has no cell, and islands slide freely along it"
-            refuse("wavevectors", self.wavevectors, rule)
+            refuse("wavevectors", self.wavevectors, "are all parallel: there is no cell")
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
         return np.asarray(2.0 * pi * np.linalg.inv(_shortest_basis(self.wavevectors)).T[::-1])
 
@@ -165,8 +164,7 @@ def _shortest_basis(vectors: Array) -> Array:
     while True:
         first = pool[np.argmin(np.hypot(*pool.T))]
         if np.hypot(*first) < least:
-            rule = "must be whole multiples of two vectors; this substrate never repeats"
-            refuse("wavevectors", vectors, rule)
+            refuse("wavevectors", vectors, "never repeat; write whole multiples of two vectors")
         # Gauss's step: less whole multiples of the shortest
         rest = pool - np.rint(pool @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
         rest = rest[np.hypot(*rest.T) > nothing]

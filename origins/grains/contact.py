@@ -34,8 +34,7 @@ class GrainContact:
 
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
-            rule = "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)"
-            refuse("growth", growth, rule)
+            refuse("growth", growth, "must be as origins.GrainGrowth(alpha=1.0, B=1.0)")
         self.growth, self.age = growth, age
         if age is not None and positive("age", age) <= growth.first_pinning_time:
             refuse("age", age, self._none_pins)
@@ -49,8 +48,7 @@ class GrainContact:
     def at_start(self) -> Thresholds:
         """P_c at X = 0. InputError where the age there is not given."""
         if self.age is None:
-            rule = "is missing; give the contacts' age at X = 0, above growth.first_pinning_time"
-            refuse("age", None, rule)
+            refuse("age", None, "give that of contacts at X = 0, above growth.first_pinning_time")
         return self.growth.thresholds(self.age)
 
     def hazard(self, x: npt.ArrayLike, age: npt.ArrayLike) -> Array:
@@ -100,8 +98,8 @@ class GrainContact:
     def check_speed(self, velocity: float) -> None:
         """InputError for speeds so far from that at which thresholds grow that their powers overflow."""
         if not 1.0 / _FASTEST < (share := self._relative(velocity)) < _FASTEST:
-            rule = f"take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it"
-            refuse("velocity", velocity, f"is {share:.3g} of that at which thresholds grow; {rule}")
+            rule = f"of that at which thresholds grow, beyond {1.0 / _FASTEST:g} to {_FASTEST:g}"
+            refuse("velocity", velocity, f"is {share:.3g} {rule}")
 
     def _relative(self, velocity: float) -> float:
         return velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))

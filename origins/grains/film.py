@@ -49,8 +49,7 @@ def grains(
     # without rounding: near rho = 2/3 all thresholds depend on this difference
     excess = float(Fraction(positive("rho", rho)) * 3 / 2 - 1)
     if excess <= 0.0:
-        rule = "the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
-        refuse("rho", rho, f"no grain pins yet: {rule}")
+        refuse("rho", rho, "no grain pins yet: give rho > 2/3, where the largest spans the film")
     return PinningGrains(excess, B, jacobian)
 
 
@@ -150,8 +149,7 @@ def film_growth(
     thickness = positive("film_thickness", film_thickness)
     strength = positive("shear_strength", shear_strength)
     if (force_coefficient is None) == (shear_modulus is None):
-        rule = "give either force_coefficient or shear_modulus, in Pa"
-        refuse("force_coefficient", force_coefficient, rule)
+        refuse("force_coefficient", force_coefficient, "give either it or shear_modulus, in Pa")
     if shear_modulus is not None:
         force_coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
     coefficient = positive("force_coefficient", force_coefficient)

@@ -63,8 +63,7 @@ class Ageing:
         low, high = self.final.support()
         if (beyond := float(fresh.cdf(low)) + float(fresh.sf(high))) > 1e-15:
             fault = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
-            where = f"{low:g} to {high:g}, where its potential is infinite"
-            raise InputError(f"ageing: {fault}, {where}; use a final law that covers them")
+            raise InputError(f"ageing: {fault}, {low:g} to {high:g}; use one that covers them")
 
     def _check_potential(self) -> None:
         """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""
@@ -82,9 +81,8 @@ class Ageing:
         below, across, above = np.abs(np.diff(self.final.logpdf(around), axis=0))
         jumps = inside[across > 1e-6 + 10.0 * np.maximum(below, above)]
         if self.closure == "exact" and jumps.size:
-            rule = "there the drift of a threshold is infinite for an instant, which no solver follows yet"
-            use = 'use a law without jumps inside, or closure = "paper"'
-            raise InputError(f"final: the density jumps at {jumps[0]:g}: {rule}; {use}")
+            rule = 'no solver follows the drift there; use another law, or closure = "paper"'
+            raise InputError(f"final: the density jumps at {jumps[0]:g}: {rule}")
 
 
 @dataclass(frozen=True)

@@ -135,8 +135,7 @@ def as_thermal(law: Any) -> BreakingRate | None:
         return Thermal(law.name, law.temperature, law.attempt_frequency)
     if isinstance(law, RateLaw) and not isinstance(law, type):
         return BreakingRate(law)
-    such = 'Thermal("soft", temperature=0.1), or a RateLaw'
-    refuse("thermal", law, f"must be an origins.Thermal, such as {such}")
+    refuse("thermal", law, 'must be an origins.Thermal("soft", temperature=0.1), or a RateLaw')
 
 
 def _checked(threshold: Numbers, stiffness: Numbers, **others: Numbers) -> list[Array]:

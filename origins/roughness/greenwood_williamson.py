@@ -177,8 +177,7 @@ def gw_gaussian(
         psi = between("plasticity_index", plasticity_index, 1e-100, 1e100, "it is a pure number")
         at = (2.25 * np.pi / psi) ** 2
     elif plasticity_index is not None:
-        rule = 'belongs to regime = "mixed" alone; leave it out'
-        refuse("plasticity_index", plasticity_index, rule)
+        refuse("plasticity_index", plasticity_index, 'is for regime = "mixed"; leave it out')
     if regime == "plastic":
         exponent = 0.5
     # `scale` belongs to the part that includes delta = sigma_h

@@ -38,14 +38,12 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
         if pixel_size is not None:
             refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
         if (unit := getattr(heights, "unit", None)) not in METRES:
-            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass metres"
-            refuse("heights.unit", unit, rule)
+            refuse("heights.unit", unit, "must be one unit of length; open the scan with unit='nm'")
         if getattr(heights, "physical_sizes", True) is not None:
             pixel_size = getattr(heights, "pixel_size", None)
         values, scale = heights.heights(), METRES[unit]  # type: ignore[attr-defined]
     if pixel_size is None:
-        rule = "must be (dx, dy) in metres: heights alone have no slope; or open the scan with its physical_sizes"
-        refuse("pixel_size", pixel_size, rule)
+        refuse("pixel_size", None, "give (dx, dy) in metres, or open the scan with physical_sizes")
     dx, dy = _pixel_sizes(pixel_size)
     return Topography(_height_array(values) * scale, (dx * scale, dy * scale))
 
@@ -71,8 +69,7 @@ def detrended(heights: Array, detrend: str) -> Array:
     coefficients = np.linalg.lstsq(terms[measured], from_mean[measured], rcond=None)[0]
     rest = from_mean - terms @ coefficients
     if not np.nanstd(rest) > 1e-12 * np.nanmax(np.abs(heights)):  # else it is round-off
-        rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
-        refuse("heights", heights, rule)
+        refuse("heights", heights, f"are flat but for the {detrend}: there are no asperities")
     return rest
 
 
@@ -81,8 +78,7 @@ def _height_array(heights: object) -> Array:
     try:
         values: Array = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
     except (TypeError, ValueError):
-        such = "SurfaceTopography.read_topography(file)"
-        refuse("heights", heights, f"must be a two-dimensional array in metres, or {such}")
+        refuse("heights", heights, "must be a two-dimensional array in metres, or a topography")
     if values.ndim != 2 or min(values.shape) < 3:
         refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
     if np.isinf(values).any() or np.isnan(values).all():
