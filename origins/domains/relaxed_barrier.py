@@ -28,19 +28,12 @@ _RELAXED = 1e-3  # of the greatest force on an atom: forces that a relaxation le
 class RelaxedBarrier:
     """What relaxed_barrier found.
 
-    Attributes
-    ----------
-    barrier : float
-        Energy of the saddle above the minimum, at least zero.
-    barrier_error : float
-        Error due to remaining forces and rounding. Where an island is so soft that its energy jumps as it is moved,
-        the whole range of that energy: lower ways may exist.
-    minimum, saddle : ase.Atoms
-        Copies of the atoms there, with their energy and forces.
-    evaluations : int
-        Calls of the calculator.
-    run_time : float
-        Seconds.
+    barrier : energy of the saddle above the minimum, at least zero.
+    barrier_error : error due to remaining forces and rounding. Where an island is so soft that its energy jumps as it
+        is moved, the whole range of that energy: lower ways may exist.
+    minimum, saddle : copies of the atoms there, with their energy and forces.
+    evaluations : calls of the calculator.
+    run_time : seconds.
     """
 
     barrier: float
@@ -61,23 +54,16 @@ def relaxed_barrier(
 ) -> RelaxedBarrier:
     """Lowest energy an island must climb to leave its lowest minimum for a copy of it, one period or more away.
 
-    Parameters
-    ----------
-    atoms : ase.Atoms
-        The island, already turned (atoms.rotate). Atoms fixed by FixAtoms are not part of it but of its
+    atoms : the island, ase.Atoms already turned (atoms.rotate). Atoms fixed by FixAtoms are not part of it but of its
         surroundings, such as a slab. The object is not changed.
-    calculator : ASE calculator
-        Energy and forces of all atoms: substrate_calculator, any other, or ASE's SumCalculator of several. Its units
-        are those of the result.
-    rigid : bool
-        True moves the island as a whole, without turning it. False lets every atom move; the calculator must then
-        hold the island together. It cannot rotate, as if the crystal around prevented that: sum_i r_i0 x u_i = 0,
-        r_i0 the given atoms about their centre, u_i their displacements along the plane.
-    planar : bool
-        True keeps all heights z; False relaxes them.
-    periods : array of shape (2, 2)
-        Two translations along x and y that change no energy. When left out: those of a substrate_calculator, also
-        within a SumCalculator; else the cell vectors of the atoms along which they are periodic.
+    calculator : of ASE, gives energy and forces of all atoms: substrate_calculator, any other, or a SumCalculator.
+        Its units are those of the result.
+    rigid : True moves the island as a whole, without turning it. False lets every atom move; the calculator must then
+        hold the island together. It cannot rotate, as if the crystal around prevented that: sum_i r_i0 x u_i = 0, r_i0
+        the given atoms about their centre, u_i their displacements along the plane.
+    planar : True keeps all heights z; False relaxes them.
+    periods : two translations along x and y that change no energy, shape (2, 2). When left out: those of a
+        substrate_calculator, also within a SumCalculator; else the cell vectors along which the atoms are periodic.
 
     The island's centre is moved over one cell, what may relax is relaxed by L-BFGS at each place, and the energy
     becomes a Fourier series, whose lowest minimum and saddle are found as in `barrier`; from there Newton's method

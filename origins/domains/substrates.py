@@ -18,14 +18,9 @@ _AGREEMENT = 1e-9  # of the longest wavevector: distance at which two wavevector
 class Substrate:
     """V(r) = constant + Re sum_n c_n exp(i G_n·r), the energy of one atom at r.
 
-    Attributes
-    ----------
-    wavevectors : array of shape (n, 2)
-        G_n, per length; not zero, no two equal or opposite.
-    coefficients : complex array of shape (n,)
-        c_n, energies; not zero.
-    constant : float
-        Energy; no barrier depends on it.
+    wavevectors : G_n, per length, shape (n, 2); not zero, no two equal or opposite.
+    coefficients : c_n, complex energies, shape (n,); not zero.
+    constant : energy; no barrier depends on it.
 
     Made by fourier_substrate, square_substrate or hexagonal_substrate, which check their arguments.
     """

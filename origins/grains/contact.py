@@ -21,11 +21,8 @@ class GrainContact:
     origins.Contacts takes it in the place of thresholds. A contact that breaks then carries no force for tau_m, until
     its new grains pin; one that is stretched faster than its threshold grows never holds, and waits once more.
 
-    Parameters
-    ----------
-    growth : GrainGrowth
-    age : float, optional
-        Time since coalescence began of all contacts at X = 0, above tau_m; origins.Contacts needs it.
+    growth : of the grains.
+    age : time since coalescence began of all contacts at X = 0, above tau_m; origins.Contacts needs it.
 
     Raises InputError for anything but a GrainGrowth, and for an age at which no grain pins.
     """
@@ -114,14 +111,9 @@ class GrainContact:
 def growing_grains(alpha: float, B: float, age: float) -> GrainContact:
     """Contacts whose thresholds grow with their age, in place of thresholds in origins.Contacts (paper, Sec. VI).
 
-    Parameters
-    ----------
-    alpha : float
-        rho = 2<r>/d = alpha age^(1/3), in time^(-1/3).
-    B : float
-        As grains has it, in length^-2.
-    age : float
-        Of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins at 0.
+    alpha : rho = 2<r>/d = alpha age^(1/3), in time^(-1/3).
+    B : as grains has it, in length^-2.
+    age : of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins at 0.
 
     Raises InputError for a value not above zero, and for an age at which no grain pins.
     """

@@ -18,14 +18,10 @@ from origins.thresholds.scipy_laws import as_thresholds
 class Ageing:
     """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eq. B).
 
-    Parameters
-    ----------
-    final : Thresholds or frozen scipy.stats distribution on x >= 0
-        P_cf, of contacts that have held for a long time. P_ci are the thresholds of origins.Contacts.
-    rate : float
-        D, a length squared per time. 0: nothing ages.
-    closure : "exact" or "paper"
-        "exact": the threshold of each contact diffuses independently, and the contact breaks where |x| meets it.
+    final : P_cf, of contacts that have held for a long time: Thresholds or a frozen scipy.stats distribution on x >= 0.
+        P_ci are the thresholds of origins.Contacts.
+    rate : D, a length squared per time. 0: nothing ages.
+    closure : "exact": the threshold of each contact diffuses independently, and the contact breaks where |x| meets it.
         "paper": one P_c(x; X) for all contacts is both the law of fresh thresholds and their histogram (Eq. Q15).
 
     Raises InputError for a rate that is negative or not finite, for a P_cf with atoms or gaps, where Ũ is infinite, and

@@ -17,18 +17,10 @@ class Diffusion:
     slowly where P_cf begins as a power. A propagator, such as scipy.linalg.expm or master/paper/q15_steady.py, gives
     the weights after a time.
 
-    Parameters
-    ----------
-    final : Thresholds
-        P_cf.
-    edges : array of shape (n + 1,)
-        Ends of the cells, increasing (lengths); the outermost are the walls, the lower one usually 0. Every
-        breakpoint of P_cf should be among them.
-
-    Attributes
-    ----------
-    edges : array (n + 1,)
-    up, down : arrays (n - 1,), per length squared
+    final : P_cf.
+    edges : rising ends of the cells (lengths), shape (n + 1,); the outermost are the walls, the lower one usually 0.
+        Every breakpoint of P_cf should be among them.
+    up, down : the rates, shape (n - 1,), per length squared.
 
     Raises InputError for edges that do not increase or are fewer than three, and for a P_cf without weight in a cell
     or with more than 1e-12 of it beyond the walls.
