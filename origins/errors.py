@@ -34,10 +34,7 @@ def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
         value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         refuse(name, value, f"must be a number, {instead}")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
+    number = float(value)
     if not math.isfinite(number):
         refuse(name, value, f"must be finite, {instead}")
     return number
@@ -86,6 +83,13 @@ def whole(name: str, value: object, least: int) -> int:
     if isinstance(value, float) and least <= value < 1e16 and value % 1 == 0:
         rule += f"; write {int(value)}"  # 100000 for 1e5
     refuse(name, value, rule)
+
+
+def check_seed(value: object) -> int:
+    """`value` as a seed: an int of at least 0 and below 2^64."""
+    if (seed := whole("seed", value, 0)) >= 1 << 64:
+        refuse("seed", value, "must be below 2^64")
+    return seed
 
 
 def finite_array(name: str, value: object) -> np.ndarray:

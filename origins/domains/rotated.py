@@ -12,9 +12,17 @@ from origins.domains.barriers import Island, radians
 from origins.domains.islands import Atoms
 from origins.domains.lowest_saddle import Whole
 from origins.domains.substrates import Substrate, checked_substrate, vectors
-from origins.errors import InputError, between, finite_array, one_of, positive, refuse, whole
+from origins.errors import (
+    InputError,
+    between,
+    check_seed,
+    finite_array,
+    one_of,
+    positive,
+    refuse,
+    whole,
+)
 from origins.samples.from_samples import from_samples
-from origins.streams import key_of
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import mixture
 from origins.thresholds.powered import Powered, PowerLaw
@@ -84,8 +92,7 @@ def domains(
         raise InputError("domains: give exactly one of sizes = [(10, 9)], mean_atoms and islands")
     listed = None if angles is None else radians(finite_array("angles", angles), "angles")
     heat = None if temperature is None else positive("temperature", temperature)
-    low, high = key_of(seed)
-    generator = np.random.Generator(np.random.Philox(key=high << 32 | low))
+    generator = np.random.Generator(np.random.Philox(key=check_seed(seed)))
     quantiles = generator.random(whole("samples", samples, 1))
     if islands is not None:
         if lattice_constant is not None:

@@ -97,10 +97,7 @@ def fourier_substrate(
     kept = ~level & (np.abs(sums) > 1e-15 * np.abs(c).max())
     if not kept.any():
         refuse("wavevectors", G, "leave nothing but a constant; give a wave that is not zero")
-    made = G[kept], sums[kept]
-    for array in made:
-        array.setflags(write=False)
-    return Substrate(*made, constant)
+    return Substrate(G[kept], sums[kept], constant)
 
 
 def vectors(

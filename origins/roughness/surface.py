@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origins.errors import between, one_of, pair, positive, refuse, whole
+from origins.errors import between, check_seed, one_of, pair, positive, refuse, whole
 from origins.thresholds.law import Array
 
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "nm": 1e-9, "pm": 1e-12}
@@ -118,8 +118,6 @@ def self_affine_surface(
     """
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
-    if whole("seed", seed, 0) >= 2**64:
-        refuse("seed", seed, "must be below 2**64")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
     needed = 40 * n_x * n_y  # bytes; 36 a point were measured
     pages = ("SC_PHYS_PAGES", "SC_PAGE_SIZE")
@@ -150,6 +148,6 @@ def self_affine_surface(
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
     count = np.where(q_y == 0.0, 1.0, 2.0)  # a mode of the half plane counts for its conjugate, too
     amplitude *= rms_slope / np.sqrt((amplitude**2 * q**2 * count).sum())
-    generator = np.random.Generator(np.random.Philox(key=seed))
+    generator = np.random.Generator(np.random.Philox(key=check_seed(seed)))
     noise = np.fft.rfft2(generator.standard_normal((n_x, n_y)))
     return np.fft.irfft2(amplitude * noise / np.abs(noise), s=(n_x, n_y)) * (n_x * n_y)
