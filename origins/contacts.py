@@ -198,9 +198,6 @@ def check_contacts(
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts; write origins.Contacts(thresholds)")
     for name in (law for law in contacts.laws if law not in takes):
-        if name == "grains":
-            rule = "takes none that grow with age; use origins.grains(...)"
-            raise InputError(f"contacts.thresholds: {solver} {rule}")
         value = " = 'linked'" if name == "stiffness" else ""
         rule = f"does not take it yet; leave {name} out of the contacts"
         raise InputError(f"contacts.{name}{value}: {solver} {rule}")

@@ -16,24 +16,14 @@ SlipRule = Literal["reset", "reform-after", "instant"]
 class Drive:
     """A path, the speed along it, and the spring that pulls; straight between the points.
 
-    Parameters
-    ----------
-    path : array of shape (n,)
-        Positions (lengths), n >= 1, which may turn round: X of a rigid slider, which moves from X = 0 straight to the
-        first of them; X_T, the position of the drive, of a soft one.
-    velocity : float
-        Constant speed along the path (length per time); results depend on it only with rates, ageing or delay.
-    time : array of shape (n,), optional
-        When each point is reached, from 0 on and in order, instead of the velocity: for holds and velocity steps.
-    spring : float, optional
-        K/(N_c <k>); None: the slider is rigid.
-    slip : "reset", "reform-after" or "instant"
-        The slip rule of a soft slider; a rigid one takes the default only.
-
-    Attributes
-    ----------
-    forward : bool
-        Whether the path begins at 0 or above and never turns back.
+    path : positions (lengths), shape (n,), n >= 1, which may turn round: X of a rigid slider, which moves from
+        X = 0 straight to the first of them; X_T, the position of the drive, of a soft one.
+    velocity : constant speed along the path (length per time); results depend on it only with rates, ageing or delay.
+    time : when each point is reached, shape (n,), from 0 on and in order, instead of the velocity: for holds and
+        velocity steps.
+    spring : K/(N_c <k>); None: the slider is rigid.
+    slip : "reset", "reform-after" or "instant", the slip rule of a soft slider; a rigid one takes the default only.
+    forward : whether the path begins at 0 or above and never turns back.
 
     Raises InputError for values that are not finite, not positive or not in order, and for an unknown slip rule.
     """

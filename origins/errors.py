@@ -60,10 +60,9 @@ def between(
 
 def check_tolerance(name: str, value: object) -> float:
     """`value` as a tolerance in mean thresholds: a finite float above zero and below 1, the size of a force."""
-    such = "such as 1e-8"
-    number = positive(name, value, such)
+    number = positive(name, value, "such as 1e-8")
     if number >= 1.0:
-        refuse(name, value, f"must be below 1, in mean thresholds, {such}")
+        refuse(name, value, "must be below 1, in mean thresholds, such as 1e-8")
     return number
 
 

@@ -117,10 +117,8 @@ def _lattice(
     height: float,
     offset: Array | tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Array, Array]:
-    """x and y of the atoms of a lattice of constant `a` within `width` and `height` of the middle and somewhat beyond.
-
-    `offset` shifts the lattice by fractions of its two periods.
-    """
+    """x and y of a lattice of constant `a`, shifted by fractions `offset` of its periods, at least within `width` and
+    `height` of the middle."""
     shift, row = LATTICES[one_of("lattice", lattice, tuple(LATTICES))]
     columns, rows = width / positive("lattice_constant", a) + 2.0, height / (row * a) + 2.0
     if not 4.0 * columns * rows <= _MOST_ATOMS:
@@ -144,10 +142,7 @@ def _atoms(x: np.ndarray, y: np.ndarray) -> Atoms:
 
 
 def points_of(atoms: object) -> Array:
-    """Positions of an island's atoms, shape (N_a, 3), lengths.
-
-    Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
-    """
+    """Positions of atoms, lengths, shape (N_a, 3); InputError unless `atoms` is an ase.Atoms with finite positions."""
     if not hasattr(atoms, "get_positions"):
         refuse("atoms", atoms, "must be ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
     points: Array = np.array(atoms.get_positions())
@@ -157,10 +152,7 @@ def points_of(atoms: object) -> Array:
 
 
 def positions_of(atoms: Atoms) -> Array:
-    """x and y of an island's atoms about their centre of mass, shape (N_a, 2), lengths.
-
-    Raises InputError as points_of, and for masses that do not add up to more than zero.
-    """
+    """x and y of atoms about their centre of mass, lengths, shape (N_a, 2); InputError also for masses of 0."""
     points, masses = points_of(atoms), atoms.get_masses()
     if not masses.sum() > 0.0:
         refuse("atoms", atoms, "must have masses above zero: the island turns about their centre")

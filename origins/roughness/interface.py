@@ -11,9 +11,7 @@ from origins.roughness.moments import SpectralMoments
 from origins.thresholds.powered import Array, Bend, PowerLaw
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
-_ONE_OF = (
-    "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness"
-)
+_ONE_OF = "write shear_modulus, or density and sound_velocity, or contact_stiffness"
 
 
 @dataclass(frozen=True)
