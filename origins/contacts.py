@@ -142,13 +142,11 @@ class Contacts:
     def each_by_itself(self) -> Contacts:
         """These contacts with both closures "exact", so that each breaks at its own rate and ages by itself; `self`
         where both are exact already."""
-        laws: dict[str, Any] = {"thermal": self.thermal, "ageing": self.ageing}
-        exact = {
-            name: dataclasses.replace(law, closure="exact")
-            for name, law in laws.items()
-            if law is not None and law.closure == "paper"
-        }
-        return self.replace(**exact) if exact else self
+        changes = {}
+        for name in ("thermal", "ageing"):
+            if (law := getattr(self, name)) is not None and law.closure == "paper":
+                changes[name] = dataclasses.replace(law, closure="exact")
+        return self.replace(**changes) if changes else self
 
     def _check_laws(self) -> None:
         """InputError for arguments that are no laws, and for laws that cannot be combined."""

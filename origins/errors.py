@@ -34,7 +34,10 @@ def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
         value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         refuse(name, value, f"must be a number, {instead}")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
     if not math.isfinite(number):
         refuse(name, value, f"must be finite, {instead}")
     return number

@@ -226,10 +226,9 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     exact = island.rigid and island.planar
     for count in (16, 32, 64) if exact else (16,):
         places = np.indices((count, count)).reshape(2, -1).T
-        energies, changes = np.empty(len(places)), [np.zeros(island.rest.shape)]
+        energies, change = np.empty(len(places)), np.zeros(island.rest.shape)
         for k, place in enumerate(places):  # the change at the last place is a good first guess
-            energies[k], change = island.relaxed(place / count, changes[-1])
-            changes.append(change)
+            energies[k], change = island.relaxed(place / count, change)
         waves = np.fft.fft2(energies.reshape(count, count)).ravel() / count**2
         K = (places + count // 2) % count - count // 2
         sizes, highest = np.abs(waves), np.abs(K).max(-1)
@@ -242,8 +241,7 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     lowest = lowest_saddles(K[kept], 2.0 * waves[kept][None])
     found = []
     for share in np.vstack([lowest.minima, lowest.saddles]) / (2.0 * np.pi):
-        nearest = np.rint(share * count).astype(int) % count @ [count, 1]
-        _, change = island.relaxed(share, changes[nearest + 1])
+        _, change = island.relaxed(share, change)
         found.append(island.without_force(island.shifted(share) + change))
     # where short waves are larger than a hundredth of the largest one the relaxed energy jumps
     return found, 0.0 if shortest <= 1e-2 * largest else float(np.ptp(energies))

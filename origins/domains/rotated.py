@@ -112,7 +112,10 @@ def domains(
         made = [Island.triangular(substrate, a, *pair) for pair in pairs]
     n_atoms = np.array([island.atoms for island in made])
     if mean_atoms is None:
-        shares = _shares(weights, len(made))
+        shares = np.ones(len(made)) if weights is None else finite_array("weights", weights)
+        if shares.shape != n_atoms.shape or not (shares > 0.0).all():
+            refuse("weights", weights, f"must be {len(made)} numbers above zero, one an island")
+        shares = shares / shares.sum()
         kinds, mean = np.searchsorted(np.cumsum(shares)[:-1], quantiles, "right"), shares @ n_atoms
     elif weights is None:
         mean = -1.0 / np.expm1(-1.0 / mean_atoms)
@@ -152,14 +155,6 @@ def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
         rule = f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0'
         refuse(needed, None, rule)
     return positive(needed, given[needed])
-
-
-def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
-    """Shares of islands, together 1, from their weights, equal when left out; InputError for other weights."""
-    shares = np.full(count, 1.0) if weights is None else finite_array("weights", weights)
-    if shares.shape != (count,) or not (shares > 0.0).all():
-        refuse("weights", weights, f"must be {count} numbers above zero, one for each island")
-    return shares / shares.sum()
 
 
 def _pairs(sizes: Any) -> list[list[int]]:

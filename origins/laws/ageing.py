@@ -77,7 +77,7 @@ class Ageing:
         below, across, above = np.abs(np.diff(self.final.logpdf(around), axis=0))
         jumps = inside[across > 1e-6 + 10.0 * np.maximum(below, above)]
         if self.closure == "exact" and jumps.size:
-            rule = 'no solver follows the drift there; use another law, or closure = "paper"'
+            rule = 'there no solver follows the drift; use another law, or closure = "paper"'
             raise InputError(f"final: the density jumps at {jumps[0]:g}: {rule}")
 
 

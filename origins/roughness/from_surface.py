@@ -183,10 +183,8 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Threshol
         each = area.times(of_area.coefficient, of_area.exponent)
         stretch = force.times(1.0 / each.coefficient, exponent=-each.exponent)
         if not min(stretch.exponent, stretch.above) > 0.0:
-            raise InputError(
-                f"material.contact_stiffness: k ~ A^{of_area.exponent:g} makes thresholds fall as a summit is pressed "
-                "down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its aspect"
-            )
+            rule = "makes thresholds fall as a summit is pressed down; take one with k ~ A^(1/2)"
+            raise InputError(f"material.contact_stiffness: k ~ A^{of_area.exponent:g} {rule}")
         thresholds = Powered(size, stretch)
         stiffness = each.coefficient * size._moment(each.exponent)
     density, pressure = fields["contact_density"], fields["pressure"]
