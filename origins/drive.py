@@ -46,7 +46,7 @@ class Drive:
             rule = "is what a slip of a soft slider does, and without spring the slider is rigid"
             refuse("slip", slip, rule)
         self.slip = slip
-        self._back = np.flatnonzero(self.path < _before(self.path))
+        self._back = np.flatnonzero(np.diff(self.path, prepend=0.0) < 0.0)
         self.forward = not self._back.size
 
     def arrival_times(self, begin: float = 0.0) -> Array:
@@ -75,16 +75,10 @@ def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
         refuse("time", times, f"must have the shape of the path, {path.shape}")
     if times[0] < 0.0:
         refuse("time[0]", times[0], "must be at least 0, when the slider is at X = 0")
-    earlier = _before(times)
-    moves = path != _before(path)
-    for at in np.flatnonzero((times < earlier) | ((times == earlier) & moves)).tolist():
+    lasts, moves = np.diff(times, prepend=0.0), np.diff(path, prepend=0.0) != 0.0
+    for at in np.flatnonzero((lasts < 0.0) | ((lasts == 0.0) & moves)).tolist():
         rule = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
-        if times[at] == earlier[at]:
+        if lasts[at] == 0.0:
             rule = "leaves no time to get there; the path moves, so must the time"
         refuse(f"time[{at}]", times[at], rule)
     return times
-
-
-def _before(values: Array) -> Array:
-    """The value before each one; 0 before the first. (Differences would overflow.)"""
-    return np.append(0.0, values[:-1])

@@ -34,12 +34,7 @@ class GrainContact:
             refuse("growth", growth, "must be as origins.GrainGrowth(alpha=1.0, B=1.0)")
         self.growth, self.age = growth, age
         if age is not None and positive("age", age) <= growth.first_pinning_time:
-            refuse("age", age, self._none_pins)
-
-    @property
-    def _none_pins(self) -> str:
-        first = self.growth.first_pinning_time
-        return f"no grain pins before the age (2/(3 alpha))³ = {first:.12g}"
+            refuse("age", age, f"no grain pins before {growth.first_pinning_time:.12g}")
 
     @property
     def at_start(self) -> Thresholds:
@@ -82,8 +77,9 @@ class GrainContact:
         u, age = np.asarray(u, dtype=float), np.asarray(age, dtype=float)
         if (bad := ~((u >= 0.0) & (u <= 1.0))).any():
             refuse("u", u[bad].flat[0], "must be a quantile between 0 and 1")
-        if (bad := ~((age >= self.growth.first_pinning_time) & (age < np.inf))).any():
-            refuse("age", age[bad].flat[0], self._none_pins)
+        first = self.growth.first_pinning_time
+        if (bad := ~((age >= first) & (age < np.inf))).any():
+            refuse("age", age[bad].flat[0], f"no grain pins before {first:.12g}")
         with np.errstate(divide="ignore"):
             return self.threshold_at(-np.log1p(-u), self.growth.excess(age))[()]
 

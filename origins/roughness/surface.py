@@ -45,7 +45,15 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
     if pixel_size is None:
         refuse("pixel_size", None, "give (dx, dy) in metres, or open the scan with physical_sizes")
     dx, dy = _pixel_sizes(pixel_size)
-    return Topography(_height_array(values) * scale, (dx * scale, dy * scale))
+    try:
+        grid: Array = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
+    except (TypeError, ValueError):
+        refuse("heights", values, "must be a two-dimensional array in metres, or a topography")
+    if grid.ndim != 2 or min(grid.shape) < 3:
+        refuse("heights", grid, "must be two-dimensional with at least 3 points along each axis")
+    if np.isinf(grid).any() or np.isnan(grid).all():
+        refuse("heights", grid, "must be finite, or NaN at some points, where none is known")
+    return Topography(grid * scale, (dx * scale, dy * scale))
 
 
 def _pixel_sizes(pixel_size: object) -> tuple[float, float]:
@@ -71,19 +79,6 @@ def detrended(heights: Array, detrend: str) -> Array:
     if not np.nanstd(rest) > 1e-12 * np.nanmax(np.abs(heights)):  # else it is round-off
         refuse("heights", heights, f"are flat but for the {detrend}: there are no asperities")
     return rest
-
-
-def _height_array(heights: object) -> Array:
-    """`heights` as a grid of at least 3 by 3 points, NaN where masked; InputError where they are no such grid."""
-    try:
-        values: Array = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
-    except (TypeError, ValueError):
-        refuse("heights", heights, "must be a two-dimensional array in metres, or a topography")
-    if values.ndim != 2 or min(values.shape) < 3:
-        refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
-    if np.isinf(values).any() or np.isnan(values).all():
-        refuse("heights", values, "must be finite, or NaN at some points, where none is known")
-    return values
 
 
 def self_affine_surface(
