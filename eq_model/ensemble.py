@@ -16,8 +16,7 @@ from eq_model.coupled.ensemble import Replicas
 from eq_model.engine import Engine
 from eq_model.result import CoupledResult, EnsembleResult
 from origins import Contacts, Drive
-from origins.errors import InputError, positive, refuse, whole
-from origins.streams import key_of
+from origins.errors import InputError, check_seed, positive, refuse, whole
 
 
 class Ensemble:
@@ -74,7 +73,7 @@ class Ensemble:
         small = "such as 1e-4"
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
         self.contacts, self.drive = contacts, Drive(path, **drive)
-        key_of(seed)
+        check_seed(seed)
         coupled = self.drive.spring is not None
         most = Replicas.MOST if coupled else Engine.MOST // self._replicas
         if each > most:

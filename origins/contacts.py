@@ -142,13 +142,11 @@ class Contacts:
     def each_by_itself(self) -> Contacts:
         """These contacts with both closures "exact", so that each breaks at its own rate and ages by itself; `self`
         where both are exact already."""
-        laws: dict[str, Any] = {"thermal": self.thermal, "ageing": self.ageing}
-        exact = {
-            name: dataclasses.replace(law, closure="exact")
-            for name, law in laws.items()
-            if law is not None and law.closure == "paper"
-        }
-        return self.replace(**exact) if exact else self
+        changes = {}
+        for name in ("thermal", "ageing"):
+            if (law := getattr(self, name)) is not None and law.closure == "paper":
+                changes[name] = dataclasses.replace(law, closure="exact")
+        return self.replace(**changes) if changes else self
 
     def _check_laws(self) -> None:
         """InputError for arguments that are no laws, and for laws that cannot be combined."""
@@ -159,8 +157,7 @@ class Contacts:
             if warning := too_hot(temperature, self.thresholds):
                 warnings.warn(warning, TooHot, stacklevel=3)
         if not isinstance(self.ageing, Ageing | None):
-            such = "Ageing(gaussian(1.0, 0.02), rate=5e-4)"
-            refuse("ageing", self.ageing, f"must be an origins.Ageing, such as {such}")
+            refuse("ageing", self.ageing, "must be an origins.Ageing, as Ageing(law, rate=5e-4)")
         if not isinstance(self.delay, Delay | None):
             refuse("delay", self.delay, "must be an origins.Delay, such as Delay(time=0.2)")
         one_of("stiffness", self.stiffness, ("independent", "linked"))
@@ -185,12 +182,7 @@ def _checked_mean(thresholds: Thresholds) -> float:
         rule = "such contacts never hold, so leave them out and count them apart"
         raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
     if not 1e-150 < (mean := thresholds.mean()) < 1e150:
-        unit = "powers of it are beyond floating point; choose another unit of length"
-        rule = (
-            "with an infinite mean contacts never reach a steady state"
-            if not np.isfinite(mean)
-            else unit
-        )
+        rule = "powers of it are beyond floating point; choose another law or unit of length"
         raise InputError(f"thresholds: the mean is {mean:.3g}: {rule}")
     thresholds.sf(mean * np.linspace(0.05, 3.0, 60))  # refuses an invalid one, by its name
     return mean
@@ -202,12 +194,8 @@ def check_contacts(
     """Raise InputError for anything but Contacts, such as thresholds alone, and for laws that `solver` does not take:
     those not in `takes`, and unless `own_rates` a RateLaw that is not one of origins.laws."""
     if not isinstance(contacts, Contacts):
-        such = "origins.Contacts(origins.gaussian(mean=1.0, std=0.05))"
-        refuse("contacts", contacts, f"must be contacts, such as {such}")
+        refuse("contacts", contacts, "must be contacts; write origins.Contacts(thresholds)")
     for name in (law for law in contacts.laws if law not in takes):
-        if name == "grains":
-            rule = "takes none that grow with age yet; use origins.grains(...)"
-            raise InputError(f"contacts.thresholds: {solver} {rule}")
         value = " = 'linked'" if name == "stiffness" else ""
         rule = f"does not take it yet; leave {name} out of the contacts"
         raise InputError(f"contacts.{name}{value}: {solver} {rule}")

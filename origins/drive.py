@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, finite_array, one_of, positive, refuse
+from origins.errors import finite_array, one_of, positive, refuse
 
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
@@ -16,24 +16,14 @@ SlipRule = Literal["reset", "reform-after", "instant"]
 class Drive:
     """A path, the speed along it, and the spring that pulls; straight between the points.
 
-    Parameters
-    ----------
-    path : array of shape (n,)
-        Positions (lengths), n >= 1, which may turn round: X of a rigid slider, which moves from X = 0 straight to the
-        first of them; X_T, the position of the drive, of a soft one.
-    velocity : float
-        Constant speed along the path (length per time); results depend on it only with rates, ageing or delay.
-    time : array of shape (n,), optional
-        When each point is reached, from 0 on and in order, instead of the velocity: for holds and velocity steps.
-    spring : float, optional
-        K/(N_c <k>); None: the slider is rigid.
-    slip : "reset", "reform-after" or "instant"
-        The slip rule of a soft slider; a rigid one takes the default only.
-
-    Attributes
-    ----------
-    forward : bool
-        Whether the path begins at 0 or above and never turns back.
+    path : positions (lengths), shape (n,), n >= 1, which may turn round: X of a rigid slider, which moves from
+        X = 0 straight to the first of them; X_T, the position of the drive, of a soft one.
+    velocity : constant speed along the path (length per time); results depend on it only with rates, ageing or delay.
+    time : when each point is reached, shape (n,), from 0 on and in order, instead of the velocity: for holds and
+        velocity steps.
+    spring : K/(N_c <k>); None: the slider is rigid.
+    slip : "reset", "reform-after" or "instant", the slip rule of a soft slider; a rigid one takes the default only.
+    forward : whether the path begins at 0 or above and never turns back.
 
     Raises InputError for values that are not finite, not positive or not in order, and for an unknown slip rule.
     """
@@ -56,7 +46,7 @@ class Drive:
             rule = "is what a slip of a soft slider does, and without spring the slider is rigid"
             refuse("slip", slip, rule)
         self.slip = slip
-        self._back = np.flatnonzero(self.path < _before(self.path))
+        self._back = np.flatnonzero(np.diff(self.path, prepend=0.0) < 0.0)
         self.forward = not self._back.size
 
     def arrival_times(self, begin: float = 0.0) -> Array:
@@ -79,23 +69,16 @@ class Drive:
 def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
     """The times of the path's points, in order, with time to move wherever the path moves."""
     if velocity != 1.0:
-        rule = "the times of the points say how fast; give one of the two"
-        raise InputError(f"velocity = {velocity!r}: {rule}")
+        refuse("velocity", velocity, "the times of the points say how fast; give one of the two")
     times = finite_array("time", time)
     if times.shape != path.shape:
         refuse("time", times, f"must have the shape of the path, {path.shape}")
     if times[0] < 0.0:
         refuse("time[0]", times[0], "must be at least 0, when the slider is at X = 0")
-    earlier = _before(times)
-    moves = path != _before(path)
-    for at in np.flatnonzero((times < earlier) | ((times == earlier) & moves)).tolist():
+    lasts, moves = np.diff(times, prepend=0.0), np.diff(path, prepend=0.0) != 0.0
+    for at in np.flatnonzero((lasts < 0.0) | ((lasts == 0.0) & moves)).tolist():
         rule = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
-        if times[at] == earlier[at]:
+        if lasts[at] == 0.0:
             rule = "leaves no time to get there; the path moves, so must the time"
         refuse(f"time[{at}]", times[at], rule)
     return times
-
-
-def _before(values: Array) -> Array:
-    """The value before each one; 0 before the first. (Differences would overflow.)"""
-    return np.append(0.0, values[:-1])

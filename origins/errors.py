@@ -63,10 +63,9 @@ def between(
 
 def check_tolerance(name: str, value: object) -> float:
     """`value` as a tolerance in mean thresholds: a finite float above zero and below 1, the size of a force."""
-    such = "such as 1e-8"
-    number = positive(name, value, such)
+    number = positive(name, value, "such as 1e-8")
     if number >= 1.0:
-        refuse(name, value, f"must be below 1, in mean thresholds, {such}")
+        refuse(name, value, "must be below 1, in mean thresholds, such as 1e-8")
     return number
 
 
@@ -86,6 +85,13 @@ def whole(name: str, value: object, least: int) -> int:
     if isinstance(value, float) and least <= value < 1e16 and value % 1 == 0:
         rule += f"; write {int(value)}"  # 100000 for 1e5
     refuse(name, value, rule)
+
+
+def check_seed(value: object) -> int:
+    """`value` as a seed: an int of at least 0 and below 2^64."""
+    if (seed := whole("seed", value, 0)) >= 1 << 64:
+        refuse("seed", value, "must be below 2^64")
+    return seed
 
 
 def finite_array(name: str, value: object) -> np.ndarray:

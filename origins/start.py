@@ -76,8 +76,7 @@ def boltzmann_reforming(temperature: float) -> Start:
     """R(x) ~ exp(-x²/2T), the normal law of width T^(1/2) = (k_BT/<k>)^(1/2) about x = 0 (paper, Sec. IV).
 
     temperature : k_BT/<k>, a length squared. With linked stiffness the width is that of <k> too, since a contact's
-    stretch is drawn before its threshold, on which k_i depends.
-    Raises InputError unless it is finite and above zero.
+    stretch is drawn before its threshold, on which k_i depends. Raises InputError unless it is finite and above zero.
     """
     return gaussian_start(0.0, float(np.sqrt(positive("temperature", temperature, TEMPERATURE))))
 
@@ -92,12 +91,10 @@ def as_start(start: object, name: str = "start") -> Start:
     if isinstance(start, int | float | np.number) and not isinstance(start, bool):
         return SingleStart(finite(name, start))
     if (frozen := as_frozen(start)) is None:
-        such = "origins.gaussian_start(mean=0.0, std=0.025) or a frozen scipy.stats distribution"
-        refuse(name, start, f"must be None, a stretch, {such}")
+        refuse(name, start, "must be None, a stretch, a Start or a frozen scipy.stats distribution")
     mean = single_mean(name, frozen)
     if not np.isfinite(mean):
-        rule = "stretches need a finite mean"
-        raise InputError(f"{name}: the mean of the distribution is {mean}; {rule}")
+        raise InputError(f"{name}: the mean of the distribution is {mean}; it must be finite")
     ends = np.array(frozen.support(), dtype=float)
     reach = np.array([frozen.ppf(1e-16), frozen.isf(1e-16)])
     lower, upper = np.where(np.isfinite(ends), ends, reach).tolist()
@@ -112,12 +109,9 @@ class Births:
 
     This is the state of the contacts that hold at X = 0, and of broken contacts as they re-form.
 
-    Attributes
-    ----------
-    law : Start
-        Of the stretches (lengths).
-    cut_weight : float
-        Weight of the law where the survival of thresholds is 0 or below 1e-300, which is cut off; 0 by default.
+    law : of the stretches (lengths).
+    cut_weight : weight of the law where the survival of thresholds is 0 or below 1e-300, which is cut off; 0 by
+        default.
 
     Raises InputError, with `name` in its message, where this weight is above 1e-6: such contacts cannot hold.
     """

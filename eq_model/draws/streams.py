@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, inlined, unsigned
-from origins.streams import key_of
+from origins.errors import check_seed
 
 LANES = 256  # contacts that are followed side by side: their scratch rows stay in the L1 cache
 ROW = LANES + 24  # a word for each lane; rows of one array then do not share a cache set
@@ -31,8 +31,8 @@ class Stream(NamedTuple):
 
 def make_stream(seed: object, block: int) -> Stream:
     """The stream of a block; InputError unless the seed is a whole number from 0 to 2^64 - 1."""
-    low, high = key_of(seed)
-    return Stream(unsigned(low), unsigned(high), unsigned(block))
+    number = check_seed(seed)
+    return Stream(unsigned(number & 0xFFFFFFFF), unsigned(number >> 32), unsigned(block))
 
 
 @inlined

@@ -12,26 +12,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from math import inf, pi, sqrt
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.domains.calculators import harmonic_bonds, substrate_calculator
-from origins.domains.islands import positions_of
+from origins.domains.islands import Atoms, positions_of
 from origins.domains.lowest_saddle import Complex, lowest_saddles
 from origins.domains.relaxed_barrier import relaxed_barrier
 from origins.domains.substrates import Substrate, checked_substrate, vectors
 from origins.errors import InputError, finite_array, positive, refuse, whole
 from origins.thresholds.law import Array
 
-if TYPE_CHECKING:
-    import ase
-
 SQUARE = np.eye(2)  # wavevectors of sin x + sin y
 
 
-def barrier(atoms: ase.Atoms, angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:
+def barrier(atoms: Atoms, angle: npt.ArrayLike, substrate: Substrate | None = None) -> Array:
     """Barrier of a rigid island turned by `angle` (radians, any shape) about its centre of mass, energies.
 
     Only x and y of `atoms` matter, and the substrate, sin x + sin y when left out, acts on all of them equally. The
@@ -97,13 +94,13 @@ class Island(NamedTuple):
         return cls(substrate, n_i * n_j, float(reach * np.hypot(*G.T).max()), factors)
 
     @classmethod
-    def of_atoms(cls, substrate: Substrate, atoms: ase.Atoms) -> Island:
+    def of_atoms(cls, substrate: Substrate, atoms: Atoms) -> Island:
         """The rigid island of these atoms."""
         G, reach = substrate.wavevectors, np.hypot(*positions_of(atoms).T).max()
         factors = partial(structure_factors, atoms, wavevectors=G)
         return cls(substrate, len(atoms), float(reach * np.hypot(*G.T).max()), factors)
 
-    def relaxing(self, atoms: ase.Atoms, bonds: float, angles: Array) -> Island:
+    def relaxing(self, atoms: Atoms, bonds: float, angles: Array) -> Island:
         """This island of `atoms` with harmonic bonds of a stiffness; it takes seconds for each of the angles."""
         from ase.calculators.mixing import SumCalculator
 
@@ -115,8 +112,7 @@ class Island(NamedTuple):
             found = relaxed_barrier(turned, SumCalculator(parts), rigid=False)
             lowest = float(found.minimum.get_potential_energy())
             if found.barrier_error > 1e-3 * max(found.barrier, -1e-6 * lowest):
-                rule = f"lets the island's shape jump at the angle {angle:.6g}; take stiffer bonds"
-                refuse("bonds", bonds, rule)
+                refuse("bonds", bonds, f"lets the island's shape jump at {angle:.6g}; stiffen them")
             relaxed[angle] = found.barrier, lowest
         return self._replace(relaxed=relaxed)
 
@@ -139,7 +135,7 @@ class Island(NamedTuple):
         per_radian = max(4.0, 2.0 * np.sqrt(self.largest_energy / temperature))
         count, most = 2.0 * np.pi * self.phase_slope * per_radian, 4_000_000
         if not count <= most:
-            fault = f"{count:.2g} angles would resolve exp(-U_min/k_BT), more than {most}"
+            fault = f"needs {count:.2g} angles, more than {most}"
             raise InputError(f"temperature: {fault}; list angles, such as [0.0, 0.1], or heat more")
         return max(64, round(count))
 
@@ -156,7 +152,7 @@ def radians(angle: npt.ArrayLike, name: str = "angle", most: float = 2.0 * pi) -
 
 
 def structure_factors(
-    atoms: ase.Atoms, angle: npt.ArrayLike, wavevectors: npt.ArrayLike = SQUARE
+    atoms: Atoms, angle: npt.ArrayLike, wavevectors: npt.ArrayLike = SQUARE
 ) -> Complex:
     """S(G) of any island turned by `angle` about its centre of mass, summed over the atoms.
 

@@ -5,18 +5,15 @@ own eV and Å are not assumed. ASE's SumCalculator adds a substrate to any other
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy
 
-from origins.domains.islands import points_of
+from origins.domains.islands import Atoms, points_of
 from origins.domains.substrates import Substrate, checked_substrate
 from origins.errors import positive, refuse
 from origins.thresholds.law import Array
-
-if TYPE_CHECKING:
-    import ase
 
 
 def substrate_calculator(substrate: Substrate) -> Any:
@@ -34,7 +31,7 @@ def substrate_calculator(substrate: Substrate) -> Any:
     return _calculator(energy_and_forces, substrate)
 
 
-def harmonic_bonds(atoms: "ase.Atoms", stiffness: float, *, reach: float | None = None) -> Any:
+def harmonic_bonds(atoms: Atoms, stiffness: float, *, reach: float | None = None) -> Any:
     """A Calculator of sum over bonds (stiffness/2)(length - length in `atoms`)², free of strain in `atoms` as given.
 
     stiffness is an energy per length squared, above zero. Atoms at most `reach` (a length) apart are bonded; when left
@@ -82,7 +79,7 @@ def _calculator(
         # a property, as `cell` raises InputError for substrates that never repeat
         periods = property(lambda self: None if substrate is None else substrate.cell)
 
-        def check_state(self, atoms: "ase.Atoms", tol: float = 0.0) -> list[str]:
+        def check_state(self, atoms: Atoms, tol: float = 0.0) -> list[str]:
             # ASE's own comparison takes longer than the calculation, and overlooks steps below 1e-15
             same = self.atoms is not None and np.array_equal(self.atoms.positions, atoms.positions)
             return [] if same else list(all_changes)

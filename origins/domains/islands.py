@@ -4,7 +4,7 @@ A barrier depends on the outline, so the outline is an input. Any other ase.Atom
 """
 
 from math import ceil, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -14,12 +14,14 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     import ase
 
+Atoms: TypeAlias = "ase.Atoms"
+
 # in lattice constants: the shift of odd rows, and the distance of rows
 LATTICES = {"triangular": (0.5, 0.5 * sqrt(3.0)), "square": (0.0, 1.0)}
 _MOST_ATOMS = 100_000_000
 
 
-def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
+def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> Atoms:
     """n_i n_j atoms of a triangular lattice in n_j close-packed rows of n_i (paper, Sec. VI C).
 
     Atom (i, j) is at x = (i + j/2) a, y = j h, h = a sqrt(3)/2, with j = 0, ..., n_j - 1 and
@@ -32,12 +34,12 @@ def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms
     return _rows(lattice_constant, n_i, n_j, "triangular")
 
 
-def square_island(lattice_constant: float, n_i: int, n_j: int) -> "ase.Atoms":
+def square_island(lattice_constant: float, n_i: int, n_j: int) -> Atoms:
     """n_j rows of n_i atoms of a square lattice; parameters as triangular_island."""
     return _rows(lattice_constant, n_i, n_j, "square")
 
 
-def _rows(lattice_constant: float, n_i: int, n_j: int, lattice: str) -> "ase.Atoms":
+def _rows(lattice_constant: float, n_i: int, n_j: int, lattice: str) -> Atoms:
     a, (shift, row) = positive("lattice_constant", lattice_constant), LATTICES[lattice]
     if whole("n_i", n_i, 1) * whole("n_j", n_j, 1) > _MOST_ATOMS:
         refuse("n_i", n_i, f"n_i n_j is {_MOST_ATOMS} at most; triangular_barrier needs no atoms")
@@ -47,7 +49,7 @@ def _rows(lattice_constant: float, n_i: int, n_j: int, lattice: str) -> "ase.Ato
 
 def rectangular_island(
     lattice_constant: float, width: float, height: float, *, lattice: str = "triangular"
-) -> "ase.Atoms":
+) -> Atoms:
     """The atoms within width x height (lengths, at least zero) about one atom, close-packed rows along the width.
 
     lattice is "triangular" or "square". Raises InputError for other values and above 10^8 atoms.
@@ -59,7 +61,7 @@ def rectangular_island(
 
 def hexagonal_island(
     lattice_constant: float, radius: float, *, lattice: str = "triangular"
-) -> "ase.Atoms":
+) -> Atoms:
     """The atoms within a regular hexagon about one atom, its corners at `radius` (a length), one of them along x.
 
     On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
@@ -72,7 +74,7 @@ def hexagonal_island(
 
 def circular_island(
     lattice_constant: float, radius: float, *, lattice: str = "triangular"
-) -> "ase.Atoms":
+) -> Atoms:
     """The atoms at most `radius` (a length, at least zero) from one atom; otherwise as rectangular_island."""
     radius = non_negative("radius", radius)
     x, y = _lattice(lattice_constant, lattice, radius, radius)
@@ -86,7 +88,7 @@ def irregular_island(
     roughness: float = 0.2,
     seed: int = 0,
     lattice: str = "triangular",
-) -> "ase.Atoms":
+) -> Atoms:
     """The atoms within a rough outline r(theta) = radius exp[roughness g(theta)], about a random place of the lattice.
 
     g is a random wave of variance 1 on average, its harmonics m = 1, ..., 6 falling off as 1/m; the same seed gives
@@ -115,10 +117,8 @@ def _lattice(
     height: float,
     offset: Array | tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Array, Array]:
-    """x and y of the atoms of a lattice of constant `a` within `width` and `height` of the middle and somewhat beyond.
-
-    `offset` shifts the lattice by fractions of its two periods.
-    """
+    """x and y of a lattice of constant `a`, shifted by fractions `offset` of its periods, at least within `width` and
+    `height` of the middle."""
     shift, row = LATTICES[one_of("lattice", lattice, tuple(LATTICES))]
     columns, rows = width / positive("lattice_constant", a) + 2.0, height / (row * a) + 2.0
     if not 4.0 * columns * rows <= _MOST_ATOMS:
@@ -127,13 +127,13 @@ def _lattice(
     return (i + shift * (j % 2) + offset[0]) * a, (j + offset[1]) * row * a
 
 
-def _cut(x: Array, y: Array, beyond: Array, lattice_constant: float) -> "ase.Atoms":
+def _cut(x: Array, y: Array, beyond: Array, lattice_constant: float) -> Atoms:
     """The atoms whose distance `beyond` an outline (a length) is at most rounding."""
     kept = beyond <= 1e-9 * lattice_constant
     return _atoms(x[kept], y[kept])
 
 
-def _atoms(x: np.ndarray, y: np.ndarray) -> "ase.Atoms":
+def _atoms(x: np.ndarray, y: np.ndarray) -> Atoms:
     import ase
 
     # element 0 is ASE's own dummy, of mass 1
@@ -142,10 +142,7 @@ def _atoms(x: np.ndarray, y: np.ndarray) -> "ase.Atoms":
 
 
 def points_of(atoms: object) -> Array:
-    """Positions of an island's atoms, shape (N_a, 3), lengths.
-
-    Raises InputError unless `atoms` is an ase.Atoms with at least one atom at finite positions.
-    """
+    """Positions of atoms, lengths, shape (N_a, 3); InputError unless `atoms` is an ase.Atoms with finite positions."""
     if not hasattr(atoms, "get_positions"):
         refuse("atoms", atoms, "must be ase.Atoms, such as origins.triangular_island(2.5, 10, 9)")
     points: Array = np.array(atoms.get_positions())
@@ -154,15 +151,11 @@ def points_of(atoms: object) -> Array:
     return points
 
 
-def positions_of(atoms: "ase.Atoms") -> Array:
-    """x and y of an island's atoms about their centre of mass, shape (N_a, 2), lengths.
-
-    Raises InputError as points_of, and for masses that do not add up to more than zero.
-    """
+def positions_of(atoms: Atoms) -> Array:
+    """x and y of atoms about their centre of mass, lengths, shape (N_a, 2); InputError also for masses of 0."""
     points, masses = points_of(atoms), atoms.get_masses()
     if not masses.sum() > 0.0:
-        rule = "must have masses that add up to more than zero: the island turns about their centre"
-        refuse("atoms", atoms, rule)
+        refuse("atoms", atoms, "must have masses above zero: the island turns about their centre")
     flat = points[:, :2] - points[:, :2].mean(axis=0)
     centred: Array = flat - (masses / masses.sum()) @ flat
     return centred

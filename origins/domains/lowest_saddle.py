@@ -33,14 +33,6 @@ class LowestBarriers(NamedTuple):
     saddles: Array
 
 
-class _Local(NamedTuple):
-    """Slopes and curvatures (2, m) along the principal directions (2, 2, m), that of greatest curvature first."""
-
-    slopes: Array
-    curvatures: Array
-    directions: Array
-
-
 class _Landscapes(NamedTuple):
     """m landscapes U(t) = Re sum_n c_n exp(i K_n·t), K of shape (n, 2), c of shape (n, m), each asked at one place t,
     shape (2, m)."""
@@ -56,24 +48,19 @@ class _Landscapes(NamedTuple):
         """U, shape (m,)."""
         return np.asarray((self.amplitudes * np.exp(1j * (self.waves @ t))).real.sum(0))
 
-    def local(self, t: Array) -> _Local:
-        """Slopes and curvatures."""
-        each = self.amplitudes * np.exp(1j * (self.waves @ t))
-        k, m = self.waves.T
-        turn = 0.5 * np.arctan2((-2.0 * k * m) @ each.real, (m * m - k * k) @ each.real)
-        x, y = np.cos(turn), np.sin(turn)
-        directions = np.array([[x, y], [-y, x]])
-        # summed wave by wave, so that small waves keep their digits where the large ones are flat
-        along = self.waves @ directions
-        slopes, curvatures = -(along * each.imag).sum(1), -(along * along * each.real).sum(1)
-        slopes[np.abs(slopes) <= 4e-15 * np.abs(along * each).sum(1)] = 0.0  # rounding
-        return _Local(slopes, np.where(curvatures == 0.0, 1e-15, curvatures), directions)
+    def curvatures(self, t: Array) -> tuple[Array, Array]:
+        """Principal curvatures (m, 2) of U, the least first, and their directions (m, 2, 2), as columns."""
+        waves = (self.amplitudes * np.exp(1j * (self.waves @ t))).real
+        hessians = -np.einsum("nm,nk,nl->mkl", waves, self.waves, self.waves)
+        return np.linalg.eigh(hessians)
 
     def newton_step(self, t: Array, down: bool = False) -> Array:
         """Newton's step to a critical point, or one that leads `down`; at most half a radian of the fastest wave."""
-        slopes, curvatures, directions = self.local(t)
-        lengths = -slopes / (np.abs(curvatures) if down else curvatures)
-        step = (lengths[:, None] * directions).sum(0)
+        waves = (self.amplitudes * np.exp(1j * (self.waves @ t))).imag
+        bends, directions = self.curvatures(t)
+        slopes = -np.einsum("nm,nk,mkd->md", waves, self.waves, directions)
+        bends = np.where(bends == 0.0, 1e-15, np.abs(bends) if down else bends)
+        step = np.einsum("mkd,md->km", directions, -slopes / bends)
         fastest = np.abs(self.waves @ step).max(0)
         return np.asarray(step * np.minimum(1.0, 0.5 / np.maximum(fastest, 1e-300)))
 
@@ -98,7 +85,7 @@ class _Landscapes(NamedTuple):
         # a last step below this changes energies by at most its square
         good = (np.abs(step) < 1e-6) & (np.abs(t - nodes[:, node]) < 4.0 * spacing)
         which, t = which[good.all(0)], t[:, good.all(0)]
-        kind = np.sign(self.of(which).local(t).curvatures).sum(0)  # minimum, saddle or maximum
+        kind = np.sign(self.of(which).curvatures(t)[0]).sum(1)  # minimum, saddle or maximum
         each = np.unique(_same(np.vstack([which, kind]), t))
         return which[each], t[:, each]
 
@@ -121,7 +108,7 @@ class _Landscapes(NamedTuple):
         levels, count = self.of(which).energy(tops), self.amplitudes.shape[1]
         order, owner = np.lexsort([levels, which]), np.tile(which, 2)
         tops, levels = tops[:, order], levels[order]
-        downhill = 1e-3 * self.of(which).local(tops).directions[1]
+        downhill = 1e-3 * self.of(which).curvatures(tops)[1][..., 0].T
         feet = self.of(owner).descended(np.hstack([tops + downhill, tops - downhill]))
         energies = self.of(owner).energy(feet)
         barriers, depths = np.full((2, count), np.inf)
@@ -183,7 +170,7 @@ def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> LowestBarrier
         for batch in (todo[at : at + few] for at in range(0, todo.size, few)):
             landscapes = _Landscapes(waves, relative[batch].T)
             which, points = landscapes.critical_points(n)
-            saddle = landscapes.of(which).local(points).curvatures.prod(0) < 0.0
+            saddle = landscapes.of(which).curvatures(points)[0].prod(1) < 0.0
             of_batch = landscapes.over_saddles(which[saddle], points[:, saddle])
             for all_, some in zip(found, of_batch, strict=True):
                 all_[batch] = some

@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
-from origins.domains.islands import points_of
+from origins.domains.islands import Atoms, points_of
 from origins.domains.lowest_saddle import lowest_saddles
 from origins.domains.substrates import vectors
 from origins.errors import refuse
 from origins.thresholds.law import Array
-
-if TYPE_CHECKING:
-    import ase
 
 _SMALL = 1e-7  # of the largest wave: smaller waves are left out of the search
 _RELAXED = 1e-3  # of the greatest force on an atom: forces that a relaxation leaves, and differences from slopes
@@ -31,31 +28,24 @@ _RELAXED = 1e-3  # of the greatest force on an atom: forces that a relaxation le
 class RelaxedBarrier:
     """What relaxed_barrier found.
 
-    Attributes
-    ----------
-    barrier : float
-        Energy of the saddle above the minimum, at least zero.
-    barrier_error : float
-        Error due to remaining forces and rounding. Where an island is so soft that its energy jumps as it is moved,
-        the whole range of that energy: lower ways may exist.
-    minimum, saddle : ase.Atoms
-        Copies of the atoms there, with their energy and forces.
-    evaluations : int
-        Calls of the calculator.
-    run_time : float
-        Seconds.
+    barrier : energy of the saddle above the minimum, at least zero.
+    barrier_error : error due to remaining forces and rounding. Where an island is so soft that its energy jumps as it
+        is moved, the whole range of that energy: lower ways may exist.
+    minimum, saddle : copies of the atoms there, with their energy and forces.
+    evaluations : calls of the calculator.
+    run_time : seconds.
     """
 
     barrier: float
     barrier_error: float
-    minimum: ase.Atoms
-    saddle: ase.Atoms
+    minimum: Atoms
+    saddle: Atoms
     evaluations: int
     run_time: float
 
 
 def relaxed_barrier(
-    atoms: ase.Atoms,
+    atoms: Atoms,
     calculator: Any,
     *,
     rigid: bool = True,
@@ -64,23 +54,16 @@ def relaxed_barrier(
 ) -> RelaxedBarrier:
     """Lowest energy an island must climb to leave its lowest minimum for a copy of it, one period or more away.
 
-    Parameters
-    ----------
-    atoms : ase.Atoms
-        The island, already turned (atoms.rotate). Atoms fixed by FixAtoms are not part of it but of its
+    atoms : the island, ase.Atoms already turned (atoms.rotate). Atoms fixed by FixAtoms are not part of it but of its
         surroundings, such as a slab. The object is not changed.
-    calculator : ASE calculator
-        Energy and forces of all atoms: substrate_calculator, any other, or ASE's SumCalculator of several. Its units
-        are those of the result.
-    rigid : bool
-        True moves the island as a whole, without turning it. False lets every atom move; the calculator must then
-        hold the island together. It cannot rotate, as if the crystal around prevented that: sum_i r_i0 x u_i = 0,
-        r_i0 the given atoms about their centre, u_i their displacements along the plane.
-    planar : bool
-        True keeps all heights z; False relaxes them.
-    periods : array of shape (2, 2)
-        Two translations along x and y that change no energy. When left out: those of a substrate_calculator, also
-        within a SumCalculator; else the cell vectors of the atoms along which they are periodic.
+    calculator : of ASE, gives energy and forces of all atoms: substrate_calculator, any other, or a SumCalculator.
+        Its units are those of the result.
+    rigid : True moves the island as a whole, without turning it. False lets every atom move; the calculator must then
+        hold the island together. It cannot rotate, as if the crystal around prevented that: sum_i r_i0 x u_i = 0, r_i0
+        the given atoms about their centre, u_i their displacements along the plane.
+    planar : True keeps all heights z; False relaxes them.
+    periods : two translations along x and y that change no energy, shape (2, 2). When left out: those of a
+        substrate_calculator, also within a SumCalculator; else the cell vectors along which the atoms are periodic.
 
     The island's centre is moved over one cell, what may relax is relaxed by L-BFGS at each place, and the energy
     becomes a Fourier series, whose lowest minimum and saddle are found as in `barrier`; from there Newton's method
@@ -91,8 +74,7 @@ def relaxed_barrier(
     started = perf_counter()
     points_of(atoms)
     if not hasattr(calculator, "get_forces"):
-        rule = "must be an ASE calculator, such as origins.substrate_calculator(substrate)"
-        refuse("calculator", type(calculator).__name__, rule)
+        refuse("calculator", calculator, "must be an ASE calculator, as substrate_calculator(...)")
     island = _MovingIsland(atoms, calculator, rigid, planar, _periods(atoms, calculator, periods))
     noise = _checked(island)
     shifts, missed = _minimum_and_saddle(island, noise)
@@ -114,7 +96,7 @@ class _MovingIsland:
     """
 
     def __init__(
-        self, atoms: ase.Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
+        self, atoms: Atoms, calculator: Any, rigid: bool, planar: bool, periods: Array
     ) -> None:
         """Find the atoms that move, and the units; InputError where none, or too many, do."""
         from ase.constraints import FixAtoms
@@ -122,11 +104,9 @@ class _MovingIsland:
         fixed = [each.index for each in atoms.constraints if isinstance(each, FixAtoms)]
         self.moving = np.delete(np.arange(len(atoms)), np.concatenate([[], *fixed]).astype(int))
         if len(fixed) < len(atoms.constraints) or not self.moving.size:
-            rule = "must hold atoms that FixAtoms does not fix, the island, and no other constraint"
-            refuse("atoms", atoms, rule)
+            refuse("atoms", atoms, "needs some that FixAtoms does not fix, and no other constraint")
         if not rigid and self.moving.size > 1500:
-            rule = "may hold at most 1500 atoms that move by themselves; take rigid=True"
-            refuse("atoms", atoms, rule)
+            refuse("atoms", atoms, "may hold at most 1500 that move by themselves; take rigid=True")
         self.rigid, self.planar, self.periods, self.evaluations = rigid, planar, periods, 0
         self.rest = atoms.positions[self.moving]
         turn = np.cross([0.0, 0.0, 1.0], self.rest - self.rest.mean(axis=0))
@@ -157,8 +137,7 @@ class _MovingIsland:
         forces = self.atoms.get_forces(apply_constraint=False)[self.moving]
         self.evaluations += 1
         if not (np.isfinite(energy) and np.isfinite(forces).all()):
-            rule = "must give finite energies and forces wherever the island goes"
-            refuse("calculator", energy, rule)
+            refuse("calculator", energy, "must give finite energies and forces everywhere")
         return energy, forces
 
     def relaxed(self, share: npt.ArrayLike, change: Array) -> tuple[float, Array]:
@@ -194,7 +173,7 @@ class _MovingIsland:
         settled = np.abs(forces(q)).max() <= 1e-8 and np.abs(q).max() <= 0.5
         return shifts + self.radian * self.permitted(q) if settled else shifts
 
-    def finished(self, shifts: Array) -> tuple[ase.Atoms, float]:
+    def finished(self, shifts: Array) -> tuple[Atoms, float]:
         """A copy of the atoms as given, the island shifted, with energy and forces; the force that remains."""
         from ase.calculators.singlepoint import SinglePointCalculator
 
@@ -205,7 +184,7 @@ class _MovingIsland:
         return atoms, float(np.abs(remaining).max())
 
 
-def _periods(atoms: ase.Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
+def _periods(atoms: Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
     """The periods as given, or those of the calculator or of the atoms."""
     if given is None:
         parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
@@ -235,13 +214,10 @@ def _checked(island: _MovingIsland) -> float:
         there, behind, ahead = (island.energy_and_forces(place)[0] for place in places)
         change, work = abs(there - energy), 2e-5 * forces.sum(axis=0)[:2] @ period
         if change > 1e-9 * unit + 4.0 * noise:
-            shown = f"({period[0]:.6g}, {period[1]:.6g})"
-            rule = f"must leave energies as they are; moved by {shown} they change by {change:.2g}"
-            refuse("periods", island.periods, rule)
+            refuse("periods", period, f"must leave energies equal, and change them by {change:.2g}")
         allowed = 2e-5 * _RELAXED * island.force * np.hypot(*period) + 2.0 * noise
         if abs(behind - ahead - work) > allowed:
-            name = type(island.atoms.calc).__name__
-            refuse("calculator", name, "forces must be those of its energy")
+            refuse("calculator", island.atoms.calc, "forces must be those of its energy")
     return noise
 
 
@@ -250,10 +226,9 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     exact = island.rigid and island.planar
     for count in (16, 32, 64) if exact else (16,):
         places = np.indices((count, count)).reshape(2, -1).T
-        energies, changes = np.empty(len(places)), [np.zeros(island.rest.shape)]
+        energies, change = np.empty(len(places)), np.zeros(island.rest.shape)
         for k, place in enumerate(places):  # the change at the last place is a good first guess
-            energies[k], change = island.relaxed(place / count, changes[-1])
-            changes.append(change)
+            energies[k], change = island.relaxed(place / count, change)
         waves = np.fft.fft2(energies.reshape(count, count)).ravel() / count**2
         K = (places + count // 2) % count - count // 2
         sizes, highest = np.abs(waves), np.abs(K).max(-1)
@@ -266,8 +241,7 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     lowest = lowest_saddles(K[kept], 2.0 * waves[kept][None])
     found = []
     for share in np.vstack([lowest.minima, lowest.saddles]) / (2.0 * np.pi):
-        nearest = np.rint(share * count).astype(int) % count @ [count, 1]
-        _, change = island.relaxed(share, changes[nearest + 1])
+        _, change = island.relaxed(share, change)
         found.append(island.without_force(island.shifted(share) + change))
     # where short waves are larger than a hundredth of the largest one the relaxed energy jumps
     return found, 0.0 if shortest <= 1e-2 * largest else float(np.ptp(energies))

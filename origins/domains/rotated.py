@@ -1,27 +1,31 @@
 """Thresholds of rotated domains: islands of a crystal, at all angles, on another one (paper, Sec. VI C)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import Island, radians
+from origins.domains.islands import Atoms
 from origins.domains.lowest_saddle import Whole
 from origins.domains.substrates import Substrate, checked_substrate, vectors
-from origins.errors import InputError, between, finite_array, one_of, positive, refuse, whole
+from origins.errors import (
+    InputError,
+    between,
+    check_seed,
+    finite_array,
+    one_of,
+    positive,
+    refuse,
+    whole,
+)
 from origins.samples.from_samples import from_samples
-from origins.streams import key_of
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import mixture
 from origins.thresholds.powered import Powered, PowerLaw
-
-if TYPE_CHECKING:
-    import ase
 
 _MOST_ATOMS = 1e12
 
@@ -31,7 +35,7 @@ def domains(
     *,
     sizes: npt.ArrayLike | None = None,
     mean_atoms: float | None = None,
-    islands: Sequence[ase.Atoms] | None = None,
+    islands: Sequence[Atoms] | None = None,
     weights: npt.ArrayLike | None = None,
     bonds: float | None = None,
     angles: npt.ArrayLike | None = None,
@@ -46,71 +50,49 @@ def domains(
 ) -> Thresholds:
     """Thresholds of islands that lie on a substrate at random angles (paper, Sec. VI C).
 
-    Parameters
-    ----------
-    lattice_constant : float
-        Of triangular islands, a length; together with
-    sizes : array of shape (m, 2)
-        (n_i, n_j) of triangular_island, drawn with `weights`; or
-    mean_atoms : float
-        Decay N of the weight exp(-N_a/N) over N_a = 1, 2, ...; n_j is N_a^(1/2) (4/3)^(1/4), so that islands are as
-        high as wide, and n_i is N_a/n_j, both rounded to whole numbers of at least 1.
-    islands : sequence of ase.Atoms
-        Instead of these three, islands of your own, drawn with `weights`.
-    weights : array of shape (m,)
-        Shares of `sizes` or `islands`, above zero; equal when left out.
-    bonds : float
-        Makes `islands` flexible: the stiffness of harmonic_bonds, energy per length². As relaxed_barrier takes
+    lattice_constant : of triangular islands, a length; together with
+    sizes : (n_i, n_j) of triangular_island, shape (m, 2), drawn with `weights`; or
+    mean_atoms : decay N of the weight exp(-N_a/N) over N_a = 1, 2, ...; n_j is N_a^(1/2) (4/3)^(1/4), so that islands
+        are as high as wide, and n_i is N_a/n_j, both rounded to whole numbers of at least 1.
+    islands : instead of these three, a sequence of ase.Atoms, drawn with `weights`.
+    weights : shares of `sizes` or `islands`, shape (m,), above zero; equal when left out.
+    bonds : makes `islands` flexible: the stiffness of harmonic_bonds, energy per length². As relaxed_barrier takes
         seconds for each island and angle, angles must be listed. Left out, islands are rigid.
-    angles : array
-        Radians, from -2 pi to 2 pi, taken in turn, sample by sample; the full circle when left out.
-    temperature : float
-        k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest energy at
-        that angle; left out, all are equally likely.
-    substrate : Substrate
-        sin x + sin y when left out.
-    law : "area", "equal" or "paper"
-        From f_s = epsilon_a/a_s to x_s = f_s/k, a_s the substrate's shortest period:
+    angles : radians, from -2 pi to 2 pi, taken in turn, sample by sample; the full circle when left out.
+    temperature : k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest
+        energy at that angle; left out, all are equally likely.
+    substrate : sin x + sin y when left out.
+    law : from f_s = epsilon_a/a_s to x_s = f_s/k, a_s the substrate's shortest period:
         "area": k = stiffness (N_a/<N_a>)^(1/2), the k ~ A^(1/2) of the laws "amontons" and "strength" of
         rough surfaces; for islands of one size x_s ~ f_s;
         "equal": k = stiffness for islands of every size;
         "paper": f_s = coefficient x_s², so that k ~ x_s (paper, Eqs. PxPf and Pcrotateh).
-    stiffness : float
-        Force per length; "area" and "equal" only, and needed there.
-    coefficient : float
-        Force per length²; "paper" only, and needed there.
-    samples, seed : int
-        Islands drawn; the same seed gives the same islands.
-    comm : mpi4py communicator, optional
-        Its ranks, all of which must call, share the work and get the same bits at any number of them.
+    stiffness : force per length; "area" and "equal" only, and needed there.
+    coefficient : force per length²; "paper" only, and needed there.
+    samples, seed : islands drawn; the same seed gives the same islands.
+    comm : mpi4py communicator; its ranks, all of which must call, share the work and get the same bits at any number.
 
-    Returns
-    -------
-    thresholds : Thresholds
-        As from_samples makes them of x_s, with their sampling error, and with `.domains`, a DomainSamples. Force
-        and holding fraction of a run count only the islands that resist.
+    Returns thresholds as from_samples makes them of x_s, with their sampling error, and with `.domains`, a
+    DomainSamples. Force and holding fraction of a run count only the islands that resist.
 
-        One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error:
-        P_c comes from b(angle) itself. It diverges where db/dangle = 0, so that K* is infinite, and jumps
-        where |S_x| = |S_y|. Samples of all others, and of islands of some hundred periods across, smooth such peaks.
+    One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error: P_c comes
+    from b(angle) itself. It diverges where db/dangle = 0, so that K* is infinite, and jumps where |S_x| = |S_y|.
+    Samples of all others, and of islands of some hundred periods across, smooth such peaks.
 
     Raises InputError for values outside these, for a substrate that varies in one direction only, and where
     no island resists.
     """
     substrate = checked_substrate(substrate)
     if substrate.rank == 1:
-        rule = "varies in one direction only, and every island slides freely across it"
-        raise InputError(f"substrate: {rule}")
+        raise InputError("substrate: varies in one direction only: every island slides freely")
     strength = _checked_law(law, stiffness, coefficient)
     if bonds is not None and (islands is None or angles is None):
         refuse("bonds", bonds, "makes islands of your own flexible, at listed angles; give both")
     if sum(way is not None for way in (sizes, mean_atoms, islands)) != 1:
-        ways = "sizes, such as [(10, 9)], mean_atoms, such as 100, and islands, a list of ase.Atoms"
-        raise InputError(f"domains: give exactly one of {ways}")
+        raise InputError("domains: give exactly one of sizes = [(10, 9)], mean_atoms and islands")
     listed = None if angles is None else radians(finite_array("angles", angles), "angles")
     heat = None if temperature is None else positive("temperature", temperature)
-    low, high = key_of(seed)
-    generator = np.random.Generator(np.random.Philox(key=high << 32 | low))
+    generator = np.random.Generator(np.random.Philox(key=check_seed(seed)))
     quantiles = generator.random(whole("samples", samples, 1))
     if islands is not None:
         if lattice_constant is not None:
@@ -130,7 +112,10 @@ def domains(
         made = [Island.triangular(substrate, a, *pair) for pair in pairs]
     n_atoms = np.array([island.atoms for island in made])
     if mean_atoms is None:
-        shares = _shares(weights, len(made))
+        shares = np.ones(len(made)) if weights is None else finite_array("weights", weights)
+        if shares.shape != n_atoms.shape or not (shares > 0.0).all():
+            refuse("weights", weights, f"must be {len(made)} numbers above zero, one an island")
+        shares = shares / shares.sum()
         kinds, mean = np.searchsorted(np.cumsum(shares)[:-1], quantiles, "right"), shares @ n_atoms
     elif weights is None:
         mean = -1.0 / np.expm1(-1.0 / mean_atoms)
@@ -139,8 +124,7 @@ def domains(
     barriers, turned = _drawn(made, kinds, listed, heat, generator, comm)
     resisting = barriers > 0.0
     if not resisting.any():
-        rule = "no contact resists; change the angles, the sizes or the lattice constant"
-        raise InputError(f"domains: none of {samples} islands has a barrier: {rule}")
+        raise InputError(f"domains: none of {samples} islands has a barrier; change their sizes")
     period = float(np.hypot(*substrate.cell[0]))
     relative = np.sqrt(n_atoms / mean) if law == "area" else np.ones(n_atoms.size)
     gains, exponent = 1.0 / (period * strength * relative), 0.5 if law == "paper" else 1.0
@@ -173,20 +157,11 @@ def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     return positive(needed, given[needed])
 
 
-def _shares(weights: npt.ArrayLike | None, count: int) -> Array:
-    """Shares of islands, together 1, from their weights, equal when left out; InputError for other weights."""
-    shares = np.full(count, 1.0) if weights is None else finite_array("weights", weights)
-    if shares.shape != (count,) or not (shares > 0.0).all():
-        refuse("weights", weights, f"must be {count} numbers above zero, one for each island")
-    return shares / shares.sum()
-
-
 def _pairs(sizes: Any) -> list[list[int]]:
     """(n_i, n_j) of each size; InputError for other values."""
     pairs = vectors(sizes, "sizes", "[[10, 9]]")
     if (pairs % 1.0).any() or pairs.min() < 1.0 or pairs.prod(axis=1).max() > _MOST_ATOMS:
-        rule = f"must be pairs of whole numbers of at least 1, such as [[10, 9]], {_MOST_ATOMS:g} atoms at most"
-        refuse("sizes", sizes, rule)
+        refuse("sizes", sizes, f"must be pairs of whole numbers, {_MOST_ATOMS:g} atoms at most")
     return pairs.astype(int).tolist()
 
 
@@ -244,18 +219,11 @@ def _drawn(
 class DomainSamples:
     """The islands from which thresholds of rotated domains were computed.
 
-    Attributes
-    ----------
-    barriers : array of shape (samples,)
-        epsilon_a, energies; 0 for islands that slide freely.
-    angles : array of shape (samples,)
-        Radians.
-    n_atoms : array of shape (samples,)
-        N_a.
-    period : float
-        a_s, the shortest period of the substrate, a length.
-    mean_stiffness : float
-        <k> over the islands that resist, force per length.
+    barriers : epsilon_a, energies, shape (samples,); 0 for islands that slide freely.
+    angles : radians, shape (samples,).
+    n_atoms : N_a, shape (samples,).
+    period : a_s, the shortest period of the substrate, a length.
+    mean_stiffness : <k> over the islands that resist, force per length.
     """
 
     barriers: Array

@@ -18,14 +18,9 @@ _AGREEMENT = 1e-9  # of the longest wavevector: distance at which two wavevector
 class Substrate:
     """V(r) = constant + Re sum_n c_n exp(i G_n·r), the energy of one atom at r.
 
-    Attributes
-    ----------
-    wavevectors : array of shape (n, 2)
-        G_n, per length; not zero, no two equal or opposite.
-    coefficients : complex array of shape (n,)
-        c_n, energies; not zero.
-    constant : float
-        Energy; no barrier depends on it.
+    wavevectors : G_n, per length, shape (n, 2); not zero, no two equal or opposite.
+    coefficients : c_n, complex energies, shape (n,); not zero.
+    constant : energy; no barrier depends on it.
 
     Made by fourier_substrate, square_substrate or hexagonal_substrate, which check their arguments.
     """
@@ -60,8 +55,7 @@ class Substrate:
         are not whole multiples of two of them (V then never repeats).
         """
         if self.rank == 1:
-            rule = "are all parallel: the substrate has no cell, and islands slide freely along it"
-            refuse("wavevectors", self.wavevectors, rule)
+            refuse("wavevectors", self.wavevectors, "are all parallel: there is no cell")
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
         return np.asarray(2.0 * pi * np.linalg.inv(_shortest_basis(self.wavevectors)).T[::-1])
 
@@ -103,10 +97,7 @@ def fourier_substrate(
     kept = ~level & (np.abs(sums) > 1e-15 * np.abs(c).max())
     if not kept.any():
         refuse("wavevectors", G, "leave nothing but a constant; give a wave that is not zero")
-    made = G[kept], sums[kept]
-    for array in made:
-        array.setflags(write=False)
-    return Substrate(*made, constant)
+    return Substrate(G[kept], sums[kept], constant)
 
 
 def vectors(
@@ -165,8 +156,7 @@ def _shortest_basis(vectors: Array) -> Array:
     while True:
         first = pool[np.argmin(np.hypot(*pool.T))]
         if np.hypot(*first) < least:
-            rule = "must be whole multiples of two vectors; this substrate never repeats"
-            refuse("wavevectors", vectors, rule)
+            refuse("wavevectors", vectors, "never repeat; write whole multiples of two vectors")
         # Gauss's step: less whole multiples of the shortest
         rest = pool - np.rint(pool @ first / (first @ first) * (1.0 - 1e-12))[:, None] * first
         rest = rest[np.hypot(*rest.T) > nothing]

@@ -21,11 +21,8 @@ class GrainContact:
     origins.Contacts takes it in the place of thresholds. A contact that breaks then carries no force for tau_m, until
     its new grains pin; one that is stretched faster than its threshold grows never holds, and waits once more.
 
-    Parameters
-    ----------
-    growth : GrainGrowth
-    age : float, optional
-        Time since coalescence began of all contacts at X = 0, above tau_m; origins.Contacts needs it.
+    growth : of the grains.
+    age : time since coalescence began of all contacts at X = 0, above tau_m; origins.Contacts needs it.
 
     Raises InputError for anything but a GrainGrowth, and for an age at which no grain pins.
     """
@@ -34,23 +31,16 @@ class GrainContact:
 
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
-            rule = "must be growth, such as origins.GrainGrowth(alpha=1.0, B=1.0)"
-            refuse("growth", growth, rule)
+            refuse("growth", growth, "must be as origins.GrainGrowth(alpha=1.0, B=1.0)")
         self.growth, self.age = growth, age
         if age is not None and positive("age", age) <= growth.first_pinning_time:
-            refuse("age", age, self._none_pins)
-
-    @property
-    def _none_pins(self) -> str:
-        first = self.growth.first_pinning_time
-        return f"no grain pins before the age (2/(3 alpha))³ = {first:.12g}"
+            refuse("age", age, f"no grain pins before {growth.first_pinning_time:.12g}")
 
     @property
     def at_start(self) -> Thresholds:
         """P_c at X = 0. InputError where the age there is not given."""
         if self.age is None:
-            rule = "is missing; give the contacts' age at X = 0, above growth.first_pinning_time"
-            refuse("age", None, rule)
+            refuse("age", None, "give that of contacts at X = 0, above growth.first_pinning_time")
         return self.growth.thresholds(self.age)
 
     def hazard(self, x: npt.ArrayLike, age: npt.ArrayLike) -> Array:
@@ -87,8 +77,9 @@ class GrainContact:
         u, age = np.asarray(u, dtype=float), np.asarray(age, dtype=float)
         if (bad := ~((u >= 0.0) & (u <= 1.0))).any():
             refuse("u", u[bad].flat[0], "must be a quantile between 0 and 1")
-        if (bad := ~((age >= self.growth.first_pinning_time) & (age < np.inf))).any():
-            refuse("age", age[bad].flat[0], self._none_pins)
+        first = self.growth.first_pinning_time
+        if (bad := ~((age >= first) & (age < np.inf))).any():
+            refuse("age", age[bad].flat[0], f"no grain pins before {first:.12g}")
         with np.errstate(divide="ignore"):
             return self.threshold_at(-np.log1p(-u), self.growth.excess(age))[()]
 
@@ -100,8 +91,8 @@ class GrainContact:
     def check_speed(self, velocity: float) -> None:
         """InputError for speeds so far from that at which thresholds grow that their powers overflow."""
         if not 1.0 / _FASTEST < (share := self._relative(velocity)) < _FASTEST:
-            rule = f"take between {1.0 / _FASTEST:g} and {_FASTEST:g} of it"
-            refuse("velocity", velocity, f"is {share:.3g} of that at which thresholds grow; {rule}")
+            rule = f"of that at which thresholds grow, beyond {1.0 / _FASTEST:g} to {_FASTEST:g}"
+            refuse("velocity", velocity, f"is {share:.3g} {rule}")
 
     def _relative(self, velocity: float) -> float:
         return velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))
@@ -116,14 +107,9 @@ class GrainContact:
 def growing_grains(alpha: float, B: float, age: float) -> GrainContact:
     """Contacts whose thresholds grow with their age, in place of thresholds in origins.Contacts (paper, Sec. VI).
 
-    Parameters
-    ----------
-    alpha : float
-        rho = 2<r>/d = alpha age^(1/3), in time^(-1/3).
-    B : float
-        As grains has it, in length^-2.
-    age : float
-        Of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins at 0.
+    alpha : rho = 2<r>/d = alpha age^(1/3), in time^(-1/3).
+    B : as grains has it, in length^-2.
+    age : of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins at 0.
 
     Raises InputError for a value not above zero, and for an age at which no grain pins.
     """

@@ -24,19 +24,12 @@ def grains(
 ) -> Thresholds:
     """Thresholds of the grains that pin, with Lifshitz and Slyozov's sizes (paper, Eq. LS2).
 
-    P_c is conditional on pinning, and ends where the largest grain breaks,
-    x_max = ((3 rho/2)² - 1)^(1/2) B^(-1/2).
+    P_c is conditional on pinning, and ends where the largest grain breaks, x_max = ((3 rho/2)² - 1)^(1/2) B^(-1/2).
 
-    Parameters
-    ----------
-    rho : float
-        Mean grain diameter over film thickness, 2<r>/d; a number above 2/3.
-    B : float
-        Stiffness of a contact relative to a grain's strength, in length^-2: 4c/(pi tau d²) where f_s = c x_s².
-    alpha, time : float
-        Instead of rho: rho = alpha time^(1/3), with `time` since coalescence began and alpha in time^(-1/3).
-    jacobian : "exact" or "paper"
-        "exact": P_c = P_LS(u) du/dx with u = (1 + B x²)^(1/2)/rho, so that P_c rises as x;
+    rho : mean grain diameter over film thickness, 2<r>/d; a number above 2/3.
+    B : stiffness of a contact relative to a grain's strength, in length^-2: 4c/(pi tau d²) where f_s = c x_s².
+    alpha, time : instead of rho: rho = alpha time^(1/3), with `time` since coalescence began and alpha in time^(-1/3).
+    jacobian : "exact": P_c = P_LS(u) du/dx with u = (1 + B x²)^(1/2)/rho, so that P_c rises as x;
         "paper": P_c proportional to P_LS(u) as printed, from dr/df ~ f^(-1/2), so that P_c(0) > 0.
 
     Raises InputError for values outside these, where neither or both of rho and (alpha, time) are given,
@@ -49,8 +42,7 @@ def grains(
     # without rounding: near rho = 2/3 all thresholds depend on this difference
     excess = float(Fraction(positive("rho", rho)) * 3 / 2 - 1)
     if excess <= 0.0:
-        rule = "the largest is 3 rho/2 of the film's thickness; give rho > 2/3"
-        refuse("rho", rho, f"no grain pins yet: {rule}")
+        refuse("rho", rho, "no grain pins yet: give rho > 2/3, where the largest spans the film")
     return PinningGrains(excess, B, jacobian)
 
 
@@ -58,12 +50,8 @@ def grains(
 class GrainGrowth:
     """Grains whose mean radius grows as time^(1/3) in a film of constant thickness; time counts from their beginning.
 
-    Attributes
-    ----------
-    alpha : float
-        rho = 2<r>/d = alpha time^(1/3), in time^(-1/3).
-    B : float
-        Of a grain's threshold, 2r/d = (1 + B x²)^(1/2), in length^-2.
+    alpha : rho = 2<r>/d = alpha time^(1/3), in time^(-1/3).
+    B : of a grain's threshold, 2r/d = (1 + B x²)^(1/2), in length^-2.
 
     Methods take times as numbers or arrays and return their shape. Raises InputError for a value not above zero.
     """
@@ -132,26 +120,19 @@ def film_growth(
 ) -> GrainGrowth:
     """Grain growth of a film from its physical constants, in SI units; lengths then are in m, times in s.
 
-    Parameters
-    ----------
-    film_thickness : float
-        d in m; tau_m = d³/(27 K).
-    coarsening_rate : float
-        K in m³/s, <r>³ = K time.
-    shear_strength : float
-        tau in Pa, at which a grain breaks: f_s = tau pi (r² - d²/4). A misfit between grain and substrate lowers it.
-    force_coefficient : float
-        c in Pa, f_s = c x_s² (the paper's law).
-    shear_modulus : float
-        G in Pa, in place of c: the contact's stiffness is k = G A^(1/2) with A = pi (r² - d²/4), so that c = G²/tau.
+    film_thickness : d in m; tau_m = d³/(27 K).
+    coarsening_rate : K in m³/s, <r>³ = K time.
+    shear_strength : tau in Pa, at which a grain breaks: f_s = tau pi (r² - d²/4). A misfit between grain and substrate
+        lowers it.
+    force_coefficient : c in Pa, f_s = c x_s² (the paper's law).
+    shear_modulus : G in Pa, in place of c = G²/tau: the contact's stiffness is k = G A^(1/2) with A = pi (r² - d²/4).
 
     Raises InputError for a value not above zero, and where neither or both of the last two are given.
     """
     thickness = positive("film_thickness", film_thickness)
     strength = positive("shear_strength", shear_strength)
     if (force_coefficient is None) == (shear_modulus is None):
-        rule = "give either force_coefficient or shear_modulus, in Pa"
-        refuse("force_coefficient", force_coefficient, rule)
+        refuse("force_coefficient", force_coefficient, "give either it or shear_modulus, in Pa")
     if shear_modulus is not None:
         force_coefficient = positive("shear_modulus", shear_modulus) ** 2 / strength
     coefficient = positive("force_coefficient", force_coefficient)

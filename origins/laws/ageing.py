@@ -18,14 +18,10 @@ from origins.thresholds.scipy_laws import as_thresholds
 class Ageing:
     """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eq. B).
 
-    Parameters
-    ----------
-    final : Thresholds or frozen scipy.stats distribution on x >= 0
-        P_cf, of contacts that have held for a long time. P_ci are the thresholds of origins.Contacts.
-    rate : float
-        D, a length squared per time. 0: nothing ages.
-    closure : "exact" or "paper"
-        "exact": the threshold of each contact diffuses independently, and the contact breaks where |x| meets it.
+    final : P_cf, of contacts that have held for a long time: Thresholds or a frozen scipy.stats distribution on x >= 0.
+        P_ci are the thresholds of origins.Contacts.
+    rate : D, a length squared per time. 0: nothing ages.
+    closure : "exact": the threshold of each contact diffuses independently, and the contact breaks where |x| meets it.
         "paper": one P_c(x; X) for all contacts is both the law of fresh thresholds and their histogram (Eq. Q15).
 
     Raises InputError for a rate that is negative or not finite, for a P_cf with atoms or gaps, where Ũ is infinite, and
@@ -63,8 +59,7 @@ class Ageing:
         low, high = self.final.support()
         if (beyond := float(fresh.cdf(low)) + float(fresh.sf(high))) > 1e-15:
             fault = f"a weight of {beyond:.3g} of the fresh thresholds lies outside the final law"
-            where = f"{low:g} to {high:g}, where its potential is infinite"
-            raise InputError(f"ageing: {fault}, {where}; use a final law that covers them")
+            raise InputError(f"ageing: {fault}, {low:g} to {high:g}; use one that covers them")
 
     def _check_potential(self) -> None:
         """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""
@@ -82,9 +77,8 @@ class Ageing:
         below, across, above = np.abs(np.diff(self.final.logpdf(around), axis=0))
         jumps = inside[across > 1e-6 + 10.0 * np.maximum(below, above)]
         if self.closure == "exact" and jumps.size:
-            rule = "there the drift of a threshold is infinite for an instant, which no solver follows yet"
-            use = 'use a law without jumps inside, or closure = "paper"'
-            raise InputError(f"final: the density jumps at {jumps[0]:g}: {rule}; {use}")
+            rule = 'there no solver follows the drift; use another law, or closure = "paper"'
+            raise InputError(f"final: the density jumps at {jumps[0]:g}: {rule}")
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,7 @@ class Delay:
     At a speed v the slider moves by v τ_m meanwhile. Of N contacts the fraction C/(C + v τ_m) holds in smooth sliding,
     C being the mean way between a contact's birth and its break.
 
-    Attributes
-    ----------
-    time : float
-        τ_m; 0: none.
+    time : τ_m; 0: no delay.
 
     Raises InputError unless it is finite and not negative.
     """

@@ -17,18 +17,10 @@ class Diffusion:
     slowly where P_cf begins as a power. A propagator, such as scipy.linalg.expm or master/paper/q15_steady.py, gives
     the weights after a time.
 
-    Parameters
-    ----------
-    final : Thresholds
-        P_cf.
-    edges : array of shape (n + 1,)
-        Ends of the cells, increasing (lengths); the outermost are the walls, the lower one usually 0. Every
-        breakpoint of P_cf should be among them.
-
-    Attributes
-    ----------
-    edges : array (n + 1,)
-    up, down : arrays (n - 1,), per length squared
+    final : P_cf.
+    edges : rising ends of the cells (lengths), shape (n + 1,); the outermost are the walls, the lower one usually 0.
+        Every breakpoint of P_cf should be among them.
+    up, down : the rates, shape (n - 1,), per length squared.
 
     Raises InputError for edges that do not increase or are fewer than three, and for a P_cf without weight in a cell
     or with more than 1e-12 of it beyond the walls.
@@ -39,14 +31,12 @@ class Diffusion:
         self.edges = finite_array("edges", edges)
         widths, middles = np.diff(self.edges), 0.5 * (self.edges[1:] + self.edges[:-1])
         if widths.size < 2 or not (widths > 0.0).all():
-            rule = "must be at least three and increase, such as np.linspace(0.0, 2.0, 401)"
-            refuse("edges", self.edges, rule)
+            refuse("edges", self.edges, "must be three or more that increase, as np.arange(9.0)")
         self.weights(final, "final")
         log_density = final.logpdf(middles)
         for middle in middles[~np.isfinite(log_density)]:
-            fault = f"has no density, or one that is no number, at {middle:g}: thresholds cannot diffuse there"
             rule = "use a law whose density is positive between the outermost edges"
-            raise InputError(f"final: {fault}; {rule}")
+            raise InputError(f"final: has no finite density at {middle:g}; {rule}")
         uphill, distances = -np.diff(log_density), np.diff(middles)
         self.up = 1.0 / (scipy.special.exprel(uphill) * widths[:-1] * distances)
         self.down = 1.0 / (scipy.special.exprel(-uphill) * widths[1:] * distances)

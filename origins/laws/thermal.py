@@ -17,12 +17,8 @@ RATE_LAWS: dict[str, type[ActivatedRates]] = {"soft": SoftRates, "stiff": StiffR
 class BreakingRate:
     """A RateLaw with checked arguments, for stretches of either sign; in Contacts also a law of the user's own.
 
-    Attributes
-    ----------
-    rates : RateLaw
-        The law for stretches 0 <= x <= x_s, which solvers use.
-    closure : "exact" or "paper"
-        Whether each contact breaks at its own rate, or all at the mean one.
+    rates : the RateLaw for stretches 0 <= x <= x_s, which solvers use.
+    closure : "exact" or "paper": whether each contact breaks at its own rate, or all at the mean one.
 
     The methods take numbers or arrays that broadcast: stretches x and `start`, thresholds x_s > 0 with |x| <= x_s
     (lengths), and the relative stiffness κ = k_i/<k> > 0; else they raise InputError. Results have the common
@@ -73,9 +69,8 @@ class BreakingRate:
     ) -> Array:
         """Stretch x >= start at which J, integrated from `start`, reaches `amount` >= 0 (a length per time).
 
-        The threshold where J stays below it. At a speed v a contact breaks at inverse(v e, x_s, start)
-        with e from the exponential law of mean 1. Backward motion is the mirror image:
-        -inverse(amount, threshold, -start).
+        The threshold where J stays below it. At a speed v a contact breaks at inverse(v e, x_s, start) with e from the
+        exponential law of mean 1. Backward motion is the mirror image: -inverse(amount, threshold, -start).
         """
         goal, begin, limit, spring = _checked(threshold, stiffness, amount=amount, start=start)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -99,17 +94,12 @@ class Thermal(BreakingRate):
     where they are linked (origins.Contacts.relative_stiffness). The barrier of a relaxed contact is κ x_s²/2T in
     units of k_BT: with linked stiffness it grows as x_s³.
 
-    Attributes
-    ----------
     law : "soft" or "stiff"
-    temperature : float
-        T = k_BT/<k>, a length squared, one number for all contacts; where thresholds come from a rough surface,
-        Interface.temperature(kelvin) gives it.
-    attempt_frequency : float
-        ω, per time.
-    closure : "exact" or "paper"
-        "exact": every contact breaks at its own rate. "paper": all break at H(x), the integral of h P_c over
-        thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken before.
+    temperature : T = k_BT/<k>, a length squared, one number for all contacts; where thresholds come from a rough
+        surface, Interface.temperature(kelvin) gives it.
+    attempt_frequency : ω, per time.
+    closure : "exact": every contact breaks at its own rate. "paper": all break at H(x), the
+        integral of h P_c over thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken before.
 
     Raises InputError unless temperature and attempt frequency are finite and above zero. The methods, and `rates`,
     are those of BreakingRate.
@@ -135,8 +125,7 @@ def as_thermal(law: Any) -> BreakingRate | None:
         return Thermal(law.name, law.temperature, law.attempt_frequency)
     if isinstance(law, RateLaw) and not isinstance(law, type):
         return BreakingRate(law)
-    such = 'Thermal("soft", temperature=0.1), or a RateLaw'
-    refuse("thermal", law, f"must be an origins.Thermal, such as {such}")
+    refuse("thermal", law, 'must be an origins.Thermal("soft", temperature=0.1), or a RateLaw')
 
 
 def _checked(threshold: Numbers, stiffness: Numbers, **others: Numbers) -> list[Array]:

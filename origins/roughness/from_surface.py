@@ -86,8 +86,7 @@ def from_moments(
         if value not in ("gaussian", "elastic"):
             refuse(name, value, 'belongs to the summits of model = "gw"; leave it out')
     if patch_area is None:
-        rule = 'model = "persson" needs the area of one contact in m², such as interface.mean_area of model = "gw" here'
-        refuse("patch_area", patch_area, rule)
+        refuse("patch_area", None, 'model = "persson" needs it, as interface.mean_area of "gw"')
     return _on_patches(fields, between("patch_area", patch_area, 1e-40, 1e20, "it is in m²"))
 
 
@@ -147,8 +146,7 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
     material, pressure = fields["material"], fields["pressure"]
     width = float(material.contact_modulus * np.sqrt(fields["moments"].m2))
     if fields["law"] == "strength":
-        rule = "f_s = tau A is one value on patches of one area; write law = 'amontons', or model = 'gw'"
-        refuse("law", "strength", rule)
+        refuse("law", "strength", 'all patches break at one threshold; write "amontons"')
     # the square root of the stress has the law (PcPersson3)
     roots = persson(centre=float(np.sqrt(pressure)), width=float(np.sqrt(width)))
     plastic = None if material.hardness is None else float(roots.sf(np.sqrt(material.hardness)))
@@ -185,10 +183,8 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Threshol
         each = area.times(of_area.coefficient, of_area.exponent)
         stretch = force.times(1.0 / each.coefficient, exponent=-each.exponent)
         if not min(stretch.exponent, stretch.above) > 0.0:
-            raise InputError(
-                f"material.contact_stiffness: k ~ A^{of_area.exponent:g} makes thresholds fall as a summit is pressed "
-                "down, and their mean infinite; take one with k ~ A^(1/2), such as a column's by its aspect"
-            )
+            rule = "makes thresholds fall as a summit is pressed down; take one with k ~ A^(1/2)"
+            raise InputError(f"material.contact_stiffness: k ~ A^{of_area.exponent:g} {rule}")
         thresholds = Powered(size, stretch)
         stiffness = each.coefficient * size._moment(each.exponent)
     density, pressure = fields["contact_density"], fields["pressure"]

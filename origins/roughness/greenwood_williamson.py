@@ -95,9 +95,8 @@ class Summits:
             most = f"{np.exp(self.log_pressure(0.0)):.3g} Pa, where every summit touches"
             refuse(name, value, f"exponential heights begin at 0 and bear at most {most}; {other}")
         if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
-            rule = f"summits would cover {covered:.3g} of the surface, under a flat at {z:.3g} sigma_h; they must be "
-            rule += f"far apart: {other}; are heights and pixel size in metres, moduli in Pa?"
-            refuse(name, value, rule)
+            rule = f"summits would cover {covered:.3g} of the surface, not far apart: {other}"
+            refuse(name, value, f"{rule}; are heights and pixel size in metres, moduli in Pa?")
 
 
 def separation_of_pressure(
@@ -177,8 +176,7 @@ def gw_gaussian(
         psi = between("plasticity_index", plasticity_index, 1e-100, 1e100, "it is a pure number")
         at = (2.25 * np.pi / psi) ** 2
     elif plasticity_index is not None:
-        rule = 'belongs to regime = "mixed" alone; leave it out'
-        refuse("plasticity_index", plasticity_index, rule)
+        refuse("plasticity_index", plasticity_index, 'is for regime = "mixed"; leave it out')
     if regime == "plastic":
         exponent = 0.5
     # `scale` belongs to the part that includes delta = sigma_h

@@ -11,9 +11,7 @@ from origins.roughness.moments import SpectralMoments
 from origins.thresholds.powered import Array, Bend, PowerLaw
 
 BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
-_ONE_OF = (
-    "write shear_modulus (Pa), or density (kg/m³) and sound_velocity (m/s), or contact_stiffness"
-)
+_ONE_OF = "write shear_modulus, or density and sound_velocity, or contact_stiffness"
 
 
 @dataclass(frozen=True)
@@ -53,8 +51,7 @@ class Material:
         if not (law is None or isinstance(law, PowerLaw)):
             refuse("contact_stiffness", law, "must be a law, such as mindlin_stiffness(...)")
         if law is not None and not 0.0 <= law.exponent <= 10.0:
-            rule = "must lie between 0 and 10, such as 0.5"
-            refuse("contact_stiffness.exponent", law.exponent, rule)
+            refuse("contact_stiffness.exponent", law.exponent, "must lie between 0 and 10")
         if (law is not None) + (self.shear_modulus is not None) + (speeds != (None, None)) > 1:
             name = "shear_modulus" if law is None else "contact_stiffness"
             raise InputError(f"{name}: given twice; {_ONE_OF}")
@@ -134,8 +131,7 @@ def column_stiffness(
     """
     modulus = 0.75 * positive("youngs_modulus", youngs_modulus)
     if (aspect is None) == (height is None):
-        rule = "give one of aspect and height, such as aspect = 1.0 for columns as long as wide"
-        raise InputError(f"column_stiffness: {rule}")
+        raise InputError("column_stiffness: give one of aspect and height, such as aspect = 1.0")
     if aspect is not None:
         return PowerLaw(float(np.sqrt(np.pi)) * modulus * positive("aspect", aspect) ** 3, 0.5)
     return PowerLaw(modulus / np.pi / positive("height", height) ** 3, 2.0)

@@ -121,12 +121,10 @@ def spectral_moments(
     """
     surface = as_topography(heights, pixel_size)
     if periodic and detrend != "centre":
-        rule = 'a periodic surface has neither tilt nor curvature; write detrend = "centre"'
-        refuse("detrend", detrend, rule)
+        refuse("detrend", detrend, 'for a periodic surface write detrend = "centre"')
     step, shape = whole("step", step, 1), surface.heights.shape
     if min(shape) < 2 * step + 1:
-        rule = f"the scan of {shape} points needs at least 2 step + 1 along each axis"
-        refuse("step", step, rule)
+        refuse("step", step, f"the scan of {shape} points needs 2 step + 1 along each axis")
     h = detrended(surface.heights, detrend)
     wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
     inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
@@ -174,8 +172,7 @@ def moments_of_spectrum(
     """
     q, c = positive_array("wavevectors", wavevectors), positive_array("power", power)
     if q.size < 2 or c.size != q.size:
-        rule = f"must hold one value for each of the {q.size} wavevectors, of which two are needed"
-        refuse("power", c, rule)
+        refuse("power", c, f"must hold one value for each of {q.size} wavevectors, at least two")
     if not (np.diff(q) > 0.0).all():
         refuse("wavevectors", q, "must rise from point to point")
     # integrals of q^order C(q), C a power law between neighbours

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origins.errors import between, one_of, pair, positive, refuse, whole
+from origins.errors import between, check_seed, one_of, pair, positive, refuse, whole
 from origins.thresholds.law import Array
 
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "nm": 1e-9, "pm": 1e-12}
@@ -38,16 +38,22 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
         if pixel_size is not None:
             refuse("pixel_size", pixel_size, "the topography object has its own; leave it out")
         if (unit := getattr(heights, "unit", None)) not in METRES:
-            rule = "lengths need one unit, such as 'nm'; open the scan with unit = 'nm', or pass metres"
-            refuse("heights.unit", unit, rule)
+            refuse("heights.unit", unit, "must be one unit of length; open the scan with unit='nm'")
         if getattr(heights, "physical_sizes", True) is not None:
             pixel_size = getattr(heights, "pixel_size", None)
         values, scale = heights.heights(), METRES[unit]  # type: ignore[attr-defined]
     if pixel_size is None:
-        rule = "must be (dx, dy) in metres: heights alone have no slope; or open the scan with its physical_sizes"
-        refuse("pixel_size", pixel_size, rule)
+        refuse("pixel_size", None, "give (dx, dy) in metres, or open the scan with physical_sizes")
     dx, dy = _pixel_sizes(pixel_size)
-    return Topography(_height_array(values) * scale, (dx * scale, dy * scale))
+    try:
+        grid: Array = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
+    except (TypeError, ValueError):
+        refuse("heights", values, "must be a two-dimensional array in metres, or a topography")
+    if grid.ndim != 2 or min(grid.shape) < 3:
+        refuse("heights", grid, "must be two-dimensional with at least 3 points along each axis")
+    if np.isinf(grid).any() or np.isnan(grid).all():
+        refuse("heights", grid, "must be finite, or NaN at some points, where none is known")
+    return Topography(grid * scale, (dx * scale, dy * scale))
 
 
 def _pixel_sizes(pixel_size: object) -> tuple[float, float]:
@@ -71,23 +77,8 @@ def detrended(heights: Array, detrend: str) -> Array:
     coefficients = np.linalg.lstsq(terms[measured], from_mean[measured], rcond=None)[0]
     rest = from_mean - terms @ coefficients
     if not np.nanstd(rest) > 1e-12 * np.nanmax(np.abs(heights)):  # else it is round-off
-        rule = f"nothing is left after removing the {detrend}: a flat surface has no asperities"
-        refuse("heights", heights, rule)
+        refuse("heights", heights, f"are flat but for the {detrend}: there are no asperities")
     return rest
-
-
-def _height_array(heights: object) -> Array:
-    """`heights` as a grid of at least 3 by 3 points, NaN where masked; InputError where they are no such grid."""
-    try:
-        values: Array = np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan)
-    except (TypeError, ValueError):
-        such = "SurfaceTopography.read_topography(file)"
-        refuse("heights", heights, f"must be a two-dimensional array in metres, or {such}")
-    if values.ndim != 2 or min(values.shape) < 3:
-        refuse("heights", values, "must be two-dimensional with at least 3 points along each axis")
-    if np.isinf(values).any() or np.isnan(values).all():
-        refuse("heights", values, "must be finite, or NaN at some points, where none is known")
-    return values
 
 
 def self_affine_surface(
@@ -122,8 +113,6 @@ def self_affine_surface(
     """
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
-    if whole("seed", seed, 0) >= 2**64:
-        refuse("seed", seed, "must be below 2**64")
     n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
     needed = 40 * n_x * n_y  # bytes; 36 a point were measured
     pages = ("SC_PHYS_PAGES", "SC_PAGE_SIZE")
@@ -154,6 +143,6 @@ def self_affine_surface(
     amplitude = np.where(kept, relative ** (-1.0 - hurst), 0.0)
     count = np.where(q_y == 0.0, 1.0, 2.0)  # a mode of the half plane counts for its conjugate, too
     amplitude *= rms_slope / np.sqrt((amplitude**2 * q**2 * count).sum())
-    generator = np.random.Generator(np.random.Philox(key=seed))
+    generator = np.random.Generator(np.random.Philox(key=check_seed(seed)))
     noise = np.fft.rfft2(generator.standard_normal((n_x, n_y)))
     return np.fft.irfft2(amplitude * noise / np.abs(noise), s=(n_x, n_y)) * (n_x * n_y)
