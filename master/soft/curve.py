@@ -95,8 +95,7 @@ class LoadCurve:
         falling : distance after which the computed load surely falls, 0 where it drops at once; the
             level is searched from where the load rises again
         """
-        if falling > 0.0:
-            after = self._first_below(-self._slope, after + falling)
+        after = self._first_below(-self._slope, after + falling)
         lack = -self._load
         lack[:, 0] += level
         return self._first_below(lack, after)
@@ -148,10 +147,7 @@ class LoadCurve:
         def lack(y: Array, load: Array) -> Array:
             return self.force(y) + self.spring * y - load
 
-        # shares of a panel that bracket a given value of its load
-        shares = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 2 * rule.DEGREE + 1))
-        places = self.begin[:, None] + self.width[:, None] * shares
-        y = np.concatenate([[low], places[(places > low) & (places < high)], [high]])
+        y = np.concatenate([[low], self._ends[(self._ends > low) & (self._ends < high)], [high]])
         known = np.maximum.accumulate(lack(y, np.zeros(y.size)))
         load = np.clip(load, known[0], known[-1])
         cell = np.clip(np.searchsorted(known, load, "right") - 1, 0, y.size - 2)
@@ -162,17 +158,13 @@ class SlipBegin(NamedTuple):
     """Where a slip begins on a move.
 
     curve : LoadCurve, as far as it is solved
-    travel, load : of the slider there; inf if there is no slip
+    travel : of the slider there; if there is no slip, one up to which the load rises as far as is asked
+    load : there; inf if there is no slip
     """
 
     curve: LoadCurve
-    travel: float = np.inf
-    load: float = np.inf
-
-    @property
-    def force(self) -> float:
-        """Force along the motion (a length)."""
-        return float(self.curve.force(self.travel))
+    travel: float
+    load: float
 
     @property
     def error(self) -> float:
