@@ -147,11 +147,9 @@ class LoadCurve:
         def lack(y: Array, load: Array) -> Array:
             return self.force(y) + self.spring * y - load
 
-        y = np.concatenate([[low], self._ends[(self._ends > low) & (self._ends < high)], [high]])
-        known = np.maximum.accumulate(lack(y, np.zeros(y.size)))
-        load = np.clip(load, known[0], known[-1])
-        cell = np.clip(np.searchsorted(known, load, "right") - 1, 0, y.size - 2)
-        return np.asarray(find_root(lack, (y[cell], y[cell + 1]), args=(load,)).x)
+        ends = np.array([low, high])
+        load = np.clip(load, *lack(ends, np.zeros(2)))
+        return np.asarray(find_root(lack, (low, high), args=(load,)).x)
 
 
 class SlipBegin(NamedTuple):
