@@ -51,7 +51,8 @@ def solve_rigid(
     march = march_of(contacts, motion, life, tolerance, until).run()
     kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
     kept |= not march.unfinished
-    error = error_of(march, mean)
+    wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
+    error = float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
     progress(error)
     at = march.begin[int(np.argmax(march.wrong))] if march.begin.size else 0.0
     near = f"above the tolerance {tolerance:.1e}, near X = {motion.at(np.array(at)):.6g}"
@@ -95,7 +96,6 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     steps = np.diff(times, prepend=0.0)
     moved = np.flatnonzero(steps > 0.0)
     speed = float(moves[moved[-1]] / steps[moved[-1]]) if moved.size else drive.velocity
-    speed = speed if not timeless or speed else 1.0
     # contacts that reach an exact threshold just at the path's end shall have broken there
     longer = 1e-9 * mean / abs(speed or drive.velocity)
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
@@ -160,12 +160,6 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     ends = [*contacts.start.span, *reforming_law(contacts).span]
     most = max(abs(end) for end in ends) + float(np.ptp(motion.positions))
     return max(min(life.reach, most), 1e-3 * contacts.mean_threshold)
-
-
-def error_of(march: March, mean: float) -> float:
-    """Estimate from above of the error of the force, in mean thresholds: panels, the life itself, round-off."""
-    wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
-    return float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
 
 
 def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> float:

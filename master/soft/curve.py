@@ -25,8 +25,6 @@ Travel = float | Array
 class LoadCurve:
     """Force along the motion over the slider's travel, a polynomial on each panel.
 
-    Parameters
-    ----------
     begin, width : arrays of shape (n,), of panels one after the other from 0
     force : array of shape (n, DEGREE + 1), along the motion, at share 0 and at the nodes (lengths)
     rough : array of shape (n,), error of the polynomials, which may oscillate (lengths)
