@@ -62,12 +62,14 @@ def solve_rigid(
         end = f"X = {motion.at(np.array(march.reached)):.6g}"
         success, message = False, f"stopped at {end} by wall_time; the path is cut there"
     t = np.minimum(moments[kept], march.steady_since)
+    # contacts that broke within the last delay are out
+    broken = breaks_until(march, t) - breaks_until(march, t - march.births.delay)
     return Solution(
         path=drive.path[kept],
         time=drive.arrival_times()[kept],
         force=_read(march, march.force, t),
         force_error=error,
-        holding=holding_at(march, t),
+        holding=1.0 - broken,
         run_time=clock.perf_counter() - began,
         nodes=march.begin.size * rule.DEGREE,
         success=success,
@@ -168,14 +170,6 @@ def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> floa
     if np.isfinite(steady_since):
         way = steady_since * abs(float(motion.speeds[0]))
     return ROUND_OFF * (1.0 + way / mean)
-
-
-def holding_at(march: March, t: Array) -> Array:
-    """Share of the contacts that hold at times t: all but those that broke within the last delay."""
-    delay = march.births.delay
-    if not delay > 0.0:
-        return np.ones(t.size)
-    return 1.0 - breaks_until(march, t) + breaks_until(march, t - delay)
 
 
 def breaks_until(march: March, t: Array) -> Array:

@@ -69,11 +69,7 @@ class SoftSolution:
 
 
 def solve_soft(
-    contacts: Contacts,
-    drive: Drive,
-    tolerance: float,
-    progress: Progress,
-    until: float,
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> SoftSolution:
     """Force while the drive X_T moves along its path and pulls the slider by its spring.
 
