@@ -30,7 +30,7 @@ class ColdSlider:
         self.position = np.zeros(self.path.size)
         self.force = np.full(self.path.size, self._start_force)
         self.slips = list[Array]()
-        # estimates from above of the errors of the force and of K X_T at slips, and of X_T at slips (lengths)
+        # estimates from above of the errors of the force, and of X_T at slips (lengths)
         self.error = self.drive_error = 0.0
         # X at which the history `_past` begins, and the error of that X
         self._base, self._base_error = 0.0, 0.0
@@ -60,7 +60,7 @@ class ColdSlider:
             force=self.force[: self._solved],
             holding=np.ones(self._solved),
             slips=Slips(drives, before, after, above, below, self.drive_error),
-            error=self.error / unit,
+            error=max(self.error, self.spring * self.drive_error) / unit,
             nodes=self.contacts.nodes,
             stopped_because=stopped,
         )
@@ -140,7 +140,6 @@ class ColdSlider:
         row = np.array([drive, begin + slip.travel, after, force_before, force])
         self.slips.append(move.direction * row)
         self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
-        self.error = max(self.error, self.spring * self.drive_error)
         if len(self.slips) > MOST_SLIPS:
             raise StoppedError("stopped as slips ask for too much work")
         if clock.monotonic() > self.contacts.until:

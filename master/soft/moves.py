@@ -159,13 +159,11 @@ class Move:
     def _plan(self, march: March | None, cut_at: float, since: float) -> None:
         """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
         contacts, end, start = self.contacts, since - self.past.end + self._ahead, self.past.start
-        tolerance, grain, reach = contacts.tolerance, contacts.life.grain, contacts.life.reach
+        life, again, tolerance = contacts.life, contacts.formed_again, contacts.tolerance
         motion = Motion.along(np.array([*self.past.places, self.at(end)]))
-        births = Births(
-            contacts.life, contacts.formed_again, motion, 0.0, 0.1 * tolerance, contacts.until
-        )
+        births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
-            march = March(births, start, np.empty(0), tolerance, WIDE * grain, reach)
+            march = March(births, start, np.empty(0), tolerance, WIDE * life.grain, life.reach)
         else:
             march = march.cut(cut_at, births)
             if cut_at < since:
