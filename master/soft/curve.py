@@ -145,9 +145,14 @@ class LoadCurve:
         def lack(y: Array, load: Array) -> Array:
             return self.force(y) + self.spring * y - load
 
-        ends = np.array([low, high])
-        load = np.clip(load, *lack(ends, np.zeros(2)))
-        return np.asarray(find_root(lack, (low, high), args=(load,)).x)
+        # shares of a panel that bracket a given value of its load
+        shares = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 2 * rule.DEGREE + 1))
+        places = self.begin[:, None] + self.width[:, None] * shares
+        y = np.concatenate([[low], places[(places > low) & (places < high)], [high]])
+        known = np.maximum.accumulate(lack(y, np.zeros(y.size)))
+        load = np.clip(load, known[0], known[-1])
+        cell = np.clip(np.searchsorted(known, load, "right") - 1, 0, y.size - 2)
+        return np.asarray(find_root(lack, (y[cell], y[cell + 1]), args=(load,)).x)
 
 
 class SlipBegin(NamedTuple):
