@@ -24,15 +24,13 @@ def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> 
     """Success and message of a solution; error and tolerance are in mean thresholds, and `reason`
     says why the tolerance was missed, where it was."""
     success = bool(error <= tolerance)
-    message = (
-        f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}" if success else reason
-    )
-    if contacts.cut_weight > 0.0:
-        message += (
-            f"; a starting weight of {contacts.cut_weight:.1e} beyond every threshold was cut off"
-        )
-    if contacts.thresholds.cut_weight > 0.0:
-        message += f"; a weight of {contacts.thresholds.cut_weight:.1e} of the thresholds at or below x = 0 was cut off"
+    within = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
+    message = within if success else reason
+    start, thresholds = contacts.cut_weight, contacts.thresholds.cut_weight
+    if start > 0.0:
+        message += f"; a starting weight of {start:.1e} beyond every threshold was cut off"
+    if thresholds > 0.0:
+        message += f"; a weight of {thresholds:.1e} of the thresholds at or below x = 0 was cut off"
     return success, message
 
 

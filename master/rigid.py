@@ -51,7 +51,8 @@ def solve_rigid(
     march = march_of(contacts, motion, life, tolerance, until).run()
     kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
     kept |= not march.unfinished
-    error = error_of(march, mean)
+    wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
+    error = float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
     progress(error)
     at = march.begin[int(np.argmax(march.wrong))] if march.begin.size else 0.0
     near = f"above the tolerance {tolerance:.1e}, near X = {motion.at(np.array(at)):.6g}"
@@ -61,12 +62,14 @@ def solve_rigid(
         end = f"X = {motion.at(np.array(march.reached)):.6g}"
         success, message = False, f"stopped at {end} by wall_time; the path is cut there"
     t = np.minimum(moments[kept], march.steady_since)
+    # contacts that broke within the last delay are out
+    broken = breaks_until(march, t) - breaks_until(march, t - march.births.delay)
     return Solution(
         path=drive.path[kept],
         time=drive.arrival_times()[kept],
         force=_read(march, march.force, t),
         force_error=error,
-        holding=holding_at(march, t),
+        holding=1.0 - broken,
         run_time=clock.perf_counter() - began,
         nodes=march.begin.size * rule.DEGREE,
         success=success,
@@ -95,7 +98,6 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     steps = np.diff(times, prepend=0.0)
     moved = np.flatnonzero(steps > 0.0)
     speed = float(moves[moved[-1]] / steps[moved[-1]]) if moved.size else drive.velocity
-    speed = speed if not timeless or speed else 1.0
     # contacts that reach an exact threshold just at the path's end shall have broken there
     longer = 1e-9 * mean / abs(speed or drive.velocity)
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
@@ -162,26 +164,12 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     return max(min(life.reach, most), 1e-3 * contacts.mean_threshold)
 
 
-def error_of(march: March, mean: float) -> float:
-    """Estimate from above of the error of the force, in mean thresholds: panels, the life itself, round-off."""
-    wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
-    return float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
-
-
 def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> float:
     """Round-off of the force, in mean thresholds; none is added once breaks are steady."""
     way = float(np.abs(np.diff(motion.positions)).sum())
     if np.isfinite(steady_since):
         way = steady_since * abs(float(motion.speeds[0]))
     return ROUND_OFF * (1.0 + way / mean)
-
-
-def holding_at(march: March, t: Array) -> Array:
-    """Share of the contacts that hold at times t: all but those that broke within the last delay."""
-    delay = march.births.delay
-    if not delay > 0.0:
-        return np.ones(t.size)
-    return 1.0 - breaks_until(march, t) + breaks_until(march, t - delay)
 
 
 def breaks_until(march: March, t: Array) -> Array:

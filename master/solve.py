@@ -73,8 +73,8 @@ def solve(
         What a slip of a soft slider does. At the instability F'(X) = -K:
         "reset" (the paper's): all contacts are replaced by fresh relaxed ones of age 0, and X jumps
         to where K (X_T - X) = F;
-        "reform-after": broken contacts re-form when the slip ends; those that hold stretch and may
-        break;
+        "reform-after": broken contacts stay out until the slip ends, which is where the spring balances
+        those that hold; meanwhile these stretch and may break;
         "instant": contacts re-form at once, and X goes to the first X' with F(X') + K X' = K X_T.
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
@@ -96,32 +96,23 @@ def solve(
     drive = Drive(path, velocity, time, spring, slip)
     if wall_time is not None:
         wall_time = positive("wall_time", wall_time)
+    until = np.inf if wall_time is None else clock.monotonic() + wall_time
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        return solve_paper(contacts, drive, tolerance, progress)
+        from master.paper.q15_transient import solve_q15
+
+        drive.only_forward("the paper's closure of ageing")
+        if drive.time is not None:
+            raise InputError("time: the paper's closure of ageing takes one speed; write velocity=")
+        return solve_q15(contacts, drive, tolerance, progress)
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
             from master.soft.in_time.refining import solve_stiff
 
             return solve_stiff(contacts, drive, tolerance, progress, wall_time)
-        until = clock.monotonic() + (np.inf if wall_time is None else wall_time)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)
     from master.soft.solution import solve_soft
 
-    return solve_soft(contacts, drive, tolerance, progress, wall_time)
-
-
-def solve_paper(
-    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress
-) -> AgeingTransient:
-    """(Q15), the paper's closure of ageing, on a rigid slider that moves forward at one speed."""
-    from master.paper.q15_transient import solve_q15
-
-    drive.only_forward("the paper's closure of ageing")
-    if drive.time is not None:
-        raise InputError(
-            "time: the paper's closure of ageing takes one speed all along; write velocity= instead"
-        )
-    return solve_q15(contacts, drive, tolerance, progress)
+    return solve_soft(contacts, drive, tolerance, progress, until)

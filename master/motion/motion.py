@@ -33,16 +33,9 @@ class Motion:
 
     t is a time, or the distance travelled where nothing that the contacts do depends on time.
 
-    Parameters
-    ----------
-    times, positions : arrays of shape (n + 1,)
-        Knots of X(t); times increase. Knots at which the speed stays the same are dropped, and
-        knots that share a time are merged.
-
-    Attributes
-    ----------
-    speeds : array of shape (n,)
-        dX/dt on each leg, 0 in a hold.
+    times, positions : arrays of shape (n + 1,), knots of X(t); times increase. Knots at which the
+        speed stays the same are dropped, and knots that share a time are merged
+    speeds : array of shape (n,), dX/dt on each leg, 0 in a hold
     """
 
     def __init__(self, times: Array, positions: Array) -> None:
@@ -122,10 +115,8 @@ class History:
     threshold, or where another leg begins. So the middle column determines on which side of such a
     point the whole row lies.
 
-    Attributes
-    ----------
-    now, high, low : arrays of shape (rows, columns)
-        Displacement at t, its largest (at least 0) and its smallest (at most 0) value since s.
+    now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)
+        and its smallest (at most 0) value since s
     """
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:

@@ -30,7 +30,7 @@ class ColdSlider:
         self.position = np.zeros(self.path.size)
         self.force = np.full(self.path.size, self._start_force)
         self.slips = list[Array]()
-        # estimates from above of the errors of the force and of K X_T at slips, and of X_T at slips (lengths)
+        # estimates from above of the errors of the force, and of X_T at slips (lengths)
         self.error = self.drive_error = 0.0
         # X at which the history `_past` begins, and the error of that X
         self._base, self._base_error = 0.0, 0.0
@@ -60,7 +60,7 @@ class ColdSlider:
             force=self.force[: self._solved],
             holding=np.ones(self._solved),
             slips=Slips(drives, before, after, above, below, self.drive_error),
-            error=self.error / unit,
+            error=max(self.error, self.spring * self.drive_error) / unit,
             nodes=self.contacts.nodes,
             stopped_because=stopped,
         )
@@ -81,7 +81,7 @@ class ColdSlider:
             self._answer(move, slip, points[:count], loads[:count], y)
             points = points[count:]
             if not np.isfinite(slip.load):
-                y = float(slip.curve.travel_at(np.array([target]), y, slip.curve.end)[0])
+                y = float(slip.curve.travel_at(np.array([target]), y, slip.travel)[0])
                 self._past = move.stopped(y, self._turn_error(slip.curve, y))
                 return
             if self.rule == "instant":
@@ -96,7 +96,7 @@ class ColdSlider:
     ) -> None:
         """Set X and F at points before the next slip, where the load has these values."""
         if points.size:
-            y = slip.curve.travel_at(loads, low, min(slip.travel, slip.curve.end))
+            y = slip.curve.travel_at(loads, low, slip.travel)
             self.position[points] = self._base + move.at(y)
             self.force[points] = move.direction * slip.curve.force(y)
             self._solved = int(points[-1]) + 1
@@ -136,10 +136,10 @@ class ColdSlider:
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, after: float, force: float) -> None:
         """Record a slip, of a move that begins at `begin`, with X and F after it along the motion."""
-        row = begin + slip.load / self.spring, begin + slip.travel, after, slip.force, force
-        self.slips.append(move.direction * np.array(row))
+        drive, force_before = begin + slip.load / self.spring, float(slip.curve.force(slip.travel))
+        row = np.array([drive, begin + slip.travel, after, force_before, force])
+        self.slips.append(move.direction * row)
         self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
-        self.error = max(self.error, self.spring * self.drive_error)
         if len(self.slips) > MOST_SLIPS:
             raise StoppedError("stopped as slips ask for too much work")
         if clock.monotonic() > self.contacts.until:

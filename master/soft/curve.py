@@ -25,8 +25,6 @@ Travel = float | Array
 class LoadCurve:
     """Force along the motion over the slider's travel, a polynomial on each panel.
 
-    Parameters
-    ----------
     begin, width : arrays of shape (n,), of panels one after the other from 0
     force : array of shape (n, DEGREE + 1), along the motion, at share 0 and at the nodes (lengths)
     rough : array of shape (n,), error of the polynomials, which may oscillate (lengths)
@@ -95,8 +93,7 @@ class LoadCurve:
         falling : distance after which the computed load surely falls, 0 where it drops at once; the
             level is searched from where the load rises again
         """
-        if falling > 0.0:
-            after = self._first_below(-self._slope, after + falling)
+        after = self._first_below(-self._slope, after + falling)
         lack = -self._load
         lack[:, 0] += level
         return self._first_below(lack, after)
@@ -162,17 +159,13 @@ class SlipBegin(NamedTuple):
     """Where a slip begins on a move.
 
     curve : LoadCurve, as far as it is solved
-    travel, load : of the slider there; inf if there is no slip
+    travel : of the slider there; if there is no slip, one up to which the load rises as far as is asked
+    load : there; inf if there is no slip
     """
 
     curve: LoadCurve
-    travel: float = np.inf
-    load: float = np.inf
-
-    @property
-    def force(self) -> float:
-        """Force along the motion (a length)."""
-        return float(self.curve.force(self.travel))
+    travel: float
+    load: float
 
     @property
     def error(self) -> float:

@@ -3,7 +3,6 @@
 At T = 0 nothing depends on time, so t of the march is the distance that the slider has travelled.
 """
 
-import time as clock
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,21 +30,11 @@ STILL = 1e-12
 class ColdContacts:
     """Contacts at T = 0 under a spring, with the tolerance and limits of their solution.
 
-    Attributes
-    ----------
-    life : ColdLife
-    formed_again : Start
-        Stretches at which broken contacts form again.
-    unit : float
-        Mean threshold (a length).
-    spring : float
-        K/(N_c <k>).
-    tolerance : float
-        Of the number of breaks on a panel.
-    until : float
-        Reading of time.monotonic() at which to stop.
-    nodes : int
-        Moments at which number conservation was solved.
+    formed_again : stretches at which broken contacts form again
+    unit, spring : mean threshold (a length), and K/(N_c <k>)
+    tolerance : of the number of breaks on a panel
+    until : reading of time.monotonic() at which to stop
+    nodes : moments at which number conservation was solved
     """
 
     def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
@@ -68,21 +57,13 @@ class ColdContacts:
 class Past:
     """The history before a straight move of the slider.
 
-    Attributes
-    ----------
-    start : Start
-        Stretches at its beginning.
-    march : March or None
-        None before the first move.
-    cut, end : float
-        Distance travelled up to which the march holds, and at which the move begins: in between no
-        contact is born.
-    places : tuple of float
-        X where the slider began, stopped or turned, and where it is (lengths).
-    moments : tuple of Moment
-        Those at which breaks bend.
-    error : float
-        Error of the force due to errors of this history (a length).
+    start : stretches at its beginning
+    march : None before the first move
+    cut, end : distance travelled up to which the march holds, and at which the move begins: in
+        between no contact is born
+    places : X where the slider began, stopped or turned, and where it is (lengths)
+    moments : those at which breaks bend
+    error : of the force, due to errors of this history (a length)
     """
 
     start: Start
@@ -101,8 +82,8 @@ class Move:
         self.contacts, self.direction, self.past = contacts, direction, past
         # plan 2 mean thresholds ahead first: most sliders slip before
         self._moments, self._ahead = past.moments, 2.0 * contacts.unit
-        self._march = self._plan(past.march, past.cut, past.end)
-        self._first, self._runs = len(self._march.begin), self._march.runs()
+        self._plan(past.march, past.cut, past.end)
+        self._first = len(self._march.begin)
 
     def at(self, y: Array | float) -> Any:
         """X after the travel y, relative to where the history began (lengths)."""
@@ -117,7 +98,7 @@ class Move:
             last = min(y, curve.end)
             load = float(curve.force(last)) + curve.spring * last
             if load >= target:
-                return SlipBegin(curve)
+                return SlipBegin(curve, last, np.inf)
             if np.isfinite(y):
                 return SlipBegin(curve, y, load)
             travel = curve.end + self.contacts.life.grain
@@ -141,14 +122,11 @@ class Move:
             self._march.births.work += 15 * len(self._march.lumps)
             if self._march.births.work > MOST_WORK:
                 raise StoppedError("stopped as slips ask for too much work")
-            if clock.monotonic() > self.contacts.until:
-                raise StoppedError("stopped by wall_time")
             before = len(self._march.begin)
             if not self._advance():
                 self._ahead *= 2.0
                 reached = self._march.reached
-                self._march = self._plan(self._march, reached, reached)
-                self._runs = self._march.runs()
+                self._plan(self._march, reached, reached)
             self.contacts.nodes += max(len(self._march.begin) - before, 0) * rule.DEGREE
         return self._curve()
 
@@ -178,14 +156,14 @@ class Move:
         moments = (*met, Moment(end, SMOOTHER))
         return Past(self.past.start, self._march, end, end, places, moments, error)
 
-    def _plan(self, march: March | None, cut_at: float, since: float) -> March:
-        """The march that continues from `since`; from `cut_at` to there no contact is born."""
+    def _plan(self, march: March | None, cut_at: float, since: float) -> None:
+        """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
         contacts, end, start = self.contacts, since - self.past.end + self._ahead, self.past.start
-        tolerance, grain, reach = contacts.tolerance, contacts.life.grain, contacts.life.reach
+        life, again, tolerance = contacts.life, contacts.formed_again, contacts.tolerance
         motion = Motion.along(np.array([*self.past.places, self.at(end)]))
-        births = Births(contacts.life, contacts.formed_again, motion, accuracy=0.1 * tolerance)
+        births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
-            march = March(births, start, np.empty(0), tolerance, WIDE * grain, reach)
+            march = March(births, start, np.empty(0), tolerance, WIDE * life.grain, life.reach)
         else:
             march = march.cut(cut_at, births)
             if cut_at < since:
@@ -196,13 +174,11 @@ class Move:
                 "stopped as exact thresholds break together more often than can be followed"
             )
         self._moments, march.edges = tuple(plan.moments), plan.times
-        return march
+        self._march, self._runs = march, march.runs()
 
 
 class MoveWithoutBirths(Move):
     """Contacts during a slip in which broken contacts stay out until the slider stops."""
-
-    _width = np.inf  # the next panel is no wider
 
     def _advance(self) -> bool:
         """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
@@ -211,14 +187,13 @@ class MoveWithoutBirths(Move):
         later = march.edges[march.edges > begin + STILL * grain]
         if not later.size:
             return False
-        width = min(self._width, WIDE * grain, float(later[0]) - begin)
-        self._width *= 2.0
+        width = min(WIDE * grain, float(later[0]) - begin)
         while True:
             force = march.known(begin + width * TARGETS[None])[1, :, : rule.DEGREE + 1]
             wrong = np.abs(force @ rule.TO_LEGENDRE[-2:].T).max(axis=1) / self.contacts.life.reach
             if wrong[0] <= tolerance or width <= STILL * grain:
                 break
-            self._width = width = 0.5 * width
+            width *= 0.5
         late = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
         march.keep(begin, width, Run(np.zeros_like(force), force, wrong), 1, begin - late)
         return True

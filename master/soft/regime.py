@@ -73,7 +73,7 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
         verdict = "undecided" if lacking else "smooth"
         reason = f"{known}; no slip up to the end of the path{lacking}"
     else:
-        verdict, reason = _by_slips(contacts, drive, found, critical, trend)
+        verdict, reason = _by_slips(contacts, drive, found, trend)
         reason = f"{reason}; {known}"
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
@@ -82,17 +82,13 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
 
 
 def _by_slips(
-    contacts: Contacts, drive: Drive, found: Followed, critical: float, trend: float | None
+    contacts: Contacts, drive: Drive, found: Followed, trend: float | None
 ) -> tuple[Verdict, str]:
     """Whether the slips up to the end of the path continue or fade."""
     spring, path, slips = float(drive.spring or 0.0), drive.path, found.slips
     drops, count = np.abs(slips.drop), slips.drive.size
     counted = f"{count} slips up to the end of the path"
-    # growing grains are younger after a reset than at the start
-    relaxed = contacts.reforming is None and contacts.start.span == (0.0, 0.0)
-    relaxed &= contacts.grains is None
-    rates = bool(RATES.intersection(contacts.laws))
-    if drive.slip == "reset" and (count > 1 or (relaxed and (rates or spring < critical))):
+    if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
     way = np.abs(np.diff(path, prepend=path[0])).cumsum()
     silent = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])

@@ -1,24 +1,14 @@
 """A soft slider: a spring K between the drive X_T and the slider X, K (X_T - X) = F(X).
 
-Where F'(X) = -K the slider slips, which takes no time. What a slip does is a rule:
-
-    "reset"         fresh relaxed contacts replace all; the slider jumps to where K (X_T - X) = F;
-    "instant"       contacts re-form at once; the slider goes to the first X' that balances again,
-                    F(X') + K X' = K X_T;
-    "reform-after"  broken contacts stay out until the slip ends, while those that hold stretch and
-                    may break; it ends where K (X_T - X) equals the force of those that hold, and
-                    then the broken contacts re-form at x = 0.
-
-The drive begins where the spring balances the starting force, X_T = F(0)/K at X = 0, and moves from
+Where F'(X) = -K the slider slips, which takes no time; `master.solve` says what a slip does. The
+drive begins where the spring balances the starting force, X_T = F(0)/K at X = 0, and moves from
 there straight to the first point of its path (paper Sec. III D).
 """
 
 import time
 from dataclasses import dataclass
 
-import numpy as np
-
-from master.outcome import Progress, unheard
+from master.outcome import Progress
 from master.soft.cold import ColdSlider
 from master.soft.regime import Regime, regime
 from master.soft.slips import Slips
@@ -79,13 +69,11 @@ class SoftSolution:
 
 
 def solve_soft(
-    contacts: Contacts,
-    drive: Drive,
-    tolerance: float,
-    progress: Progress = unheard,
-    wall_time: float | None = None,
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> SoftSolution:
     """Force while the drive X_T moves along its path and pulls the slider by its spring.
+
+    until : reading of time.monotonic() at which to stop
 
     The caller checks the arguments. A slider is followed in steps of time where its contacts' laws
     depend on time, and where contacts re-form stretched backward and the drive turns, since each
@@ -98,7 +86,6 @@ def solve_soft(
     many steps.
     """
     began, again = time.perf_counter(), contacts.reforming
-    until = np.inf if wall_time is None else time.monotonic() + wall_time
     rule = drive.slip
     out = rule == "reform-after" or (contacts.delay is not None and rule == "instant")
     if again is not None and out:
