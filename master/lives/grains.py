@@ -18,9 +18,10 @@ A(η) being the integral over time of the rate h(|x|; x_s).
 
 import numpy as np
 
-from master.lives.averages import Rows, integrals_above
+from master.lives.averages import integrals_above
 from master.lives.life import MARGIN, Life
 from master.motion.motion import History
+from master.renewal.rule import Rows
 from origins import Contacts, GrainContact
 from origins.start import Start
 from origins.thresholds.law import Array

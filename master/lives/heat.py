@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from master.lives.averages import CHECKED, Integrals, Rows, integrals_above
+from master.lives.averages import CHECKED, Integrals, integrals_above
 from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
 from master.motion.motion import History, Legs
+from master.renewal.rule import Rows
 from master.renewal.table import Table
 from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from master.lives.averages import Pieces, Rows, integrals
+from master.lives.averages import integrals
 from master.motion.motion import History
+from master.renewal.rule import Pieces, Rows
 from master.renewal.table import Table
 from origins import Contacts, InputError
 from origins.start import Start
@@ -123,9 +124,7 @@ class Life:
         now, high, low = (part[:, None] for part in (history.now, history.high, history.low))
         moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
         cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
-        edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
-        # pieces narrower than 1e-13 of the span are left out
-        pieces = Pieces.between(edges, 1e-13 * (last - first))
+        pieces = Pieces.between(np.clip(np.concatenate(cuts, axis=1), first, last))
         middle = 0.5 * (pieces.low + pieces.high)
         pieces = pieces.pick(history.pick(pieces.owner).largest(middle) < reach)
         kept = law.cdf(self.birth_reach) - law.cdf(-self.birth_reach)

@@ -18,18 +18,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from master.lives.averages import Pieces, Rows
 from master.lives.life import Life
 from master.motion.motion import Motion
 from master.renewal import rule
+from master.renewal.rule import Pieces, Rows
 from origins import Contacts
 from origins.start import SingleStart, Start
 from origins.thresholds.law import Array
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)
-# Two places of birth nearer than this share of the whole range count as equal.
-CLOSE = 1e-13
 # Work (see Births.work) after which panels and pieces are no longer halved: it takes some 30 s, and two
 # minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
@@ -106,14 +104,6 @@ class Panels(NamedTuple):
     def born(self, leg_begin: Array | float, delay: float) -> Array:
         """When their births begin, counted from the beginning of the leg on which these are."""
         return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
-
-
-def pieces_between(edges: Array) -> Pieces:
-    """Pieces of the places of birth as seen from targets, a row of edges for each, in any order; edges
-    that are equal by rounding count as one."""
-    edges = np.sort(edges, axis=1)
-    row, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (edges[:, -1:] - edges[:, :1]))
-    return Pieces(row, edges[row, piece], edges[row, piece + 1])
 
 
 class Nodes(NamedTuple):

@@ -12,7 +12,8 @@ import numpy as np
 from master.lives.life import NONE_LEFT, Life
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births, Nodes, pieces_between
+from master.renewal.births import Births, Nodes
+from master.renewal.rule import Pieces
 from master.renewal.table import Table
 from origins.errors import refuse
 from origins.start import Start
@@ -80,7 +81,6 @@ class Straight:
         accuracy: float,
         steady: bool = False,
     ) -> None:
-        """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest, self.error = life, born, longest, 0.0
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale = life.reach
@@ -225,20 +225,14 @@ class Kernels:
         panels = min(most, max(panels, 2 * have))
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
-        first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
         found = np.zeros((2, t.size, rule.DEGREE + 1))
-        if first.size:
-            basis = rule.legendre_values(nodes.share)
-            parts = (values.transpose(1, 0, 2) @ basis).transpose(1, 0, 2)
-            found[:, nodes.target[first]] = np.add.reduceat(parts, first, axis=1)
+        parts = np.einsum("fng,ngk->fnk", values, rule.legendre_values(nodes.share))
+        np.add.at(found, (slice(None), nodes.target), parts)
         found = found @ rule.SLOPES
         share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
         found[0] += rule.values(share[0]) - rule.values(share[1])
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
-        try:
-            solve = np.asarray(np.linalg.inv(both[0, 0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
-        except np.linalg.LinAlgError:  # on a panel far wider than a life
-            solve = np.full((rule.DEGREE, rule.DEGREE), np.nan)
+        solve = np.asarray(np.linalg.inv(both[0, 0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
         self._known[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
         return self._known[speed, width]
 
@@ -261,7 +255,7 @@ class Kernels:
         straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
-        nodes = Nodes.of(ends, pieces_between(np.clip(cuts, begin, end)))
+        nodes = Nodes.of(ends, Pieces.between(np.clip(cuts, begin, end)))
         self._births.work += nodes.target.size
         held = straight.look_up(t[nodes.target, None] - nodes.place)
         return nodes, nodes.weight * held

@@ -18,16 +18,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.averages import Pieces, Rows
 from master.lives.life import MARGIN
 from master.motion.motion import History
 from master.renewal import rule
-from master.renewal.births import CLOSE, MOST_WORK, TINY, Panels, moments, pieces_between
+from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, moments
+from master.renewal.rule import Pieces, Rows
 from origins.start import Start
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
-    from master.renewal.births import Births, Lump
     from master.renewal.strand_births import StrandBirths
 
 
@@ -188,7 +187,7 @@ class Past:
             left_out, fall = few.beyond(held, self._life.reach)
             wrong = left_out * born
             leg = self._motion.leg(place[:, 1])
-            narrowest = CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
+            narrowest = rule.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
             rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
             rough &= births.work <= MOST_WORK and clock.monotonic() <= births.until
             good = pieces.pick(~rough)
@@ -223,7 +222,7 @@ class Past:
             since = np.divide(ways, speed, out=np.zeros(ways.shape), where=speed != 0.0)
             cuts.append(np.clip(motion.times[self._legs, None] + since, first, last))
         edges = np.concatenate(cuts, axis=2).reshape(t.size * self._legs.size, -1)
-        owner, begin, end = pieces_between(edges)
+        owner, begin, end = Pieces.between(edges)
         target = owner // self._legs.size
         shares = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
         place = begin[:, None] + (end - begin)[:, None] * shares

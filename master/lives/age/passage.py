@@ -17,18 +17,16 @@ where thresholds move away from |stretch|, and b would be lost in their rounding
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
 from master.renewal import rule
+from master.renewal.rule import Rows
 from master.renewal.table import Table
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
-
-Rows = npt.NDArray[np.intp]
 
 # Nodes and weights on (0, 1), of the integral over earlier breaks between two of its cuts.
 _INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
