@@ -40,23 +40,13 @@ def reforming_law(contacts: Contacts) -> Start:
 
 @dataclass
 class Births:
-    """Births at stretches of one law along one motion.
+    """Births of contacts with one life along one motion.
 
-    Attributes
-    ----------
-    life : Life
-        Survival and force of contacts after their birth.
-    law : Start
-        The stretches at which broken contacts form again.
-    motion : Motion
-    delay : float
-        Time for which a broken contact is out, in the unit of the motion's times.
-    accuracy : float
-        Aimed-at error of the number that the births on one leg contribute.
-    until : float
-        Reading of time.monotonic() at which to stop, and after which no piece is halved.
-    work : int
-        Pieces of births integrated so far, times their cost; it may be limited.
+    law : of the stretches at which broken contacts form again
+    delay : time for which a broken contact is out, in the unit of the motion's times
+    accuracy : aimed-at error of the number that the births on one leg contribute
+    until : reading of time.monotonic() at which to stop, and after which no piece is halved
+    work : pieces of births integrated so far, times their cost; it may be limited
     """
 
     life: Life
@@ -87,8 +77,7 @@ class Lump(NamedTuple):
 class Panels(NamedTuple):
     """Solved panels, in the order of time.
 
-    begin, since, width : arrays of shape (n,); begin is a time, since is counted from the beginning
-        of a leg
+    begin, since, width : arrays of shape (n,); since is counted from the beginning of a leg
     breaks : array of shape (n, DEGREE + 1), values at 0 and the nodes
     """
 
@@ -109,10 +98,8 @@ class Panels(NamedTuple):
 class Nodes(NamedTuple):
     """Nodes on the parts of pieces that lie on one panel each.
 
-    target, panel : arrays of shape (parts,), in the order of the pieces; the target of the piece, and
-        the panel
-    share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, the place, and the
-        weight in an integral over the share
+    target, panel : arrays of shape (parts,), in the order of the pieces
+    share, place, weight : arrays of shape (parts, GAUSS); weights in an integral over the panel's share
     """
 
     target: Rows
@@ -140,11 +127,10 @@ class Nodes(NamedTuple):
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
-    """Births on pieces, weighted by each piece's own Legendre polynomials: shape (pieces, size).
+    """Births on pieces from left to right, weighted by each one's own Legendre polynomials: (pieces, size).
 
-    ends : array of shape (panels + 1,), ends of the panels, as places
+    ends : array of shape (panels + 1,), of the panels
     slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
-    left, right : arrays of shape (pieces,), places
     """
     if not left.size:
         return np.zeros((0, size))

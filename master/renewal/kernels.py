@@ -38,24 +38,15 @@ UNBROKEN, NONE = 1e-3, 1e-17
 class Straight:
     """E and K over the lag since birth: a time, or the slider's way.
 
-    Parameters
-    ----------
-    life, born : Life, Start
-        Of the contacts, and the law of the stretches at which they are born.
-    speed : float
-        dX/dt, of either sign, or 0.
-    longest : float
-        The longest lag.
-    accuracy : float
-        Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not halved.
-    steady : bool
-        Whether lags are ways instead of times, and followed beyond the longest until hardly any
-        contact holds.
+    born : law of the stretches at birth
+    speed : dX/dt, of either sign, or 0
+    longest : the longest lag, or an earlier one after which no contact holds
+    accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
+    steady : whether lags are ways instead of times, and followed beyond the longest until hardly any
+        contact holds
 
     Attributes
     ----------
-    longest : float
-        The longest lag, or an earlier one after which no contact holds.
     edges : array of shape (n,)
         Lags between which E and K are polynomials, or nearly so.
     table : Table
@@ -177,10 +168,9 @@ class Kernel(NamedTuple):
 class Run(NamedTuple):
     """Solved panels of one width, one after the other.
 
-    breaks : array of shape (panels, DEGREE + 1), breaks since each panel's beginning, at 0 and nodes
-    force : array of shape (panels, DEGREE + 1), the force at 0 and the nodes
+    breaks, force : arrays of shape (panels, DEGREE + 1), at 0 and nodes; breaks since a panel's beginning
     wrong : array of shape (panels,), estimate from above of the error of the number of breaks, and of
-        the force divided by the longest stretch, on each panel
+        the force divided by the longest stretch
     """
 
     breaks: Array

@@ -51,13 +51,11 @@ class Past:
         self._births, self._life = births, births.life
         # sums of survivals that take long to compute are less accurate
         self._accuracy = births.accuracy * (1.0 if births.life.quick else 30.0)
-        # many legs may be dropped: each is this much smaller
+        # many strands may be dropped: each is this much smaller
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
-        # legs of whose births hardly any hold: left out, and to be left out from the next leg on
-        self._over, self._faded = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
-        self._legs = np.empty(0, dtype=int)  # of whose births many hold
+        self._legs = np.empty(0, dtype=int)  # with births, unless strands follow these
 
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
@@ -76,9 +74,7 @@ class Past:
         self._ends = np.append(begin, begin[-1:] + panels.width[-1:])
         self._slopes = panels.breaks @ rule.SLOPES.T
         self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
-        few = np.bincount(legs, np.abs(panels.breaks).max(axis=1), leg) <= self._negligible
-        self._over |= self._faded | set(np.flatnonzero(few).tolist())
-        self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
+        self._legs = np.unique(legs)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
         """Number and force of lumps at times of shape (rows, columns), (2, rows, columns).
@@ -134,19 +130,14 @@ class Past:
         out = np.zeros((3, t.size))  # the third: the error of the number
         for strand in self._strands:
             out[:2] += strand.sums(t)
-        held = np.zeros(self.leg)  # by leg, at the latest time
-        for (owner, low, high), found in self._resolved(t):
+        for owner, found in self._resolved(t):
             for sums, added in zip(out, found, strict=True):
                 sums += np.bincount(owner, added, t.size)
-            late = t[owner] == t.max()
-            leg = self._motion.leg(0.5 * (low + high)[late])
-            held += np.bincount(leg, found[0, late], held.size)
         self.error = max(self.error, float(out[2].max()))
-        self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
-    def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
-        """Pieces of the births, as seen from times t; their number, force and error, shape (3, pieces).
+    def _resolved(self, t: Array) -> Iterator[tuple[Rows, Array]]:
+        """Which of the times t see pieces of the births, and their number, force and error, (3, pieces).
 
         Pieces are halved until the survival is a polynomial on each.
         """
@@ -174,7 +165,7 @@ class Past:
             # coefficient k beyond the last counts among those k before it
             fading = fall[~rough, None] ** np.arange(rule.GAUSS)[::-1]
             missed = left_out[~rough] * (np.abs(weights) * fading).sum(axis=1)
-            yield good, np.append(found, missed[None], axis=0)
+            yield good.owner, np.append(found, missed[None], axis=0)
             pieces = pieces.pick(rough).halves()
 
     def _pieces(self, t: Array) -> Pieces:

@@ -23,17 +23,9 @@ LEAST, PIECES_ERROR = 12, 1e-6
 
 
 class StrandBirths:
-    """The births of one finished leg, for contacts that age.
+    """The births of one finished leg, on panels that begin `since` its beginning, for contacts that age.
 
-    Parameters
-    ----------
-    leg : int
-    since, width, breaks : arrays of the leg's panels, since counted from its beginning
-
-    Attributes
-    ----------
-    missed : float
-        Error of the number, as polynomials in the time of birth approximate the survival.
+    missed : error of the number, as polynomials in the time of birth approximate the survival
     """
 
     def __init__(self, births: Births, leg: int, since: Array, width: Array, breaks: Array) -> None:
