@@ -135,11 +135,7 @@ def integrals_above(
 
 
 class StretchRule(NamedTuple):
-    """Stretches that represent a law of stretches, and their weights.
-
-    stretch : array of shape (n,), lengths
-    weight : array of shape (n,), of sum 1
-    """
+    """Stretches (lengths) that represent a law of stretches, and their weights, of sum 1; shape (n,)."""
 
     stretch: Array
     weight: Array

@@ -47,16 +47,11 @@ class Straight:
 
     Attributes
     ----------
-    edges : array of shape (n,)
-        Lags between which E and K are polynomials, or nearly so.
-    table : Table
-        E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick as a table.
-    typical : float
-        The lag after which about half of the contacts have broken.
-    scale : float
-        A length: of the stretches at a break.
-    error : float
-        Of the share that holds, as the table gives it; in addition to the life's own error.
+    edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
+    table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
+    typical : the lag after which about half of the contacts have broken
+    scale : a length, of the stretches at a break
+    error : of the share that holds, as the table gives it; in addition to the life's own error
 
     Raises InputError where contacts break within lags that underflow.
     """

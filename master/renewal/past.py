@@ -37,14 +37,9 @@ INSIDE = 1e-9
 class Past:
     """Births on the legs before one leg of the motion.
 
-    Attributes
-    ----------
-    leg, first : int
-        The leg, and the first panel whose births are on the present leg.
-    began : float
-        When the leg begins.
-    error : float
-        Estimate from above of the error of the number, the largest of all legs so far.
+    leg, first : the leg, and the first panel whose births are on it
+    began : when the leg begins
+    error : estimate from above of the error of the number, the largest of all legs so far
     """
 
     def __init__(self, births: Births) -> None:

@@ -45,23 +45,12 @@ class _Earlier(NamedTuple):
 class Passage:
     """E(lag) of contacts born together whose thresholds age towards a Gaussian final law.
 
-    Parameters
-    ----------
-    fresh : Thresholds
-        P_ci, conditional on being above |start|; exact values allowed.
-    ageing : Ageing
-        With a Gaussian final law (`normal` is not None), uncut.
-    velocity : float
-        v > 0, a length per time.
-    start : float
-        Stretch at the birth (a length); a negative one first rises to 0.
-    accuracy : float
-        Largest error of the survival from one panel.
-
-    Attributes
-    ----------
-    error : float
-        Estimate of the largest error of the survival, without that by rounding.
+    fresh : P_ci, conditional on being above |start|; exact values allowed
+    ageing : with an uncut Gaussian final law (`normal` is not None)
+    velocity : v > 0, a length per time
+    start : stretch at the birth (a length); a negative one first rises to 0
+    accuracy : largest error of the survival from one panel
+    error : estimate of the largest error of the survival, without that by rounding
 
     Raises InputError where no threshold lies above |start|.
     """
@@ -69,7 +58,6 @@ class Passage:
     def __init__(
         self, fresh: Thresholds, ageing: Ageing, velocity: float, start: float, accuracy: float
     ) -> None:
-        """Tabulate the breaks along the way; InputError for a start beyond every threshold."""
         normal = ageing.normal
         assert normal is not None and velocity > 0.0
         least = abs(start)
@@ -92,11 +80,8 @@ class Passage:
         self._left, self.error = 1.0, 0.0
         # the march ends at the latest where no threshold has ever been
         furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
-        # for thresholds that hardly age b jumps at breakpoints and exact values of the fresh law
-        corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], [furthest]])
-        corners = corners[(corners > max(start, 0.0)) & (corners <= furthest)] - start
-        for corner in np.unique(np.append(corners, self._turn)):
-            self._march(float(corner))
+        for way in (self._turn, furthest - start):
+            self._march(way)
         self.error += max(self._left, 0.0)
         given = lambda s: self._density(s)[None], np.array(self._edges), np.inf, 0.0
         self._broken = Table(*given, size=_SIZE)
@@ -112,7 +97,7 @@ class Passage:
         # behind a corner of |stretch| b is a series in the root of the way since
         width = min(self._first, self._finest / (2.0 * left)) if left else self._first
         while left < last and self._left > 1e-14:  # the size of rounding
-            step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
+            step = min(width, last - left)
             series = self._panel(left, step)
             # the last coefficients, in the integral of the density
             early, tail = (np.abs(series[-k:]).max() * step / (2.0 * _SIZE) for k in (6, 2))
@@ -174,15 +159,14 @@ class Passage:
         return _Earlier(row, top - root * root, weight)
 
     def _below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
-        """Share now below `level`, a length, of thresholds that were, a way `elapsed` ago, at the level of
-        then, `rise` lower; if they went on ageing."""
+        """Share now below `level` of thresholds that were, a way `elapsed` ago, at the level of then,
+        `rise` lower."""
         decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
         distance = (level - self._mean) * lost + rise * decay
         return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
 
     def _below_from_fresh(self, time: Array, level: Array) -> Array:
-        """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,); if
-        they went on ageing."""
+        """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,)."""
         decay, lost = np.exp(-self._rate * time)[:, None], -np.expm1(-self._rate * time)[:, None]
         offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
 
