@@ -132,8 +132,6 @@ def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) ->
     ends : array of shape (panels + 1,), of the panels
     slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
     """
-    if not left.size:
-        return np.zeros((0, size))
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]

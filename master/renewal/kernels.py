@@ -210,10 +210,10 @@ class Kernels:
         panels = min(most, max(panels, 2 * have))
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
-        found = np.zeros((2, t.size, rule.DEGREE + 1))
-        parts = np.einsum("fng,ngk->fnk", values, rule.legendre_values(nodes.share))
-        np.add.at(found, (slice(None), nodes.target), parts)
-        found = found @ rule.SLOPES
+        sums = np.zeros((t.size, 2, rule.DEGREE + 1))
+        parts = values.swapaxes(0, 1) @ rule.legendre_values(nodes.share)
+        np.add.at(sums, nodes.target, parts)
+        found = sums.swapaxes(0, 1) @ rule.SLOPES
         share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
         found[0] += rule.values(share[0]) - rule.values(share[1])
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)

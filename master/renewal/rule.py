@@ -54,6 +54,13 @@ class Pieces(NamedTuple):
         return Pieces(np.tile(self.owner, 2), low, high)
 
 
+def last_and_fall(size: Array) -> tuple[Array, Array]:
+    """The larger of the last two sizes of coefficients (last axis), and its ratio, at most 1, to that of
+    the two before."""
+    before, last = size[..., -4:-2].max(axis=-1), size[..., -2:].max(axis=-1)
+    return last, np.divide(last, before, out=np.ones_like(last), where=before > last)
+
+
 class Points:
     """Shares of a range, at which values give a polynomial.
 
@@ -71,9 +78,7 @@ class Points:
         """About the first coefficient left out, of number or force/scale, and the ratio of one
         coefficient to the one before, by the decay of the last four."""
         size = np.abs(values @ self.series[:, -4:])
-        size = np.maximum(size[0], size[1] / scale)
-        before, last = size[..., :2].max(axis=-1), size[..., 2:].max(axis=-1)
-        fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
+        last, fall = last_and_fall(np.maximum(size[0], size[1] / scale))
         return last * np.sqrt(fall), np.sqrt(fall)
 
     def at(self, share: Array) -> Array:

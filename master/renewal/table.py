@@ -107,8 +107,7 @@ class Table:
         keep, up to there, the decay that the last four show.
         """
         size = np.abs(self._parts)
-        last, before = size[-2:].max(axis=0), size[-4:-2].max(axis=0)
-        fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
+        last, fall = rule.last_and_fall(np.moveaxis(size, 0, -1))
         rounding = np.finfo(float).eps * size.max(axis=0)
         return np.asarray((last * fall ** (self._parts.shape[0] // 2) + rounding) @ self.widths)
 
