@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
+from master.renewal import rule
 from master.renewal.rule import Pieces, Rows
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -26,15 +27,13 @@ CHECKED = 17
 # Pieces evaluated together, so that their nodes stay in the processor's cache.
 TOGETHER = 1024
 
-_NODES, _WEIGHTS = legendre.leggauss(SIZE)
-_SERIES = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
-_AT = np.concatenate([[BESIDE], 0.5 * (_NODES + 1.0), [1.0 - BESIDE]])
+_GAUSS = rule.gauss(SIZE)
+_AT = np.concatenate([[BESIDE], _GAUSS.nodes, [1.0 - BESIDE]])
 # matrix from values to the last two coefficients and to the polynomial's errors at both ends
 _TAIL = np.zeros((SIZE + 2, 4))
-_TAIL[1:-1, :2] = _SERIES[:, -2:]
-_TAIL[1:-1, 2:] = _SERIES @ legendre.legvander(2.0 * _AT[[0, -1]] - 1.0, SIZE - 1).T / ENDS
+_TAIL[1:-1] = np.append(_GAUSS.series[:, -2:], _GAUSS.at(_AT[[0, -1]]) / ENDS, axis=1)
 _TAIL[[0, -1], [2, 3]] = -1.0 / ENDS
-_RULE = np.concatenate([[0.0], 0.5 * _WEIGHTS, [0.0]])
+_RULE = np.concatenate([[0.0], _GAUSS.series[:, 0], [0.0]])
 
 # Values of the integrands of ranges (n,) at places (n, k), each row within one piece; (functions, n, k)
 Integrand = Callable[[Rows, Array], Array]
@@ -153,9 +152,9 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     edges = np.clip(np.append(np.linspace(low, high, 9), born.breakpoints), low, high)
     whole = Pieces.between(edges[None])
     fine = integrals(lambda _, x: finite_density(born, x)[None], whole, 1, 1e-12).pieces
-    half = 0.5 * (fine.high - fine.low)[:, None]
-    nodes = (fine.low[:, None] + half * (_NODES + 1.0)).ravel()
-    weights = (half * _WEIGHTS).ravel() * finite_density(born, nodes)
+    width = (fine.high - fine.low)[:, None]
+    nodes = (fine.low[:, None] + width * _GAUSS.nodes).ravel()
+    weights = (width * _GAUSS.series[:, 0]).ravel() * finite_density(born, nodes)
     nodes, weights = nodes[weights > 0.0], weights[weights > 0.0] / weights.sum()
     # orthogonal polynomials on the nodes: their Jacobi matrix has the rule's nodes as eigenvalues
     middle, scale = 0.5 * (nodes.min() + nodes.max()), 0.5 * np.ptp(nodes)

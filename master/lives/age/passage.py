@@ -29,7 +29,7 @@ from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
 # Nodes and weights on (0, 1), of the integral over earlier breaks between two of its cuts.
-_INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
+_INNER, _INNER_WEIGHTS = rule.gauss(12).nodes, rule.gauss(12).series[:, 0]
 _SIZE = rule.DEGREE
 
 
@@ -93,9 +93,7 @@ class Passage:
 
     def _march(self, way: float) -> None:
         """Add panels up to this way, or until hardly any contact holds."""
-        last, left = float(np.sqrt(way)), self._edges[-1]
-        # behind a corner of |stretch| b is a series in the root of the way since
-        width = min(self._first, self._finest / (2.0 * left)) if left else self._first
+        last, left, width = float(np.sqrt(way)), self._edges[-1], self._first
         while left < last and self._left > 1e-14:  # the size of rounding
             step = min(width, last - left)
             series = self._panel(left, step)
@@ -154,16 +152,12 @@ class Passage:
         root = near + (far - near) * _INNER
         elapsed = root * root * (2.0 * top - root * root)
         rise = np.minimum(elapsed, 2.0 * np.maximum(top * top - self._turn, 0.0) - elapsed)
-        below = self._below_from_level(level[row, None], rise, elapsed)
+        # shares now below the level of the thresholds that were at the level of then, `rise` lower
+        decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
+        distance = (level[row, None] - self._mean) * lost + rise * decay
+        below = ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay))))
         weight = (far - near) * _INNER_WEIGHTS * 2.0 * root * below
         return _Earlier(row, top - root * root, weight)
-
-    def _below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
-        """Share now below `level` of thresholds that were, a way `elapsed` ago, at the level of then,
-        `rise` lower."""
-        decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
-        distance = (level - self._mean) * lost + rise * decay
-        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
 
     def _below_from_fresh(self, time: Array, level: Array) -> Array:
         """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,)."""
