@@ -1,7 +1,5 @@
 """Integrals over many ranges at once: pieces are halved until a polynomial fits the integrand on each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -9,11 +7,11 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
+from master.renewal import rule
+from master.renewal.rule import Pieces, Rows
 from origins.start import Start
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
-
-Rows = npt.NDArray[np.intp]
 
 # Gauss nodes of a piece; the integrand is evaluated at BESIDE of its length from its ends, too,
 # because the nodes would miss a steep change right at an end.
@@ -29,54 +27,29 @@ CHECKED = 17
 # Pieces evaluated together, so that their nodes stay in the processor's cache.
 TOGETHER = 1024
 
-_NODES, _WEIGHTS = legendre.leggauss(SIZE)
-_SERIES = np.linalg.inv(legendre.legvander(_NODES, SIZE - 1)).T
-_AT = np.concatenate([[BESIDE], 0.5 * (_NODES + 1.0), [1.0 - BESIDE]])
+_GAUSS = rule.gauss(SIZE)
+_AT = np.concatenate([[BESIDE], _GAUSS.nodes, [1.0 - BESIDE]])
 # matrix from values to the last two coefficients and to the polynomial's errors at both ends
 _TAIL = np.zeros((SIZE + 2, 4))
-_TAIL[1:-1, :2] = _SERIES[:, -2:]
-_TAIL[1:-1, 2:] = _SERIES @ legendre.legvander(2.0 * _AT[[0, -1]] - 1.0, SIZE - 1).T / ENDS
+_TAIL[1:-1] = np.append(_GAUSS.series[:, -2:], _GAUSS.at(_AT[[0, -1]]) / ENDS, axis=1)
 _TAIL[[0, -1], [2, 3]] = -1.0 / ENDS
-_RULE = np.concatenate([[0.0], 0.5 * _WEIGHTS, [0.0]])
+_RULE = np.concatenate([[0.0], _GAUSS.series[:, 0], [0.0]])
 
 # Values of the integrands of ranges (n,) at places (n, k), each row within one piece; (functions, n, k)
 Integrand = Callable[[Rows, Array], Array]
 
 
-class Pieces(NamedTuple):
-    """Pieces of ranges, from low to high; arrays of shape (n,)."""
-
-    owner: Rows
-    low: Array
-    high: Array
-
-    @classmethod
-    def between(cls, edges: Array, apart: float = 0.0) -> Pieces:
-        """Of ranges with sorted edges, a row for each; those not longer than `apart` are left out."""
-        owner, piece = np.nonzero(np.diff(edges, axis=1) > apart)
-        return cls(owner, edges[owner, piece], edges[owner, piece + 1])
-
-    def pick(self, which: npt.NDArray[np.bool_]) -> Pieces:
-        """Some of the pieces."""
-        return Pieces(self.owner[which], self.low[which], self.high[which])
-
-    def halves(self) -> Pieces:
-        """Both halves of all pieces."""
-        middle = 0.5 * (self.low + self.high)
-        low, high = np.append(self.low, middle), np.append(middle, self.high)
-        return Pieces(np.tile(self.owner, 2), low, high)
-
-    def sums(self, integrand: Integrand) -> tuple[Array, Array]:
-        """Integral of each function over each piece, shape (functions, n), and the largest of the last
-        coefficients and errors at ends of the first function, shape (n,), as contributions to it."""
-        sums, tails = [], []
-        for begin in range(0, max(self.owner.size, 1), TOGETHER):
-            some = slice(begin, begin + TOGETHER)
-            owner, low, high = self.owner[some], self.low[some], self.high[some]
-            values = integrand(owner, low[:, None] + (high - low)[:, None] * _AT)
-            sums.append(values @ _RULE * (high - low))
-            tails.append(np.abs(_TAIL.T @ values[0].T).max(axis=0) * (high - low))
-        return np.concatenate(sums, axis=1), np.concatenate(tails)
+def _sums(pieces: Pieces, integrand: Integrand) -> tuple[Array, Array]:
+    """Integral of each function over each piece, shape (functions, n), and the largest of the last
+    coefficients and errors at ends of the first function, shape (n,), as contributions to it."""
+    sums, tails = [], []
+    for begin in range(0, max(pieces.owner.size, 1), TOGETHER):
+        some = slice(begin, begin + TOGETHER)
+        owner, low, high = pieces.owner[some], pieces.low[some], pieces.high[some]
+        values = integrand(owner, low[:, None] + (high - low)[:, None] * _AT)
+        sums.append(values @ _RULE * (high - low))
+        tails.append(np.abs(_TAIL.T @ values[0].T).max(axis=0) * (high - low))
+    return np.concatenate(sums, axis=1), np.concatenate(tails)
 
 
 class Integrals(NamedTuple):
@@ -112,7 +85,7 @@ def integrals(
         return np.stack([np.bincount(owner, row, minlength=ranges) for row in sums])
 
     for halving in range(HALVINGS + 1):
-        sums, tails = pieces.sums(integrand)
+        sums, tails = _sums(pieces, integrand)
         if relative and not halving:
             limit = limit * summed(pieces.owner, sums[-1:])[0]
         size = np.maximum(np.abs(pieces.low), np.abs(pieces.high))
@@ -126,7 +99,7 @@ def integrals(
     pieces = Pieces(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
     looked = np.arange(ranges) % checked == ranges // 2 % checked
     halves = pieces.pick(looked[pieces.owner]).halves()
-    again = summed(halves.owner, halves.sums(integrand)[0])
+    again = summed(halves.owner, _sums(halves, integrand)[0])
     return Integrals(total, np.where(looked, np.abs(again - total), 0.0), pieces)
 
 
@@ -161,11 +134,7 @@ def integrals_above(
 
 
 class StretchRule(NamedTuple):
-    """Stretches that represent a law of stretches, and their weights.
-
-    stretch : array of shape (n,), lengths
-    weight : array of shape (n,), of sum 1
-    """
+    """Stretches (lengths) that represent a law of stretches, and their weights, of sum 1; shape (n,)."""
 
     stretch: Array
     weight: Array
@@ -181,11 +150,11 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
         return StretchRule(np.array([born.mean()]), np.ones(1))
     low, high = np.clip(born.span, -most, most)
     edges = np.clip(np.append(np.linspace(low, high, 9), born.breakpoints), low, high)
-    whole = Pieces.between(np.sort(edges)[None])
+    whole = Pieces.between(edges[None])
     fine = integrals(lambda _, x: finite_density(born, x)[None], whole, 1, 1e-12).pieces
-    half = 0.5 * (fine.high - fine.low)[:, None]
-    nodes = (fine.low[:, None] + half * (_NODES + 1.0)).ravel()
-    weights = (half * _WEIGHTS).ravel() * finite_density(born, nodes)
+    width = (fine.high - fine.low)[:, None]
+    nodes = (fine.low[:, None] + width * _GAUSS.nodes).ravel()
+    weights = (width * _GAUSS.series[:, 0]).ravel() * finite_density(born, nodes)
     nodes, weights = nodes[weights > 0.0], weights[weights > 0.0] / weights.sum()
     # orthogonal polynomials on the nodes: their Jacobi matrix has the rule's nodes as eigenvalues
     middle, scale = 0.5 * (nodes.min() + nodes.max()), 0.5 * np.ptp(nodes)

@@ -18,9 +18,10 @@ A(η) being the integral over time of the rate h(|x|; x_s).
 
 import numpy as np
 
-from master.lives.averages import Rows, integrals_above
+from master.lives.averages import integrals_above
 from master.lives.life import MARGIN, Life
 from master.motion.motion import History
+from master.renewal.rule import Rows
 from origins import Contacts, GrainContact
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -35,12 +36,7 @@ HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 class GrainLife(Life):
     """Life (see master.lives.life) of contacts with growing grains; with heat, on one leg only.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With `grains`.
-    longest : float
-        The latest time > 0 at which `left` is called.
+    longest : the latest time > 0 at which `left` is called
 
     Contacts born with the law `contacts.start`, the same object, or at single stretches other than 0
     are those of t = 0 and have the grains' starting age; all others pin at birth, at the stretch 0

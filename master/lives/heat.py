@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from master.lives.averages import CHECKED, Integrals, Rows, integrals_above
+from master.lives.averages import CHECKED, Integrals, integrals_above
 from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
 from master.motion.motion import History, Legs
+from master.renewal.rule import Rows
 from master.renewal.table import Table
 from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT
@@ -34,14 +35,8 @@ class ThermalLife(LawLife):
 
         E = integral over x_s > m of P_c(x_s) e^(-A(x_s)) / S(|r|),
 
-    A the integral of h over the time since its birth.
-
-    Parameters
-    ----------
-    contacts : Contacts
-        With thermal, closure "exact"; independent or linked stiffness.
-    resolved : float
-        See Life.
+    A the integral of h over the time since its birth; of independent or linked stiffness; `resolved`:
+    see Life.
     """
 
     pair_work = 6
@@ -107,19 +102,8 @@ class ThermalLife(LawLife):
 class Replay:
     """The rate of n contacts, integrated leg by leg: the mean rate on each leg times the time there.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With thermal, of whose rates A is the integral.
-    born : array of shape (n,)
-        Stretch of each contact at its birth.
-    legs : Legs
-        Of the n contacts.
-
-    Attributes
-    ----------
-    furthest : array of shape (n,)
-        Largest |x| of each contact: its threshold lies above.
+    born, legs : stretch at birth, shape (n,), and moves of each contact
+    furthest : largest |x| of each contact, shape (n,): its threshold lies above
     """
 
     def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
@@ -191,19 +175,12 @@ class MeanRateLife(LawLife):
 
     a way out being one on which |x| grows beyond |r|. As in App. C, a contact that was pulled back and goes out
     again may break at thresholds that it has passed before; on one leg the product is S(|x|)/S(|r|).
-
-    Parameters
-    ----------
-    contacts : Contacts
-        With thermal; independent stiffness.
-    resolved : float
-        See Life.
+    Contacts have independent stiffness; `resolved`: see Life.
     """
 
     pair_work = 6
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
-        """Tabulate the mean rate H and its integral."""
         super().__init__(contacts)
         assert contacts.thermal is not None
         self.resolved, self.birth_reach = resolved, self.reach

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from master.lives.averages import Pieces, Rows, integrals
+from master.lives.averages import integrals
 from master.motion.motion import History
+from master.renewal.rule import Pieces, Rows
 from master.renewal.table import Table
 from origins import Contacts, InputError
 from origins.start import Start
@@ -34,40 +35,24 @@ class Life:
 
     Attributes
     ----------
-    reach : float
-        Length: a contact whose |x| has been beyond it no longer holds (its survival is below 1e-17).
-    quiet : float
-        Length: a contact whose |x| has never been beyond it still holds (its survival is 1 to rounding);
-        0 where there is no such length.
-    birth_reach : float
-        Length: stretches of the start beyond it are left out.
-    atoms : array of shape (n,)
-        Exact thresholds (lengths), at which finite shares of contacts break together.
-    bends : array of shape (n,)
-        Lengths, sorted: the largest |x| at which the survival of a contact is not smooth, such as
-        jumps of P_c and exact thresholds.
-    marks : array of shape (n,)
-        Where `quick`: |x| between which the survival is nearly a polynomial.
-    grain : float
-        Length over which the survival has to be resolved.
-    quick : bool
-        Whether `left`, for births at one stretch, takes no longer than a look-up in a table.
-    pair_work : int
-        Work of `left` for one birth at one moment, in look-ups in a table.
-    timeless : bool
-        Whether the survival depends only on the way, and not on the time that it took.
-    error : float
-        Estimate from above of the error of the share that `left` returns, which finer panels do not reduce.
-    left_out : float
-        Share of the contacts that the survival may leave out: its error however few of them hold.
-    force_error : float
-        Error of the force however few contacts hold, over the stretches at a break.
-    resolved : float
-        Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
-    fresh : bool
-        Whether contacts of the start are as those born later at the same stretch.
-    has_strands : bool
-        Whether births of earlier legs have to be followed, since `left` does not know them.
+    reach : length; a contact whose |x| has been beyond it no longer holds (its survival is below 1e-17)
+    quiet : length; a contact whose |x| has never been beyond it still holds (its survival is 1 to
+        rounding); 0 where there is no such length
+    birth_reach : length; stretches of the start beyond it are left out
+    atoms : array of shape (n,), exact thresholds (lengths), at which finite shares of contacts break together
+    bends : array of shape (n,), sorted lengths: the largest |x| at which the survival of a contact is not
+        smooth, such as jumps of P_c and exact thresholds
+    marks : array of shape (n,), where `quick`: |x| between which the survival is nearly a polynomial
+    grain : length over which the survival has to be resolved
+    quick : whether `left`, for births at one stretch, takes no longer than a look-up in a table
+    pair_work : work of `left` for one birth at one moment, in look-ups in a table
+    timeless : whether the survival depends only on the way, and not on the time that it took
+    error : estimate from above of the error of the share that `left` returns, which finer panels do not reduce
+    left_out : share of the contacts that the survival may leave out: its error however few of them hold
+    force_error : error of the force however few contacts hold, over the stretches at a break
+    resolved : last coefficients, on a piece of the stretches at birth, below which it is not halved
+    fresh : whether contacts of the start are as those born later at the same stretch
+    has_strands : whether births of earlier legs have to be followed, since `left` does not know them
     """
 
     reach: float
@@ -123,9 +108,7 @@ class Life:
         now, high, low = (part[:, None] for part in (history.now, history.high, history.low))
         moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
         cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
-        edges = np.sort(np.clip(np.concatenate(cuts, axis=1), first, last), axis=1)
-        # pieces narrower than 1e-13 of the span are left out
-        pieces = Pieces.between(edges, 1e-13 * (last - first))
+        pieces = Pieces.between(np.clip(np.concatenate(cuts, axis=1), first, last))
         middle = 0.5 * (pieces.low + pieces.high)
         pieces = pieces.pick(history.pick(pieces.owner).largest(middle) < reach)
         kept = law.cdf(self.birth_reach) - law.cdf(-self.birth_reach)
@@ -147,16 +130,12 @@ class Life:
 class LawLife(Life):
     """A Life of contacts whose thresholds stay as P_c gave them.
 
-    Attributes
-    ----------
-    law : Thresholds
-    atom_weights : array of shape (n,), of the exact thresholds `atoms`
-    panels : array of shape (n,)
-        Edges of panels on which 8 nodes sum P_c and x_s P_c; none where there are only atoms.
+    law : P_c; atom_weights : array of shape (n,), of its exact thresholds `atoms`
+    panels : array of shape (n,), edges of panels on which 8 nodes sum P_c and x_s P_c; none where
+        there are only atoms
     """
 
     def __init__(self, contacts: Contacts) -> None:
-        """Find how far contacts may be stretched, where their survival bends, and how finely it varies."""
         law = self.law = contacts.thresholds
         self.force_error = 1e-12 if contacts.stiffness == "linked" else 0.0
         self.atoms, self.atom_weights = law.atoms

@@ -18,18 +18,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from master.lives.averages import Pieces, Rows
 from master.lives.life import Life
 from master.motion.motion import Motion
 from master.renewal import rule
+from master.renewal.rule import Pieces, Rows
 from origins import Contacts
 from origins.start import SingleStart, Start
 from origins.thresholds.law import Array
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)
-# Two places of birth nearer than this share of the whole range count as equal.
-CLOSE = 1e-13
 # Work (see Births.work) after which panels and pieces are no longer halved: it takes some 30 s, and two
 # minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
@@ -42,23 +40,13 @@ def reforming_law(contacts: Contacts) -> Start:
 
 @dataclass
 class Births:
-    """Births at stretches of one law along one motion.
+    """Births of contacts with one life along one motion.
 
-    Attributes
-    ----------
-    life : Life
-        Survival and force of contacts after their birth.
-    law : Start
-        The stretches at which broken contacts form again.
-    motion : Motion
-    delay : float
-        Time for which a broken contact is out, in the unit of the motion's times.
-    accuracy : float
-        Aimed-at error of the number that the births on one leg contribute.
-    until : float
-        Reading of time.monotonic() at which to stop, and after which no piece is halved.
-    work : int
-        Pieces of births integrated so far, times their cost; it may be limited.
+    law : of the stretches at which broken contacts form again
+    delay : time for which a broken contact is out, in the unit of the motion's times
+    accuracy : aimed-at error of the number that the births on one leg contribute
+    until : reading of time.monotonic() at which to stop, and after which no piece is halved
+    work : pieces of births integrated so far, times their cost; it may be limited
     """
 
     life: Life
@@ -89,8 +77,7 @@ class Lump(NamedTuple):
 class Panels(NamedTuple):
     """Solved panels, in the order of time.
 
-    begin, since, width : arrays of shape (n,); begin is a time, since is counted from the beginning
-        of a leg
+    begin, since, width : arrays of shape (n,); since is counted from the beginning of a leg
     breaks : array of shape (n, DEGREE + 1), values at 0 and the nodes
     """
 
@@ -108,21 +95,11 @@ class Panels(NamedTuple):
         return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
 
 
-def pieces_between(edges: Array) -> Pieces:
-    """Pieces of the places of birth as seen from targets, a row of edges for each, in any order; edges
-    that are equal by rounding count as one."""
-    edges = np.sort(edges, axis=1)
-    row, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (edges[:, -1:] - edges[:, :1]))
-    return Pieces(row, edges[row, piece], edges[row, piece + 1])
-
-
 class Nodes(NamedTuple):
     """Nodes on the parts of pieces that lie on one panel each.
 
-    target, panel : arrays of shape (parts,), in the order of the pieces; the target of the piece, and
-        the panel
-    share, place, weight : arrays of shape (parts, GAUSS); the share of the panel, the place, and the
-        weight in an integral over the share
+    target, panel : arrays of shape (parts,), in the order of the pieces
+    share, place, weight : arrays of shape (parts, GAUSS); weights in an integral over the panel's share
     """
 
     target: Rows
@@ -150,14 +127,11 @@ class Nodes(NamedTuple):
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
-    """Births on pieces, weighted by each piece's own Legendre polynomials: shape (pieces, size).
+    """Births on pieces from left to right, weighted by each one's own Legendre polynomials: (pieces, size).
 
-    ends : array of shape (panels + 1,), ends of the panels, as places
+    ends : array of shape (panels + 1,), of the panels
     slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
-    left, right : arrays of shape (pieces,), places
     """
-    if not left.size:
-        return np.zeros((0, size))
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]

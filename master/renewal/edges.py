@@ -24,20 +24,16 @@ CLOSE = 1e-12
 
 
 class Moment(NamedTuple):
-    """A time at which breaks jump or bend, and the size of the jump, or about that of the effect of
-    the bend on a panel: 1 where all contacts break."""
+    """A time at which breaks jump or bend, and the size of the jump, or about that of the bend's effect
+    on a panel: 1 where all contacts break."""
 
     time: float
     size: float
 
 
 class Edges(NamedTuple):
-    """Edges, and the moments that make them.
-
-    times : array of shape (n,), sorted, from `since` to the end
-    too_many_jumps : whether there are more jumps than can be followed
-    moments : those at which breaks bend or jump, the known ones first
-    """
+    """Edges, times sorted from `since` to the end, and the moments that make them, the known ones first;
+    too_many_jumps : whether there are more than can be followed."""
 
     times: Array
     too_many_jumps: bool

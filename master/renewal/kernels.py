@@ -12,7 +12,8 @@ import numpy as np
 from master.lives.life import NONE_LEFT, Life
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births, Nodes, pieces_between
+from master.renewal.births import Births, Nodes
+from master.renewal.rule import Pieces
 from master.renewal.table import Table
 from origins.errors import refuse
 from origins.start import Start
@@ -37,34 +38,20 @@ UNBROKEN, NONE = 1e-3, 1e-17
 class Straight:
     """E and K over the lag since birth: a time, or the slider's way.
 
-    Parameters
-    ----------
-    life, born : Life, Start
-        Of the contacts, and the law of the stretches at which they are born.
-    speed : float
-        dX/dt, of either sign, or 0.
-    longest : float
-        The longest lag.
-    accuracy : float
-        Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not halved.
-    steady : bool
-        Whether lags are ways instead of times, and followed beyond the longest until hardly any
-        contact holds.
+    born : law of the stretches at birth
+    speed : dX/dt, of either sign, or 0
+    longest : the longest lag, or an earlier one after which no contact holds
+    accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
+    steady : whether lags are ways instead of times, and followed beyond the longest until hardly any
+        contact holds
 
     Attributes
     ----------
-    longest : float
-        The longest lag, or an earlier one after which no contact holds.
-    edges : array of shape (n,)
-        Lags between which E and K are polynomials, or nearly so.
-    table : Table
-        E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick as a table.
-    typical : float
-        The lag after which about half of the contacts have broken.
-    scale : float
-        A length: of the stretches at a break.
-    error : float
-        Of the share that holds, as the table gives it; in addition to the life's own error.
+    edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
+    table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
+    typical : the lag after which about half of the contacts have broken
+    scale : a length, of the stretches at a break
+    error : of the share that holds, as the table gives it; in addition to the life's own error
 
     Raises InputError where contacts break within lags that underflow.
     """
@@ -80,7 +67,6 @@ class Straight:
         accuracy: float,
         steady: bool = False,
     ) -> None:
-        """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest, self.error = life, born, longest, 0.0
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale = life.reach
@@ -177,10 +163,9 @@ class Kernel(NamedTuple):
 class Run(NamedTuple):
     """Solved panels of one width, one after the other.
 
-    breaks : array of shape (panels, DEGREE + 1), breaks since each panel's beginning, at 0 and nodes
-    force : array of shape (panels, DEGREE + 1), the force at 0 and the nodes
+    breaks, force : arrays of shape (panels, DEGREE + 1), at 0 and nodes; breaks since a panel's beginning
     wrong : array of shape (panels,), estimate from above of the error of the number of breaks, and of
-        the force divided by the longest stretch, on each panel
+        the force divided by the longest stretch
     """
 
     breaks: Array
@@ -225,20 +210,14 @@ class Kernels:
         panels = min(most, max(panels, 2 * have))
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
-        first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
-        found = np.zeros((2, t.size, rule.DEGREE + 1))
-        if first.size:
-            basis = rule.legendre_values(nodes.share)
-            parts = (values.transpose(1, 0, 2) @ basis).transpose(1, 0, 2)
-            found[:, nodes.target[first]] = np.add.reduceat(parts, first, axis=1)
-        found = found @ rule.SLOPES
+        sums = np.zeros((t.size, 2, rule.DEGREE + 1))
+        parts = values.swapaxes(0, 1) @ rule.legendre_values(nodes.share)
+        np.add.at(sums, nodes.target, parts)
+        found = sums.swapaxes(0, 1) @ rule.SLOPES
         share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
         found[0] += rule.values(share[0]) - rule.values(share[1])
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
-        try:
-            solve = np.asarray(np.linalg.inv(both[0, 0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
-        except np.linalg.LinAlgError:  # on a panel far wider than a life
-            solve = np.full((rule.DEGREE, rule.DEGREE), np.nan)
+        solve = np.asarray(np.linalg.inv(both[0, 0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
         self._known[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
         return self._known[speed, width]
 
@@ -261,7 +240,7 @@ class Kernels:
         straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
-        nodes = Nodes.of(ends, pieces_between(np.clip(cuts, begin, end)))
+        nodes = Nodes.of(ends, Pieces.between(np.clip(cuts, begin, end)))
         self._births.work += nodes.target.size
         held = straight.look_up(t[nodes.target, None] - nodes.place)
         return nodes, nodes.weight * held

@@ -31,33 +31,20 @@ from origins.thresholds.law import Array
 class March:
     """Breaks and force on panels, by number conservation (paper, Eq. Q5c), run after run.
 
-    Parameters
-    ----------
-    births : Births
-        Computes the contributions of a panel's births to number and force at later times.
-    start : Start
-        The stretches at t = 0.
-    edges : array of shape (n,)
-        Times, sorted, at which the number of breaks may bend or jump; the first is 0.
-    tolerance : float
-        Largest error of the number of breaks on a panel.
-    grain : float
-        Length over which the number of breaks has to be resolved: the first guess of a panel.
-    stretch : float
-        The longest |x| that a contact may have: an error of the number times this is one of the force.
+    start : law of the stretches at t = 0
+    edges : sorted times at which the number of breaks may bend or jump; the first is 0
+    tolerance : largest error of the number of breaks on a panel
+    grain : length over which the number of breaks has to be resolved: the first guess of a panel
+    stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
 
     Attributes
     ----------
     begin, width, breaks, force, wrong : arrays, one entry or row a panel
     since : array, the panels' beginnings counted from that of their leg, which keeps all digits
     lumps : list of Lump, the start first
-    kernels : Kernels
-    widest : float
-        Largest width of the next panels.
-    steady_since : float
-        Time at which the march ended because breaks were steady; inf where they were not.
-    unfinished : bool
-        Whether the march was stopped before the last edge.
+    widest : float, largest width of the next panels
+    steady_since : float, when the march ended because breaks were steady; inf where they were not
+    unfinished : bool, whether the march was stopped before the last edge
     """
 
     def __init__(
@@ -69,7 +56,6 @@ class March:
         grain: float,
         stretch: float,
     ) -> None:
-        """Begin with the start as the only lump, before the first panel."""
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
         self.stretch, self.unfinished = stretch, False
@@ -146,17 +132,14 @@ class March:
                 continue
             # the error grows as the width to the power DEGREE; where contacts break at rates of all
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
-            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
-            soon = still or not quick or width <= 0.5 * grain
+            soon = not quick or width <= 0.5 * grain
             spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
-            # each width needs its own kernel: wide panels are widened only if that serves many, and those
-            # with hardly any breaks at once by three doublings
-            many = 0 if still or width <= 0.5 * grain else 32
+            # each width needs its own kernel: wide panels are widened only if that serves many
+            many = 0 if width <= 0.5 * grain else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
-                wide = (8.0 if still else 2.0) * width
-                self.widest = min(wide, self._duration(self.life.reach, leg))
+                self.widest = min(2.0 * width, self._duration(self.life.reach, leg))
                 count, easy = 1 if soon else max(1, count // 4), 0
             yield
 

@@ -1,4 +1,4 @@
-"""Rule: polynomials on one panel, and the nodes at which number conservation is imposed.
+"""Rule: pieces of ranges, polynomials on one panel, and the nodes at which number conservation is imposed.
 
 A panel is an interval [a, a + w] of t; a share is (t - a)/w. The number of breaks since the panel's
 beginning is a polynomial of degree DEGREE, known by its values at share 0 (where it is 0) and at the
@@ -6,18 +6,59 @@ DEGREE Radau nodes, the last of which is the panel's end. Conservation with surv
 equation of the first kind, for which Radau nodes are stable.
 """
 
+from __future__ import annotations
+
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import legendre
+from scipy.special import roots_jacobi
 
 from origins.thresholds.law import Array
+
+Rows = npt.NDArray[np.intp]
 
 # Degree of a panel's polynomial: 12 needs more panels for the same error, 20 needs more work on each
 # (measured on Gaussian thresholds to 1e-10).
 DEGREE = 16
+# Two edges of a range nearer than this share of it count as equal.
+CLOSE = 1e-13
 # Nodes of an integral over one panel: exact for a product of polynomials of degrees 16 and 17.
 GAUSS = 18
+
+
+class Pieces(NamedTuple):
+    """Pieces of ranges, from low to high; arrays of shape (n,)."""
+
+    owner: Rows
+    low: Array
+    high: Array
+
+    @classmethod
+    def between(cls, edges: Array) -> Pieces:
+        """Of ranges, a row of edges in any order for each; edges that are equal by rounding count as one."""
+        edges = np.sort(edges, axis=1)
+        owner, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (edges[:, -1:] - edges[:, :1]))
+        return cls(owner, edges[owner, piece], edges[owner, piece + 1])
+
+    def pick(self, which: npt.NDArray[np.bool_]) -> Pieces:
+        """Some of the pieces."""
+        return Pieces(self.owner[which], self.low[which], self.high[which])
+
+    def halves(self) -> Pieces:
+        """Both halves of all pieces."""
+        middle = 0.5 * (self.low + self.high)
+        low, high = np.append(self.low, middle), np.append(middle, self.high)
+        return Pieces(np.tile(self.owner, 2), low, high)
+
+
+def last_and_fall(size: Array) -> tuple[Array, Array]:
+    """The larger of the last two sizes of coefficients (last axis), and its ratio, at most 1, to that of
+    the two before."""
+    before, last = size[..., -4:-2].max(axis=-1), size[..., -2:].max(axis=-1)
+    return last, np.divide(last, before, out=np.ones_like(last), where=before > last)
 
 
 class Points:
@@ -37,9 +78,7 @@ class Points:
         """About the first coefficient left out, of number or force/scale, and the ratio of one
         coefficient to the one before, by the decay of the last four."""
         size = np.abs(values @ self.series[:, -4:])
-        size = np.maximum(size[0], size[1] / scale)
-        before, last = size[..., :2].max(axis=-1), size[..., 2:].max(axis=-1)
-        fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
+        last, fall = last_and_fall(np.maximum(size[0], size[1] / scale))
         return last * np.sqrt(fall), np.sqrt(fall)
 
     def at(self, share: Array) -> Array:
@@ -56,19 +95,11 @@ def gauss(size: int) -> Points:
 @lru_cache
 def lobatto(size: int) -> Points:
     """Gauss-Lobatto nodes, to which both ends belong: integrals are exact to the degree 2 size - 3."""
-    inner = np.sort(legendre.legroots(legendre.legder(np.eye(size)[-1])).real)
-    return Points(np.concatenate([[-1.0], inner, [1.0]]))
+    return Points(np.concatenate([[-1.0], roots_jacobi(size - 2, 1, 1)[0], [1.0]]))
 
 
-def _radau() -> Array:
-    """Right Radau nodes on (0, 1], the roots of P_(n-1) - P_n."""
-    coefficients = np.zeros(DEGREE + 1)
-    coefficients[-2:] = 1.0, -1.0
-    nodes = 0.5 * (np.sort(legendre.legroots(coefficients).real) + 1.0)
-    return np.append(nodes[:-1], 1.0)
-
-
-NODES: Array = _radau()
+# Right Radau nodes on (0, 1].
+NODES: Array = np.append(0.5 * (roots_jacobi(DEGREE - 1, 1, 0)[0] + 1.0), 1.0)
 # Shares midway between nodes, throughout the panel, at which its error is sampled.
 CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
 # Matrix from values at share 0 and at the nodes to coefficients of Legendre polynomials.

@@ -17,23 +17,15 @@ from origins.thresholds.law import Array
 
 # Gauss nodes of a piece in the time of birth.
 SIZE = 8
-# Fewest pieces of a leg at PIECES_ERROR: that is the error (measured) of the number if they are as wide as
-# the narrowest width of the thresholds at most; larger errors allow wider and fewer ones.
-LEAST, PIECES_ERROR = 12, 1e-6
+# Fewest pieces of a leg: the error of the number is 1e-6 (measured) if they are as wide as the narrowest
+# width of the thresholds at most.
+LEAST = 12
 
 
 class StrandBirths:
-    """The births of one finished leg, for contacts that age.
+    """The births of one finished leg, on panels that begin `since` its beginning, for contacts that age.
 
-    Parameters
-    ----------
-    leg : int
-    since, width, breaks : arrays of the leg's panels, since counted from its beginning
-
-    Attributes
-    ----------
-    missed : float
-        Error of the number, as polynomials in the time of birth approximate the survival.
+    missed : error of the number, as polynomials in the time of birth approximate the survival
     """
 
     def __init__(self, births: Births, leg: int, since: Array, width: Array, breaks: Array) -> None:
@@ -42,8 +34,7 @@ class StrandBirths:
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
-        finer = min(1.0, (PIECES_ERROR / life.accuracy) ** (1.0 / SIZE))
-        count = finer * max(LEAST, np.ptp(ends) * abs(speed) / life.cells[0].width)
+        count = max(LEAST, np.ptp(ends) * abs(speed) / life.cells[0].width)
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
@@ -87,8 +78,7 @@ def _missed(told: Array, weight: Array) -> Array:
     """
     basis = rule.gauss(SIZE)
     size = np.abs(told @ basis.series)
-    last, before = size[..., -2:].max(axis=-1), size[..., -4:-2].max(axis=-1)
-    fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
+    last, fall = rule.last_and_fall(size)
     alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)
     moments_of_births = np.abs(weight @ legendre.legvander(2.0 * basis.nodes - 1.0, SIZE - 1))
     changed = (size[..., -2:] * moments_of_births[:, -2:]).sum(axis=-1).max(axis=0)

@@ -23,32 +23,23 @@ class Table:
     ----------
     function : takes x of shape (panels, nodes), each row within one panel, and gives an array of
         shape (functions, panels, nodes)
-    edges : array of shape (n,)
-        Sorted; the functions may jump or bend there.
-    accuracy : float
-        A panel is halved while one of its last two coefficients is larger.
-    shortest : float
-        Length of the shortest panel.
-    ends : float
-        Allowed error of a polynomial at the ends of its panel, in units of the accuracy; 0: not
+    edges : sorted; the functions may jump or bend there
+    accuracy : a panel is halved while one of its last two coefficients is larger
+    shortest : length of the shortest panel
+    ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy; 0: not
         checked. The check detects a fall that is over before the first node.
-    size : int
-        Coefficients of the polynomials.
-    felt : callable
-        Takes values, as `function` gives them, and the panels' widths; returns the factor on the
-        accuracy on each panel, shape (panels,), or (functions, panels).
-    rounding : float
-        In units of the accuracy: panels whose last coefficients are below it are no longer halved
-        once halving hardly reduces these.
+    size : number of coefficients of the polynomials
+    felt : takes values, as `function` gives them, and the panels' widths; returns the factor on the
+        accuracy on each panel, shape (panels,), or (functions, panels)
+    rounding : in units of the accuracy: panels whose last coefficients are below it are no longer
+        halved once halving hardly reduces these
 
     Attributes
     ----------
     begin, end, widths : arrays of shape (panels,)
     edges : array of shape (panels + 1,)
-    error : float
-        Largest error at the ends of panels, where polynomials are off most; unchecked, last coefficient.
-    tails : array of shape (functions, panels)
-        The larger of the last two coefficients.
+    error : largest error at the ends of panels, where polynomials are off most; unchecked, last coefficient
+    tails : array of shape (functions, panels), the larger of the last two coefficients
     """
 
     def __init__(
@@ -62,7 +53,6 @@ class Table:
         felt: Callable[[Array, Array], Array] | None = None,
         rounding: float = 0.0,
     ) -> None:
-        """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
         gauss, at_ends = rule.gauss(size), rule.gauss(size).at(np.array([0.0, 1.0]))
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         shares = np.concatenate([[0.0], gauss.nodes, [1.0]]) if ends > 0.0 else gauss.nodes
@@ -117,8 +107,7 @@ class Table:
         keep, up to there, the decay that the last four show.
         """
         size = np.abs(self._parts)
-        last, before = size[-2:].max(axis=0), size[-4:-2].max(axis=0)
-        fall = np.divide(last, before, out=np.ones_like(last), where=before > last)
+        last, fall = rule.last_and_fall(np.moveaxis(size, 0, -1))
         rounding = np.finfo(float).eps * size.max(axis=0)
         return np.asarray((last * fall ** (self._parts.shape[0] // 2) + rounding) @ self.widths)
 

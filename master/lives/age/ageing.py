@@ -45,20 +45,13 @@ class AgeingLife(Life):
     With more than one leg `left` is for contacts of the start, and for those that have moved straight
     since their birth; master.renewal.strand_births follows births of earlier legs.
 
-    Parameters
-    ----------
-    contacts : Contacts
-    motion : Motion
-    accuracy : float
-        Aimed-at error of the share that holds; strands take very long for 1e-9 and less.
-    until : float
-        Reading of time.monotonic() after which no finer resolution is tried.
+    accuracy : aimed-at error of the share that holds; strands take very long for 1e-9 and less
+    until : reading of time.monotonic() after which no finer resolution is tried
     """
 
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
-        """Follow the contacts of the start where the motion has more than one leg, or fresh ones."""
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final
@@ -186,8 +179,8 @@ class AgeingLife(Life):
         and what extrapolation of the two resolutions adds to it, shape (2, moments)."""
         legs = self.motion.speeds.size
         firsts = np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()
-        births = [(first, StretchRule(np.zeros(1), np.ones(1))) for first in firsts]
-        born = [(0, self._rule(self.contacts.start)), *births]
+        relaxed = stretch_rule(SingleStart(0.0), self.reach, 1)
+        born = [(0, self._rule(self.contacts.start)), *((first, relaxed) for first in firsts)]
         shares = [self._shares(Strands(cells, *rule), first) for first, rule in born]
         return np.concatenate(shares, axis=1)
 
@@ -202,7 +195,7 @@ class AgeingLife(Life):
     def _rule(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
         if born.is_single:
-            return StretchRule(np.array([born.mean()]), np.ones(1))
+            return stretch_rule(born, self.reach, 1)
         if born in self._rules:
             return self._rules[born]
         most, before = self.contacts.thresholds.support()[1], np.zeros(1)

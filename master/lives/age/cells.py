@@ -36,30 +36,18 @@ AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10
 class Cells:
     """Cells above |x|, and the change of their weights, arrays (strands, cells), in time.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With `ageing`, closure "exact".
-    resolution : int
-        From -1 on; the next one has an eighth of the errors.
-    fastest : float
-        Largest speed of the slider.
-
-    Attributes
-    ----------
-    width : float
-        The smaller of the narrowest widths of both laws (a length).
-    heat_rate : float
-        Mean rate at which fresh relaxed contacts break by heat (per time).
-    edges : array of shape (cells + 1,)
-        Of the cells, from 0 on (lengths).
+    contacts : with `ageing`, closure "exact"
+    resolution : from -1 on; the next one has an eighth of the errors
+    fastest : largest speed of the slider
+    width : the smaller of the narrowest widths of both laws (a length)
+    heat_rate : mean rate at which fresh relaxed contacts break by heat (per time)
+    edges : array of shape (cells + 1,), of the cells, from 0 on (lengths)
 
     Raises InputError for exact thresholds, for a final law that begins above 0, ends or has gaps,
     and for laws so sharp that they need too many cells.
     """
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
-        """Choose the cells; InputError for laws whose thresholds they cannot follow."""
         from master.lives.age import kernel
 
         ageing, law = contacts.ageing, contacts.thresholds

@@ -17,21 +17,19 @@ where thresholds move away from |stretch|, and b would be lost in their rounding
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
 from master.renewal import rule
+from master.renewal.rule import Rows
 from master.renewal.table import Table
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
-Rows = npt.NDArray[np.intp]
-
 # Nodes and weights on (0, 1), of the integral over earlier breaks between two of its cuts.
-_INNER, _INNER_WEIGHTS = (0.5 * (legendre.leggauss(12)[k] + (1 - k)) for k in (0, 1))
+_INNER, _INNER_WEIGHTS = rule.gauss(12).nodes, rule.gauss(12).series[:, 0]
 _SIZE = rule.DEGREE
 
 
@@ -47,23 +45,12 @@ class _Earlier(NamedTuple):
 class Passage:
     """E(lag) of contacts born together whose thresholds age towards a Gaussian final law.
 
-    Parameters
-    ----------
-    fresh : Thresholds
-        P_ci, conditional on being above |start|; exact values allowed.
-    ageing : Ageing
-        With a Gaussian final law (`normal` is not None), uncut.
-    velocity : float
-        v > 0, a length per time.
-    start : float
-        Stretch at the birth (a length); a negative one first rises to 0.
-    accuracy : float
-        Largest error of the survival from one panel.
-
-    Attributes
-    ----------
-    error : float
-        Estimate of the largest error of the survival, without that by rounding.
+    fresh : P_ci, conditional on being above |start|; exact values allowed
+    ageing : with an uncut Gaussian final law (`normal` is not None)
+    velocity : v > 0, a length per time
+    start : stretch at the birth (a length); a negative one first rises to 0
+    accuracy : largest error of the survival from one panel
+    error : estimate of the largest error of the survival, without that by rounding
 
     Raises InputError where no threshold lies above |start|.
     """
@@ -71,7 +58,6 @@ class Passage:
     def __init__(
         self, fresh: Thresholds, ageing: Ageing, velocity: float, start: float, accuracy: float
     ) -> None:
-        """Tabulate the breaks along the way; InputError for a start beyond every threshold."""
         normal = ageing.normal
         assert normal is not None and velocity > 0.0
         least = abs(start)
@@ -94,11 +80,8 @@ class Passage:
         self._left, self.error = 1.0, 0.0
         # the march ends at the latest where no threshold has ever been
         furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
-        # for thresholds that hardly age b jumps at breakpoints and exact values of the fresh law
-        corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], [furthest]])
-        corners = corners[(corners > max(start, 0.0)) & (corners <= furthest)] - start
-        for corner in np.unique(np.append(corners, self._turn)):
-            self._march(float(corner))
+        for way in (self._turn, furthest - start):
+            self._march(way)
         self.error += max(self._left, 0.0)
         given = lambda s: self._density(s)[None], np.array(self._edges), np.inf, 0.0
         self._broken = Table(*given, size=_SIZE)
@@ -110,11 +93,9 @@ class Passage:
 
     def _march(self, way: float) -> None:
         """Add panels up to this way, or until hardly any contact holds."""
-        last, left = float(np.sqrt(way)), self._edges[-1]
-        # behind a corner of |stretch| b is a series in the root of the way since
-        width = min(self._first, self._finest / (2.0 * left)) if left else self._first
+        last, left, width = float(np.sqrt(way)), self._edges[-1], self._first
         while left < last and self._left > 1e-14:  # the size of rounding
-            step = last - left if width > 0.9 * (last - left) else min(width, 0.5 * (last - left))
+            step = min(width, last - left)
             series = self._panel(left, step)
             # the last coefficients, in the integral of the density
             early, tail = (np.abs(series[-k:]).max() * step / (2.0 * _SIZE) for k in (6, 2))
@@ -171,20 +152,15 @@ class Passage:
         root = near + (far - near) * _INNER
         elapsed = root * root * (2.0 * top - root * root)
         rise = np.minimum(elapsed, 2.0 * np.maximum(top * top - self._turn, 0.0) - elapsed)
-        below = self._below_from_level(level[row, None], rise, elapsed)
+        # shares now below the level of the thresholds that were at the level of then, `rise` lower
+        decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
+        distance = (level[row, None] - self._mean) * lost + rise * decay
+        below = ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay))))
         weight = (far - near) * _INNER_WEIGHTS * 2.0 * root * below
         return _Earlier(row, top - root * root, weight)
 
-    def _below_from_level(self, level: Array, rise: Array, elapsed: Array) -> Array:
-        """Share now below `level`, a length, of thresholds that were, a way `elapsed` ago, at the level of
-        then, `rise` lower; if they went on ageing."""
-        decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
-        distance = (level - self._mean) * lost + rise * decay
-        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)))))
-
     def _below_from_fresh(self, time: Array, level: Array) -> Array:
-        """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,); if
-        they went on ageing."""
+        """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,)."""
         decay, lost = np.exp(-self._rate * time)[:, None], -np.expm1(-self._rate * time)[:, None]
         offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
 

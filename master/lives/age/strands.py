@@ -23,18 +23,12 @@ class Strands:
 
     The contacts of a strand were born at one or more stretches, its parts.
 
-    Parameters
-    ----------
-    cells : two Cells
-        The second one of the next resolution, with an eighth of the first one's error.
-    stretch, share : arrays (parts,)
-        Stretches at birth, and weights of sum 1.
+    cells : of two resolutions; the second one has an eighth of the first one's error
+    stretch, share : arrays (parts,), stretches at birth, and weights of sum 1
+    until : reading of time.monotonic() after which `advance` raises StoppedError
+    spent : share below which no part is followed any more
 
-    Attributes
-    ----------
-    stretch : array (strands, parts), now (lengths)
-    until : float, reading of time.monotonic() after which `advance` raises StoppedError
-    spent : float, share below which no part is followed any more
+    As an attribute `stretch`, array (strands, parts), is that of now (lengths).
     """
 
     def __init__(self, cells: tuple[Cells, Cells], stretch: Array, share: Array) -> None:
