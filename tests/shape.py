@@ -34,7 +34,7 @@ class Room(NamedTuple):
 ROOMS = {
     "master": Room(7500, 8374, 200, 145),
     "eq_model": Room(2200, 3268, 60, 35),
-    "origins": Room(4500, 6217, 120, 68),
+    "origins": Room(4500, 6216, 120, 68),
     "toolkit": Room(4000, 3991, 100, 64),
 }
 Graph = dict[str, set[str]]
