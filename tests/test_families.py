@@ -36,6 +36,7 @@ CASES = {
     "persson narrowest": lambda: exact.persson(1.0, 0.01),
     "gaussian": lambda: exact.gaussian(1.0, 0.05),
     "gaussian broad": lambda: exact.gaussian(1.0, 0.4),
+    "gaussian from zero": lambda: exact.gaussian(0.0, 0.4),
     "gaussian mostly below": lambda: exact.gaussian(-1.0, 0.5),
     "chord": lambda: exact.chord_gaussian(1.0, 0.05, 2.0),
     "chord wide": lambda: exact.chord_gaussian(1.0, 0.3, 5.0),

@@ -117,10 +117,7 @@ class Sampled(Mixture):
         self, x: Array, shares: Array, n_samples: int, size: float, known: Array | None = None
     ) -> None:
         """x : values, sorted, at least two of them different; shares : their weights, of sum 1; size : the effective
-        number; known : the exact values, if they are given.
-
-        Raises InputError where the law has not the samples' mean, or a cdf further off than sampling explains.
-        """
+        number; known : the exact values, if they are given."""
         self.n_samples, self.effective_samples = n_samples, size
         self.cdf_error = float(np.sqrt(np.log(2.0 / 0.05) / (2.0 * size)))
         first = np.append(0, np.flatnonzero(np.diff(x) > 1e-12 * x[1:]) + 1)

@@ -18,14 +18,27 @@ _EDGE = 3.0  # gain in log-likelihood that an edge, or a density diverging at 0,
 
 
 class _State(NamedTuple):
-    """Coefficients, the penalised log-likelihood per sample there, and the weights of the nodes under the density.
-
-    The likelihood is -inf or NaN where the coefficients give no density.
-    """
+    """Coefficients, the penalised log-likelihood per sample there, -inf or NaN where they give no density, and the
+    weights of the nodes under the density."""
 
     coefficients: Array
     value: float
     shares: Array
+
+
+class Form(NamedTuple):
+    """The form of log P_c, a polynomial, and of its ends.
+
+    power : m log x is added.
+    decades : a polynomial of log(1 + x/median) with x added, for thresholds over decades; else a polynomial of x.
+    from_zero : straight in x from the first sample down to x = 0; else P_c has an edge at the first sample.
+    open_above : straight in x beyond the last sample, an exponential tail; else P_c has an edge there.
+    """
+
+    power: bool = False
+    decades: bool = False
+    from_zero: bool = True
+    open_above: bool = True
 
 
 class LogPolynomial(Thresholds):
@@ -33,29 +46,13 @@ class LogPolynomial(Thresholds):
 
     log P_c is a sum of columns, each times its coefficient, and a constant: Legendre polynomials of degree 1, 2, ...,
     then x (decades), then log x (power), all continued as straight lines beyond the extreme samples; they
-    take x in units of the samples' median. size : the effective number of samples. The form:
-
-    power : m log x is added.
-    decades : a polynomial of log(1 + x/median) with x added, for thresholds over decades; else a polynomial of x.
-    from_zero : straight in x from the first sample down to x = 0; else P_c has an edge at the first sample.
-    open_above : straight in x beyond the last sample, an exponential tail; else P_c has an edge there.
-
+    take x in units of the samples' median. size : the effective number of samples.
     score : log-likelihood minus the cost of the parameters.
     """
 
-    def __init__(
-        self,
-        x: Array,
-        shares: Array,
-        size: float,
-        power: bool = False,
-        decades: bool = False,
-        from_zero: bool = True,
-        open_above: bool = True,
-    ) -> None:
+    def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
         """Prepare the columns and their sums over samples and over panels, and fit the coefficients."""
-        self.power, self.decades = power, decades
-        self.from_zero, self.open_above = from_zero, open_above
+        self.form, (power, decades, from_zero, open_above) = form, form
         self._size, first, last = size, float(x[0]), float(x[-1])
         self._support = 0.0 if from_zero else first, np.inf if open_above else last
         self.breakpoints = np.unique([self._support[0], first, last])
@@ -94,16 +91,16 @@ class LogPolynomial(Thresholds):
         return (self.columns(x / self._unit) * self.coefficients).sum(axis=-1)
 
     def _variable(self, x: Array) -> Array:
-        return np.log1p(x) if self.decades else x
+        return np.log1p(x) if self.form.decades else x
 
     def columns(self, x: Array) -> Array:
         """Values of the columns at x (in medians), shape (..., columns)."""
         inner = np.clip(x, self._first, self._last)
         y = (self._variable(inner) - self._middle) / self._half
         parts = [legendre.legvander(y, self._degree)[..., 1:]]
-        if self.decades:
+        if self.form.decades:
             parts.append(inner[..., None])
-        if self.power:
+        if self.form.power:
             with np.errstate(divide="ignore"):
                 parts.append(np.log(np.minimum(x, self._last))[..., None])
         out = np.concatenate(parts, axis=-1)
@@ -116,19 +113,19 @@ class LogPolynomial(Thresholds):
         Each parameter, of an effective number, costs log(size)/2 (Schwarz) up to 55 samples, then 2, twice Akaike's (a
         larger cost would leave biases of many standard errors in large samples), corrected for few samples by Hurvich.
         """
-        size, degree = self._size, self._degree
+        form, size, degree = self.form, self._size, self._degree
         start = np.zeros(self._mean.size)
-        if self.decades:
+        if form.decades:
             start[degree] = -1.0
         else:
-            start[0] = -1.0 / self._above[0] / max(1.0 - (not self.from_zero) * self._first, 0.1)
+            start[0] = -1.0 / self._above[0] / max(1.0 - (not form.from_zero) * self._first, 0.1)
         straight, bends, ridge = np.zeros((3, start.size, start.size))
         np.fill_diagonal(straight[1:degree, 1:degree], 1e10)
         nodes, weights = legendre.leggauss(degree + 1)
         third = legendre.legval(nodes, legendre.legder(np.eye(degree + 1), 3, axis=0))[1:]
         bends[:degree, :degree] = (third * weights) @ third.T / degree
         # m = 10 takes 0.5 off the log-likelihood, so that the error of m is finite
-        ridge[-1, -1] = self.power * 0.01 / size
+        ridge[-1, -1] = form.power * 0.01 / size
         weaker = np.multiply.outer(10.0 ** np.arange(2.0, -10.5, -1.0), bends)
         cost = min(0.5 * float(np.log(size)), 2.0)
         tried, scores, information, errors = [], [], [], []
@@ -141,9 +138,9 @@ class LogPolynomial(Thresholds):
             count = float(np.trace(spread @ covariance))
             likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
             score = likelihood - cost * count * size / max(size - count - 1.0, 1.0)
-            score -= _EDGE * (self.power and start[-1] < 0.0)
+            score -= _EDGE * (form.power and start[-1] < 0.0)
             # refused: a tail that begins to fall as x^-0.75 or slower, by e over 4/3 of the last sample
-            if self.open_above and -(self._above @ start) * self._last < 0.75:
+            if form.open_above and -(self._above @ start) * self._last < 0.75:
                 score = -np.inf
             tried.append(start)
             scores.append(score)
@@ -153,8 +150,8 @@ class LogPolynomial(Thresholds):
                 break
         best = int(np.argmax(scores))
         self.coefficients, self.onset_power, self.onset_power_error = tried[best], 0.0, np.inf
-        self.score = scores[best] - (2 - self.from_zero - self.open_above) * (cost + _EDGE)
-        if self.power:
+        self.score = scores[best] - (2 - form.from_zero - form.open_above) * (cost + _EDGE)
+        if form.power:
             # other penalties of similar likelihood give other powers: their spread is part of the error of m
             powers = np.array(tried)[:, -1]
             likely = np.exp(np.array(information) - information[best])
@@ -171,7 +168,7 @@ class LogPolynomial(Thresholds):
         value = float(self._mean @ coefficients) - top - float(np.log(whole))
         value -= 0.5 * float(coefficients @ penalty @ coefficients)
         # closer to 1/x nearly all weight would be at x that underflow
-        if self.power and coefficients[-1] <= -0.95:
+        if self.form.power and coefficients[-1] <= -0.95:
             value = -np.inf
         return _State(coefficients, value, shares / whole)
 
@@ -213,27 +210,26 @@ def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
     number. Raises InputError where the law is too rough for any use.
     """
 
-    def fitted(**form: bool) -> LogPolynomial:
+    def fitted(form: Form) -> LogPolynomial:
         with np.errstate(all="ignore"):  # coefficients that overflow are rejected
-            return LogPolynomial(x, shares, size, **form)
+            return LogPolynomial(x, shares, size, form)
 
     if x.size == 2:  # a straight line from one to the other
-        return fitted(from_zero=False, open_above=False)
+        return fitted(Form(from_zero=False, open_above=False))
     middle = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
     # a variable over decades for far samples, a power where some are near 0
     decades, powers = {False, bool(x[-1] > 8.0 * middle)}, {False, bool(x[0] < middle / 3.0)}
-    tried = [fitted(power=power, decades=far) for far in decades for power in powers]
+    tried = [fitted(Form(power, far)) for far in decades for power in powers]
     best = max(tried, key=lambda law: law.score)
     # edges where the law expects more than the extreme sample beyond it
     if best.cdf(x[0]) * size > 1.5:
-        tried.append(fitted(decades=best.decades, from_zero=False))
+        tried.append(fitted(Form(decades=best.form.decades, from_zero=False)))
         best = max(tried, key=lambda law: law.score)
     if best.sf(x[-1]) * size > 1.5:
-        form = {"power": best.power, "decades": best.decades, "from_zero": best.from_zero}
-        tried.append(fitted(**form, open_above=False))
+        tried.append(fitted(best.form._replace(open_above=False)))
         best = max(tried, key=lambda law: law.score)
-    if best.from_zero and not best.power:
+    if best.form.from_zero and not best.form.power:
         # the error of m = 0 is the size of the power that would be fitted, plus its error
-        rivals = [abs(law.onset_power) + law.onset_power_error for law in tried if law.power]
+        rivals = [abs(law.onset_power) + law.onset_power_error for law in tried if law.form.power]
         best.onset_power_error = min(rivals, default=np.inf)
     return best

@@ -3,7 +3,7 @@
 import numpy as np
 import scipy
 
-from origins.errors import finite, non_negative, positive, refuse
+from origins.errors import between, finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 
 _STEEPEST, _SLOWEST = 100.0, 0.1  # limits of powers and decays, for quantiles in floats
@@ -85,12 +85,10 @@ def lubricated(width: float, power: float = 3.0, decay: float = 2.0) -> Threshol
     width is a length above zero, power a number above -1 and up to 100, decay one from 0.1 to 100; else InputError.
     Forces distributed as f^a exp(-f/f0) with f_s = c x_s² give power = 2a + 1, decay = 2 and width = (f0/c)^(1/2).
     """
-    width, power, decay = positive("width", width), finite("power", power), finite("decay", decay)
+    width, power = positive("width", width), finite("power", power)
     if not -1.0 < power <= _STEEPEST:
         refuse("power", power, f"must be above -1, or P_c has no norm, and at most {_STEEPEST:g}")
-    if not _SLOWEST <= decay <= _STEEPEST:
-        refuse("decay", decay, f"must lie between {_SLOWEST:g} and {_STEEPEST:g}")
-    return GeneralisedGamma(width, power, decay)
+    return GeneralisedGamma(width, power, between("decay", decay, _SLOWEST, _STEEPEST, "take 2"))
 
 
 class GeneralisedGamma(Thresholds):

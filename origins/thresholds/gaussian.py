@@ -95,7 +95,7 @@ class UpperGaussian(CutGaussian):
         lower = scipy.special.ndtri(scipy.special.ndtr(self._least) + below * self._kept)
         z = np.where(below < above, lower, -scipy.special.ndtri_exp(np.log(above) + self._log_kept))
         x = self.parent_mean + self.parent_std * z
-        near = ~(x > 0.5 * self.parent_mean)
+        near = ~(x > 0.5 * max(self.parent_mean, self.parent_std))
         x[near] = super()._quantiles(below[near], above[near])
         return x
 

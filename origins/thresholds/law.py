@@ -1,6 +1,5 @@
 """Thresholds: the law P_c(x) of the stretch at which a contact breaks. The class says what a new law must define."""
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
@@ -8,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError, refuse, whole
-from origins.thresholds.numerical import Array, NumericalLaw
+from origins.thresholds.numerical import Array, Function, NumericalLaw
 
 RandomState: TypeAlias = "int | np.random.Generator | None"
 
@@ -74,7 +73,6 @@ class Thresholds:
     cut_weight: float = 0.0
     _support: tuple[float, float] = (0.0, np.inf)
 
-    # -- methods that a family defines, for x inside the support ----------------------------------------
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
         return self._support
@@ -133,6 +131,8 @@ class Thresholds:
         They are left ends of gaps and places of atoms, too. The bits of floats above zero, read as whole numbers,
         count them in order: 64 halvings find one among all. For few, 15 places at once take hardly longer than one.
         """
+        if type(self)._cdf is Thresholds._cdf:
+            return self._numerical.quantiles(below, above)
         lower, upper = self.support()
         low = np.full(below.size, lower).view(np.int64) - 1
         high = np.full(below.size, upper).view(np.int64)
@@ -152,7 +152,6 @@ class Thresholds:
     def _moment(self, n: float, centre: float = 0.0) -> float:
         return self._numerical.moment(n, centre)
 
-    # -- public methods -------------------------------------------------------------------------------
     def pdf(self, x: npt.ArrayLike) -> Array:
         """Density P_c(x), per length; atoms left out, the limit from inside at the support's ends. Shape as x."""
         return self._inside(self._pdf, x, 0.0)
@@ -205,11 +204,7 @@ class Thresholds:
 
     def std(self) -> float:
         """Standard deviation of x_s, a length."""
-        mean, square = self.moment(1), self.moment(2)
-        variance = square - mean * mean
-        if variance < 1e-3 * square:  # the difference has lost digits
-            variance = self._moment(2, mean)
-        return float(np.sqrt(variance))
+        return float(np.sqrt(self._moment(2, self.mean())))
 
     def rvs(
         self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None
@@ -219,11 +214,7 @@ class Thresholds:
         return self.isf(1.0 - generator.random(size))
 
     def _inside(
-        self,
-        inner: Callable[[Array], Array],
-        x: npt.ArrayLike,
-        below: float,
-        above: float | None = None,
+        self, inner: Function, x: npt.ArrayLike, below: float, above: float | None = None
     ) -> Array:
         """inner(x) inside the support, else limits; densities, of one limit only, at its upper end, too."""
         x = np.asarray(x, dtype=float)

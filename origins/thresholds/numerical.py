@@ -9,6 +9,7 @@ from numpy.polynomial import chebyshev, laguerre, legendre
 from origins.errors import InputError
 
 Array = npt.NDArray[np.float64]
+Function = Callable[[Array], Array]
 
 _NODES = 12  # of Gauss and Legendre on each panel
 _ACCURACY = 1e-13  # of the polynomial, relative to the largest density on its panel
@@ -47,17 +48,12 @@ class NumericalLaw:
     """
 
     def __init__(
-        self,
-        log_density: Callable[[Array], Array],
-        lower: float,
-        upper: float,
-        points: npt.ArrayLike,
-        power: float,
+        self, log_density: Function, lower: float, upper: float, points: Array, power: float
     ) -> None:
         """Halve panels of the density until its integral is resolved, and sum it up from both ends."""
         self._log_density, self._lower, self._upper = log_density, lower, upper
         self._power, self._top, log_onset = power, -np.inf, -np.inf
-        values, missed = self._halve(self._first_edges(np.asarray(points, dtype=float)))
+        values, missed = self._halve(self._first_edges(points))
         self._widths = np.diff(self._edges)
         # on the first panel the density is its power; the nodes get its mean
         if np.isfinite(self._power):
@@ -71,7 +67,7 @@ class NumericalLaw:
             raise InputError(f"thresholds: the density diverges, or is too rough, {at}")
         self.log_whole = self._top + float(np.log(whole))
         self._masses, values = masses / whole, values / whole
-        self._means = _TO_MEAN @ values.T
+        self._means, self._densities = _TO_MEAN @ values.T, _TO_SERIES @ values.T
         self._nodes = self._edges[:-1, None] + self._widths[:, None] * _PLACES
         self._node_weights = self._widths[:, None] * values * _WEIGHTS
         self._below = np.append(0.0, np.cumsum(self._masses))
@@ -91,9 +87,7 @@ class NumericalLaw:
 
     def _first_edges(self, points: Array) -> Array:
         """Edges that halve towards the ends and where most weight is; the first is the onset's power, if it is one.
-
-        Keeps the log of the largest density seen, and drops a power that the density does not follow.
-        """
+        Keeps the log of the largest density seen, and drops a power that the density does not follow."""
         places, most = self._around(*points, self._lower, self._upper), -np.inf
         while True:  # a peak may be far narrower than the steps
             density = self._log_at(places)
@@ -125,11 +119,8 @@ class NumericalLaw:
         return edges[np.isfinite(edges)]
 
     def _halve(self, edges: Array) -> tuple[Array, Array]:
-        """Keep edges of n panels on which polynomials follow the density.
-
-        Returns the density over its largest value at their nodes, shape (n, 12), and the errors of the polynomials
-        relative to the largest density on each, shape (n,).
-        """
+        """Keep edges of n panels on which polynomials follow the density; the density over its largest value at their
+        nodes, shape (n, 12), and the errors of the polynomials relative to the largest on each panel, shape (n,)."""
         left, right = edges[:-1], edges[1:]
         log = self._log_at(left[:, None] + (right - left)[:, None] * _PLACES) - self._top
         before: Array = np.full(left.shape, np.inf)
@@ -175,6 +166,25 @@ class NumericalLaw:
             weight[first] = self._masses[0] * share ** (self._power + 1.0)
         above = self._above[panel + 1] + (self._masses[panel] - weight)
         return self._below[panel] + weight, np.maximum(above, 0.0)
+
+    def quantiles(self, below: Array, above: Array) -> Array:
+        """The places with these weights below and above them, the smaller of which is exact, by Newton's steps."""
+        rising, falling = self._below[1:-1], -self._above[1:-1]
+        low = below < above
+        panel = np.where(low, rising.searchsorted(below), falling.searchsorted(-above))
+        mass, width = self._masses[panel], self._widths[panel]
+        weight = np.where(low, below - self._below[panel], mass - (above - self._above[panel + 1]))
+        means, densities = self._means.take(panel, axis=1), self._densities.take(panel, axis=1)
+        with np.errstate(all="ignore"):  # where a panel has no weight
+            share = start = np.clip(np.nan_to_num(weight / mass), 0.0, 1.0)
+            for _ in range(6):  # four are enough, as the density varies little over a panel
+                place = 2.0 * share - 1.0
+                missing = weight / width - share * chebyshev.chebval(place, means, tensor=False)
+                step = missing / chebyshev.chebval(place, densities, tensor=False)
+                share = np.clip(share + np.nan_to_num(step), 0.0, 1.0)
+        if np.isfinite(self._power):
+            share = np.where(panel == 0, start ** (1.0 / (self._power + 1.0)), share)
+        return self._edges[panel] + width * share
 
     def logpdf(self, x: Array) -> Array:
         """Log of the normalised density at x (lengths)."""

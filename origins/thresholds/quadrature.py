@@ -44,14 +44,11 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
     scale = float(ranks[_SEEDS.size - 1]) or 1.0
     done, found = np.zeros(2), [edges]
     for _ in range(64):
-        # between ends that are decades apart the geometric mean, so that a spike at small x is reached
-        wide = (left > 0.0) & (right > 256.0 * left)
-        middle = np.where(wide, np.sqrt(left) * np.sqrt(right), 0.5 * (left + right))
+        middle = 0.5 * (left + right)
         # all three in one call, since for many laws calls take longer than evaluations
         ends = np.stack([left, left, middle]), np.stack([right, middle, right])
         whole, first, second = _mass(thresholds, *ends, scale)
-        # rare but distant weight makes <x> large relative to the median; and halving cannot reduce the rounding of
-        # the nodes
+        # distant weight makes <x> large beside the median; halving does not reduce the nodes' rounding
         level = np.maximum(done + whole.sum(axis=1), 1.0)[:, None]
         rounding = _EPSILON * np.abs(whole) * right / (right - left)
         missed = np.abs(_cdf_mass(thresholds, left, right) - whole[0]) > 1e-12 + 64.0 * rounding[0]

@@ -104,7 +104,6 @@ class FrozenThresholds(ScipyDensity):
     """
 
     def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
-        """Look at the survival further and further out."""
         self.distribution, self._mean = distribution, float(distribution.mean())
         median = float(distribution.ppf(0.5))
         x = np.minimum(median * np.append(1.0, 2.0**2.0 ** np.arange(10)), ends[1])
@@ -131,6 +130,15 @@ class FrozenThresholds(ScipyDensity):
     def _logsf(self, x: Array) -> Array:
         above = self._ask("logsf", x)
         return np.where(np.exp(above) * x <= 2.0 * self._mean, above, -np.inf)
+
+    def _quantiles(self, below: Array, above: Array) -> Array:
+        """The distribution's own, where its cdf and survival agree with them."""
+        x = np.where(below < above, self._ask("ppf", below), self._ask("isf", above))
+        off = np.where(below < above, self.cdf(x) / below, self.sf(x) / above) - 1.0
+        wrong = ~(np.abs(off) < 1e-11)
+        if wrong.any():
+            x[wrong] = super()._quantiles(below[wrong], above[wrong])
+        return x
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
         mean = self._mean
