@@ -120,7 +120,7 @@ class History:
     """
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:
-        self.motion, (self.t, self.s) = motion, np.broadcast_arrays(t, s)
+        self.motion, self.t, self.s = motion, t, s
         last, born = motion.leg_of_all(t), motion.at(s)
         # the middle birth of a row tells the leg of all of them
         rows, columns = np.broadcast_shapes(t.shape, s.shape)
@@ -137,9 +137,9 @@ class History:
 
     def pick(self, which: slice | npt.NDArray[np.intp]) -> History:
         """Moves of n contacts: all arrays have the shape (n,); `which` counts row after row."""
-        other = copy(self)
+        other, shape = copy(self), self.now.shape
         for name in ("t", "s", "now", "high", "low"):
-            setattr(other, name, getattr(self, name).ravel()[which])
+            setattr(other, name, np.broadcast_to(getattr(self, name), shape).ravel()[which])
         return other
 
     def largest(self, born: Array) -> Array:

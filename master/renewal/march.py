@@ -132,14 +132,17 @@ class March:
                 continue
             # the error grows as the width to the power DEGREE; where contacts break at rates of all
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
-            soon = not quick or width <= 0.5 * grain
+            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
+            soon = still or not quick or width <= 0.5 * grain
             spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
-            # each width needs its own kernel: wide panels are widened only if that serves many
-            many = 0 if width <= 0.5 * grain else 32
+            # each width needs its own kernel: wide panels are widened only if that serves many, and those
+            # with hardly any breaks at once by three doublings
+            many = 0 if still or width <= 0.5 * grain else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
-                self.widest = min(2.0 * width, self._duration(self.life.reach, leg))
+                wide = (8.0 if still else 2.0) * width
+                self.widest = min(wide, self._duration(self.life.reach, leg))
                 count, easy = 1 if soon else max(1, count // 4), 0
             yield
 

@@ -63,7 +63,9 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     # F decays to the kinetic force, so that F_s is at least this
     force = force._replace(value=max(force.value, travel.force()[0]))
     if not followed:
-        fall, force = fall._replace(error=np.inf), force._replace(error=np.inf)
+        steepest, highest = _beyond(travel, horizon)
+        fall = fall._replace(error=max(fall.error, steepest - fall.value))
+        force = force._replace(error=max(force.error, highest - force.value))
     return Extremes(fall, force, travel)
 
 
@@ -152,6 +154,22 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
     furthest = max(LIVES * unit, many + unit)
     horizon = min(furthest, MOST_LIVES * unit)
     return horizon - min(low, 0.0), bool(furthest <= horizon)
+
+
+def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
+    """Bounds of the slope -dF/dX and of F (a length) beyond the horizon.
+
+    From -dF/dX = integral of x p (u - 1), with u = C times the rate of breaks: u - 1 has an integral of about F_k, and
+    decays to the contribution of lives longer than the horizon. Both are taken twice for safety.
+    """
+    ways = np.append(0.5 * horizon, travel.table.end[travel.table.end > 0.5 * horizon])
+    middle = np.sqrt(ways[1:] * ways[:-1])
+    held, kinetic = travel.table(middle)[0], travel.area / travel.length
+    broken = np.maximum(-np.diff(travel.table(ways)[0]) / np.log(ways[1:] / ways[:-1]), 0.0)
+    older = float(held @ np.diff(ways)) / travel.length
+    steepest = kinetic / travel.length * float(broken.max(initial=0.0)) + older
+    excess = float((held * middle).max(initial=0.0)) / travel.length + older
+    return 2.0 * steepest, kinetic * (1.0 + 2.0 * excess)
 
 
 def _diverges(contacts: Contacts, bends: Array) -> bool:
