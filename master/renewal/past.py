@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from master.lives.life import MARGIN
 from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, moments
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from master.renewal.strand_births import StrandBirths
 
 
+# Where the survival takes long: nodes of a piece that are tried first, and numbers of times from which
+# the sums are interpolated where these suffice.
+FEW, TIMES = 5, (5, 11)
 # The survival jumps at exact thresholds: on panels that begin or end there it is evaluated this share
 # of the panel inside.
 INSIDE = 1e-9
@@ -46,11 +50,15 @@ class Past:
         self._births, self._life = births, births.life
         # sums of survivals that take long to compute are less accurate
         self._accuracy = births.accuracy * (1.0 if births.life.quick else 30.0)
-        # many strands may be dropped: each is this much smaller
+        # many legs may be dropped: each is this much smaller
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
+        # legs of whose births hardly any hold: left out, and to be left out from the next leg on
+        self._over, self._faded = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
-        self._legs = np.empty(0, dtype=int)  # with births, unless strands follow these
+        self._legs = np.empty(0, dtype=int)  # of whose births many hold
+        # the slider's way on a panel for which so many times do not suffice
+        self._wide = dict.fromkeys(() if births.life.quick else TIMES, np.inf)
 
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
@@ -69,7 +77,26 @@ class Past:
         self._ends = np.append(begin, begin[-1:] + panels.width[-1:])
         self._slopes = panels.breaks @ rule.SLOPES.T
         self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
-        self._legs = np.unique(legs)
+        self._over |= self._faded
+        self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
+
+    def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
+        """Number and force, at times in rows, of births on the legs before, and of all lumps.
+
+        Each row lies within one panel of the leg, at the same shares of it. Returns an array of shape
+        (2, rows, columns), interpolated from fewer times where these suffice.
+        """
+        first, width = grid.min(axis=1, keepdims=True), np.ptp(grid, axis=1, keepdims=True)
+        way = float(width[0, 0]) * abs(float(self._motion.speeds[self.leg]))
+        often = [size for size, wide in self._wide.items() if 0.0 < way < wide and self._legs.size]
+        for few in map(rule.lobatto, often):
+            found = self._summed(first + width * few.nodes, lumps)
+            wrong = MARGIN * float(few.beyond(found, self._life.reach)[0].max())
+            if wrong <= self._accuracy:
+                self.error = max(self.error, wrong)  # a smooth interpolant hides it from the panels
+                return np.asarray(found @ few.at((grid - first)[0] / width[0]))
+            self._wide[few.nodes.size] = 0.5 * way
+        return self._summed(grid, lumps)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
         """Number and force of lumps at times of shape (rows, columns), (2, rows, columns).
@@ -110,11 +137,8 @@ class Past:
         self._strands = [each for each, holds in zip(self._strands, alive, strict=True) if holds]
         self.error = max(self.error, sum(each.missed for each in self._strands))
 
-    def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force, at times in rows, of births on the legs before, and of all lumps.
-
-        Each row lies within one panel of the leg. Returns an array of shape (2, rows, columns).
-        """
+    def _summed(self, grid: Array, lumps: Sequence[Lump]) -> Array:
+        """See `at`."""
         t = grid
         if self._life.atoms.size and not self._motion.speeds[: self.leg].all():
             # at an edge the births of a hold may meet an exact threshold, all at once
@@ -125,14 +149,19 @@ class Past:
         out = np.zeros((3, t.size))  # the third: the error of the number
         for strand in self._strands:
             out[:2] += strand.sums(t)
-        for owner, found in self._resolved(t):
+        held = np.zeros(self.leg)  # by leg, at the latest time
+        for (owner, low, high), found in self._resolved(t):
             for sums, added in zip(out, found, strict=True):
                 sums += np.bincount(owner, added, t.size)
+            late = t[owner] == t.max()
+            leg = self._motion.leg(0.5 * (low + high)[late])
+            held += np.bincount(leg, found[0, late], held.size)
         self.error = max(self.error, float(out[2].max()))
+        self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
-    def _resolved(self, t: Array) -> Iterator[tuple[Rows, Array]]:
-        """Which of the times t see pieces of the births, and their number, force and error, (3, pieces).
+    def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
+        """Pieces of the births, as seen from times t; their number, force and error, shape (3, pieces).
 
         Pieces are halved until the survival is a polynomial on each.
         """
@@ -140,28 +169,32 @@ class Past:
             return
         births, pieces = self._births, self._pieces(t)
         # pieces may end at exact thresholds, where the survival jumps
-        nodes = (rule.gauss if self._life.atoms.size else rule.lobatto)(rule.GAUSS)
+        nodes = rule.gauss if self._life.atoms.size else rule.lobatto
+        size = rule.GAUSS if self._life.quick else FEW
         while pieces.owner.size:
             owner, low, high = pieces
-            place = low[:, None] + (high - low)[:, None] * nodes.nodes
-            births.count(owner.size)
+            few = nodes(size)
+            place = low[:, None] + (high - low)[:, None] * few.nodes
+            births.count(owner.size * size // rule.GAUSS)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
             born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
-            left_out, fall = nodes.beyond(held, self._life.reach)
+            left_out, fall = few.beyond(held, self._life.reach)
             wrong = left_out * born
             leg = self._motion.leg(place[:, 1])
             narrowest = rule.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
             rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
             rough &= births.work <= MOST_WORK and clock.monotonic() <= births.until
             good = pieces.pick(~rough)
-            weights = moments(self._ends, self._slopes, good.low, good.high, rule.GAUSS)
-            found = (held[:, ~rough] @ nodes.series * weights).sum(axis=-1)
+            weights = moments(self._ends, self._slopes, good.low, good.high, size)
+            found = (held[:, ~rough] @ few.series * weights).sum(axis=-1)
             # as births are nearly a polynomial, too, errors are smaller: at the nodes the survival's
             # coefficient k beyond the last counts among those k before it
-            fading = fall[~rough, None] ** np.arange(rule.GAUSS)[::-1]
+            fading = fall[~rough, None] ** np.arange(size)[::-1]
             missed = left_out[~rough] * (np.abs(weights) * fading).sum(axis=1)
-            yield good.owner, np.append(found, missed[None], axis=0)
-            pieces = pieces.pick(rough).halves()
+            yield good, np.append(found, missed[None], axis=0)
+            pieces = pieces.pick(rough)
+            pieces = pieces.halves() if size == rule.GAUSS else pieces
+            size = min(2 * size, rule.GAUSS)
 
     def _pieces(self, t: Array) -> Pieces:
         """Pieces of the births on each leg, for each target, with ends where the survival bends."""
