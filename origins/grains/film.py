@@ -151,11 +151,9 @@ class PinningGrains(Thresholds):
         self._printed = one_of("jacobian", jacobian, ("exact", "paper")) == "paper"
         self._root_b, self._largest = float(np.sqrt(positive("B", B))), 1.0 + excess
         self._upper = float(np.sqrt(excess) * np.sqrt(excess + 2.0) / self._root_b)
+        self._support = 0.0, self._upper
         self._free = excess / self._largest
         self.onset_power = 0.0 if self._printed else 1.0
-
-    def support(self) -> tuple[float, float]:
-        return 0.0, self._upper
 
     def _log_weight(self, x: Array) -> Array:
         s = self._root_b * x

@@ -115,7 +115,8 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
     """Greenwood and Williamson's contacts (paper, Eqs. GW1, GW2): area and load are powers of the compression."""
     moments, material, pressure = fields["moments"], fields["material"], fields["pressure"]
     summits = Summits(moments, material, regime, height_law)
-    z = summits.pressed(pressure)
+    z = summits.separation(pressure)
+    summits.check(z, "pressure", pressure, "lower it")
     plastic = of_hertz = None
     if material.hardness is not None:
         limit = material.critical_compression(summits.radius)

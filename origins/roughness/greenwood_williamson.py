@@ -81,12 +81,6 @@ class Summits:
             return low
         return scipy.optimize.brentq(excess, low, high, xtol=1e-14, rtol=1e-14)
 
-    def pressed(self, pressure: float) -> float:
-        """z under a nominal pressure in Pa; InputError for one too large for the model."""
-        z = self.separation(pressure)
-        self.check(z, "pressure", pressure, "lower it")
-        return z
-
     def check(self, z: float, name: str, value: float, remedy: str) -> None:
         """InputError where the contacts, which must be far apart, would cover the whole surface, and for a flat below
         h = 0 under exponential heights, which begin there."""
@@ -112,7 +106,9 @@ def separation_of_pressure(
     moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does.
     """
     summits = Summits(moments, material, regime, height_law)
-    return float(summits.pressed(positive("pressure", pressure)) * summits.std)
+    z = summits.separation(positive("pressure", pressure))
+    summits.check(z, "pressure", pressure, "lower it")
+    return float(z * summits.std)
 
 
 def pressure_of_separation(
