@@ -168,8 +168,7 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
 def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Thresholds:
     """Thresholds and interface of contacts whose load (N) and area (m²) are powers of `size`, a random variable.
 
-    Raises InputError where the material lacks a constant, and where k grows at least as fast as f_s, so that x_s does
-    not grow with the contact.
+    InputError where the material lacks a constant, or k grows as fast as f_s or faster, so that x_s does not rise.
     """
     law, material, moments = fields["law"], fields["material"], fields["moments"]
     constant = "shear_strength" if law == "strength" else "local_friction"

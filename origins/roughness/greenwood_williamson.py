@@ -153,10 +153,8 @@ def gw_gaussian(
     scale : threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
     law : as in from_moments.
     regime : "elastic", "plastic" or "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean
-        pressure is the hardness, are plastic. x_s is continuous there; P_c jumps up, by 3/2 under the law "paper" and
-        by 2 under "amontons".
-    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3, from 1e-100 to 1e100; needed for the regime "mixed", and
-        only there.
+        pressure is the hardness, are plastic. x_s is continuous there; P_c jumps up by 3/2 ("paper") or 2 ("amontons").
+    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3, from 1e-100 to 1e100; for the regime "mixed" only.
 
     Raises InputError for values outside these. For summits in metres and newtons see from_moments.
     """
