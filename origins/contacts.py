@@ -140,8 +140,7 @@ class Contacts:
         return threshold / self.mean_threshold if linked else np.ones_like(threshold)[()]
 
     def each_by_itself(self) -> Contacts:
-        """These contacts with both closures "exact", so that each breaks at its own rate and ages by itself; `self`
-        where both are exact already."""
+        """These contacts with both closures "exact": each breaks at its own rate and ages by itself."""
         changes = {}
         for name in ("thermal", "ageing"):
             if (law := getattr(self, name)) is not None and law.closure == "paper":

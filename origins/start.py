@@ -82,8 +82,7 @@ def boltzmann_reforming(temperature: float) -> Start:
 
 
 def as_start(start: object, name: str = "start") -> Start:
-    """None (all relaxed, x = 0), a number, a Start or a continuous scipy.stats distribution on the real line, as a
-    Start; messages use `name`."""
+    """None (x = 0), a number, a Start or a continuous scipy.stats distribution, as a Start; messages use `name`."""
     if start is None:
         return SingleStart(0.0)
     if isinstance(start, Start):
@@ -110,8 +109,7 @@ class Births:
     This is the state of the contacts that hold at X = 0, and of broken contacts as they re-form.
 
     law : of the stretches (lengths).
-    cut_weight : weight of the law where the survival of thresholds is 0 or below 1e-300, which is cut off; 0 by
-        default.
+    cut_weight : weight of the law where the survival of thresholds is 0 or below 1e-300, which is cut off.
 
     Raises InputError, with `name` in its message, where this weight is above 1e-6: such contacts cannot hold.
     """

@@ -50,8 +50,7 @@ def triangular_barrier(
     angle: npt.ArrayLike,
     substrate: Substrate | None = None,
 ) -> Array:
-    """barrier(triangular_island(lattice_constant, n_i, n_j), angle, substrate) without atoms, at a cost
-    that does not grow with N_a.
+    """barrier(triangular_island(lattice_constant, n_i, n_j), angle, substrate), at a cost independent of N_a.
 
     n_i, n_j and angle (radians) broadcast to the shape of the result. Raises InputError as barrier does,
     and unless lattice_constant is above zero and n_i, n_j are whole numbers of at least 1.
@@ -63,8 +62,7 @@ def triangular_barrier(
 
 
 def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, Array]:
-    """Barriers and lowest energies (less N_a times the substrate's constant), each of shape (...), of islands with
-    structure factors (..., n)."""
+    """Barriers and lowest energies, less N_a times the constant, shapes (...), for structure factors (..., n)."""
     amplitudes = substrate.coefficients * factors
     sizes = np.abs(amplitudes)
     if substrate.rank == 1:
@@ -76,9 +74,8 @@ def barriers_and_depths(substrate: Substrate, factors: Complex) -> tuple[Array, 
 
 
 class Island(NamedTuple):
-    """One kind of island on a substrate: its number of atoms, the largest derivative of their phases with the angle,
-    and its structure factors at angles, of their shape + (n,); where its atoms relax, barrier and lowest energy at
-    each angle."""
+    """One kind of island on a substrate: number of atoms, largest derivative of their phases with the angle, structure
+    factors at angles, of their shape + (n,); where its atoms relax, barrier and lowest energy at each angle."""
 
     substrate: Substrate
     atoms: int
@@ -157,8 +154,7 @@ def structure_factors(
     """S(G) of any island turned by `angle` about its centre of mass, summed over the atoms.
 
     Only x and y of `atoms` count, and their masses for the centre; angle is in radians, wavevectors (n, 2) per length
-    (those of sin x + sin y when left out). The result is complex and has the shape of angle + (n,). Raises InputError
-    for other input.
+    (those of sin x + sin y when left out). The result has the shape of angle + (n,). InputError for other input.
     """
     points = positions_of(atoms)
     turned = _turned(radians(angle, most=inf), wavevectors)
@@ -176,8 +172,7 @@ def triangular_structure_factors(
     angle: npt.ArrayLike,
     wavevectors: npt.ArrayLike = SQUARE,
 ) -> Complex:
-    """S(G) of triangular_island(lattice_constant, n_i, n_j) turned by `angle`, by geometric sums at a cost
-    that does not grow with N_a.
+    """S(G) of triangular_island(lattice_constant, n_i, n_j) turned by `angle`, at a cost independent of N_a.
 
     n_i, n_j and angle (radians) broadcast; the result is complex and has their shape + (n,), n wavevectors
     (those of sin x + sin y when left out). The error is that of an angle rounded to floating point. Raises

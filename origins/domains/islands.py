@@ -25,9 +25,8 @@ def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> Atoms:
     """n_i n_j atoms of a triangular lattice in n_j close-packed rows of n_i (paper, Sec. VI C).
 
     Atom (i, j) is at x = (i + j/2) a, y = j h, h = a sqrt(3)/2, with j = 0, ..., n_j - 1 and
-    i = -(j//2), ..., -(j//2) + n_i - 1, j//2 rounded down: odd rows are shifted by a/2 against even ones. (With
-    -j/2 as a fraction all rows would begin at one x, in a rectangular lattice; with (-j)//2 the island would
-    be the mirror image.)
+    i = -(j//2), ..., -(j//2) + n_i - 1, j//2 rounded down: odd rows are shifted by a/2 against even ones. (With the
+    fraction -j/2 the lattice would be rectangular, with (-j)//2 the island would be the mirror image.)
 
     lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
     """
@@ -117,8 +116,7 @@ def _lattice(
     height: float,
     offset: Array | tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Array, Array]:
-    """x and y of a lattice of constant `a`, shifted by fractions `offset` of its periods, at least within `width` and
-    `height` of the middle."""
+    """x and y of a lattice, shifted by `offset` of its periods, at least within `width` and `height` of the middle."""
     shift, row = LATTICES[one_of("lattice", lattice, tuple(LATTICES))]
     columns, rows = width / positive("lattice_constant", a) + 2.0, height / (row * a) + 2.0
     if not 4.0 * columns * rows <= _MOST_ATOMS:

@@ -34,8 +34,7 @@ class LowestBarriers(NamedTuple):
 
 
 class _Landscapes(NamedTuple):
-    """m landscapes U(t) = Re sum_n c_n exp(i K_n·t), K of shape (n, 2), c of shape (n, m), each asked at one place t,
-    shape (2, m)."""
+    """m landscapes U(t) = Re sum_n c_n exp(i K_n·t), K (n, 2) and c (n, m), each asked at one place t, shape (2, m)."""
 
     waves: Array
     amplitudes: Complex
@@ -151,8 +150,7 @@ def lowest_saddles(indices: npt.ArrayLike, amplitudes: Complex) -> LowestBarrier
     """The lowest barriers of U(t) = Re sum_n c_n exp(i K_n·t), t in radians, of period 2 pi in both directions.
 
     K are whole numbers, shape (n, 2); c energies, shape (landscapes, n). Barriers are known to about 1e-12 of the
-    largest wave where all critical points are found. Some are missing on the finest grid in valleys that are flat
-    within rounding.
+    largest wave where all critical points are found. In valleys flat within rounding some are not.
     """
     waves, scale = np.asarray(indices, dtype=float), np.abs(amplitudes).max(-1, initial=1e-300)
     relative = amplitudes / scale[:, None]

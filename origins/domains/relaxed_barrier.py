@@ -56,8 +56,7 @@ def relaxed_barrier(
 
     atoms : the island, ase.Atoms already turned (atoms.rotate). Atoms fixed by FixAtoms are not part of it but of its
         surroundings, such as a slab. The object is not changed.
-    calculator : of ASE, gives energy and forces of all atoms: substrate_calculator, any other, or a SumCalculator.
-        Its units are those of the result.
+    calculator : of ASE, in the units of the result: substrate_calculator, a SumCalculator or any other with forces.
     rigid : True moves the island as a whole, without turning it. False lets every atom move; the calculator must then
         hold the island together. It cannot rotate, as if the crystal around prevented that: sum_i r_i0 x u_i = 0, r_i0
         the given atoms about their centre, u_i their displacements along the plane.
@@ -66,8 +65,7 @@ def relaxed_barrier(
         substrate_calculator, also within a SumCalculator; else the cell vectors along which the atoms are periodic.
 
     The island's centre is moved over one cell, what may relax is relaxed by L-BFGS at each place, and the energy
-    becomes a Fourier series, whose lowest minimum and saddle are found as in `barrier`; from there Newton's method
-    leads to where the forces vanish.
+    becomes a Fourier series, whose lowest minimum and saddle are found as in `barrier`, and then by Newton's method.
 
     Raises InputError for input that cannot be used.
     """

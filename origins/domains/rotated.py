@@ -79,8 +79,7 @@ def domains(
     from b(angle) itself. It diverges where db/dangle = 0, so that K* is infinite, and jumps where |S_x| = |S_y|.
     Samples of all others, and of islands of some hundred periods across, smooth such peaks.
 
-    Raises InputError for values outside these, for a substrate that varies in one direction only, and where
-    no island resists.
+    Raises InputError for other values, for a substrate that varies in one direction only, and where no island resists.
     """
     substrate = checked_substrate(substrate)
     if substrate.rank == 1:

@@ -122,8 +122,7 @@ def film_growth(
 
     film_thickness : d in m; tau_m = d³/(27 K).
     coarsening_rate : K in m³/s, <r>³ = K time.
-    shear_strength : tau in Pa, at which a grain breaks: f_s = tau pi (r² - d²/4). A misfit between grain and substrate
-        lowers it.
+    shear_strength : tau in Pa, at which a grain breaks: f_s = tau pi (r² - d²/4). A misfit to the substrate lowers it.
     force_coefficient : c in Pa, f_s = c x_s² (the paper's law).
     shear_modulus : G in Pa, in place of c = G²/tau: the contact's stiffness is k = G A^(1/2) with A = pi (r² - d²/4).
 
@@ -151,11 +150,9 @@ class PinningGrains(Thresholds):
         self._printed = one_of("jacobian", jacobian, ("exact", "paper")) == "paper"
         self._root_b, self._largest = float(np.sqrt(positive("B", B))), 1.0 + excess
         self._upper = float(np.sqrt(excess) * np.sqrt(excess + 2.0) / self._root_b)
+        self._support = 0.0, self._upper
         self._free = excess / self._largest
         self.onset_power = 0.0 if self._printed else 1.0
-
-    def support(self) -> tuple[float, float]:
-        return 0.0, self._upper
 
     def _log_weight(self, x: Array) -> Array:
         s = self._root_b * x

@@ -22,8 +22,7 @@ class BreakingRate:
 
     The methods take numbers or arrays that broadcast: stretches x and `start`, thresholds x_s > 0 with |x| <= x_s
     (lengths), and the relative stiffness κ = k_i/<k> > 0; else they raise InputError. Results have the common
-    shape; relative errors stay below 1e-12. InputError also for a law without a name, or whose scale is not finite
-    and above zero.
+    shape; relative errors stay below 1e-12. InputError also for a law without a name or a finite scale above zero.
     """
 
     rates: RateLaw
@@ -101,8 +100,7 @@ class Thermal(BreakingRate):
     closure : "exact": every contact breaks at its own rate. "paper": all break at H(x), the
         integral of h P_c over thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken before.
 
-    Raises InputError unless temperature and attempt frequency are finite and above zero. The methods, and `rates`,
-    are those of BreakingRate.
+    Raises InputError unless both numbers are finite and above zero. Methods and `rates` are those of BreakingRate.
     """
 
     law: Literal["soft", "stiff"]

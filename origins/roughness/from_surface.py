@@ -115,7 +115,8 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
     """Greenwood and Williamson's contacts (paper, Eqs. GW1, GW2): area and load are powers of the compression."""
     moments, material, pressure = fields["moments"], fields["material"], fields["pressure"]
     summits = Summits(moments, material, regime, height_law)
-    z = summits.pressed(pressure)
+    z = summits.separation(pressure)
+    summits.check(z, "pressure", pressure, "lower it")
     plastic = of_hertz = None
     if material.hardness is not None:
         limit = material.critical_compression(summits.radius)
@@ -167,8 +168,7 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
 def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Thresholds:
     """Thresholds and interface of contacts whose load (N) and area (m²) are powers of `size`, a random variable.
 
-    Raises InputError where the material lacks a constant, and where k grows at least as fast as f_s, so that x_s does
-    not grow with the contact.
+    InputError where the material lacks a constant, or k grows as fast as f_s or faster, so that x_s does not rise.
     """
     law, material, moments = fields["law"], fields["material"], fields["moments"]
     constant = "shear_strength" if law == "strength" else "local_friction"

@@ -81,12 +81,6 @@ class Summits:
             return low
         return scipy.optimize.brentq(excess, low, high, xtol=1e-14, rtol=1e-14)
 
-    def pressed(self, pressure: float) -> float:
-        """z under a nominal pressure in Pa; InputError for one too large for the model."""
-        z = self.separation(pressure)
-        self.check(z, "pressure", pressure, "lower it")
-        return z
-
     def check(self, z: float, name: str, value: float, remedy: str) -> None:
         """InputError where the contacts, which must be far apart, would cover the whole surface, and for a flat below
         h = 0 under exponential heights, which begin there."""
@@ -112,7 +106,9 @@ def separation_of_pressure(
     moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does.
     """
     summits = Summits(moments, material, regime, height_law)
-    return float(summits.pressed(positive("pressure", pressure)) * summits.std)
+    z = summits.separation(positive("pressure", pressure))
+    summits.check(z, "pressure", pressure, "lower it")
+    return float(z * summits.std)
 
 
 def pressure_of_separation(
@@ -157,10 +153,8 @@ def gw_gaussian(
     scale : threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
     law : as in from_moments.
     regime : "elastic", "plastic" or "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean
-        pressure is the hardness, are plastic. x_s is continuous there; P_c jumps up, by 3/2 under the law "paper" and
-        by 2 under "amontons".
-    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3, from 1e-100 to 1e100; needed for the regime "mixed", and
-        only there.
+        pressure is the hardness, are plastic. x_s is continuous there; P_c jumps up by 3/2 ("paper") or 2 ("amontons").
+    plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3, from 1e-100 to 1e100; for the regime "mixed" only.
 
     Raises InputError for values outside these. For summits in metres and newtons see from_moments.
     """

@@ -1,5 +1,4 @@
-"""The material of a rough contact, and the record of one interface, which converts from thresholds in metres to newtons
-and pascals."""
+"""The material of a rough contact, and one interface, which converts thresholds in metres to newtons and pascals."""
 
 from dataclasses import dataclass
 
@@ -18,15 +17,13 @@ _ONE_OF = "write shear_modulus, or density and sound_velocity, or contact_stiffn
 class Material:
     """Constants of the two bodies in contact, in SI units; those that the threshold law does not need may be left out.
 
-    contact_modulus : E* of Hertz' theory in Pa, 1/E* = (1 - nu_1²)/E_1 + (1 - nu_2²)/E_2; E/(2(1 - nu²)) for equal
-        bodies.
+    contact_modulus : Hertz' E* in Pa, 1/E* = (1 - nu_1²)/E_1 + (1 - nu_2²)/E_2; E/(2(1 - nu²)) for equal bodies.
     local_friction : mu, the shear force at which one contact breaks over its normal force.
     shear_modulus : G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II, App. A).
     density, sound_velocity : rho in kg/m³ and the transverse sound velocity c in m/s, another way to give G = rho c².
     hardness : H in Pa, about 3 Y: the mean pressure of a plastic contact.
     shear_strength : tau in Pa, f_s = tau A.
-    force_coefficient : c in Pa, f_s = c x_s² (the paper's law); G²/tau is its value where f_s = tau A and
-        k = G A^(1/2).
+    force_coefficient : c in Pa, f_s = c x_s² (the paper's law); G²/tau where f_s = tau A, k = G A^(1/2).
     contact_stiffness : or k in N/m as a PowerLaw of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or
         your own (docs/rough-surfaces.md compares them).
 
@@ -149,8 +146,7 @@ class Interface:
     area_fraction : real over nominal area of contact.
     contact_density : contacts per nominal area, 1/m².
     mean_radius : <(A/pi)^(1/2)> over the contacts, m.
-    mean_threshold, mean_stiffness, mean_force_threshold : over fresh contacts, <x_s> in m, <k> in N/m with
-        k = f_s/x_s, and <f_s> in N.
+    mean_threshold, mean_stiffness, mean_force_threshold : fresh <x_s> in m, <k> = <f_s/x_s> in N/m, <f_s> in N.
     friction_coefficient : kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of
         x_i (paper, Eq. Q6), with number, load and <k> of the fresh interface.
     force_law : f_s in N as a law of x_s in m: force_threshold.

@@ -1,5 +1,4 @@
-"""Profile spectral moments of a surface, by nearest-neighbour differences or from its spectrum, and the summits they
-imply."""
+"""Profile spectral moments of a surface, by differences of neighbours or from its spectrum, and its summits."""
 
 import math
 from dataclasses import dataclass
@@ -19,12 +18,10 @@ class SpectralMoments:
     """Moments of the profiles along both axes, and the summits of the isotropic Gaussian surface that has them.
 
     m0 : mean square height about the trend, m².
-    m2, m4 : mean square slope and curvature (1/m²) of profiles, averaged over both axes; m2 is half the mean square
-        slope of the surface.
+    m2, m4 : mean square slope and curvature (1/m²) of profiles, averaged over both axes; m2 is half the surface's.
     m2_axes, m4_axes : the same along the first and along the second axis; equal for an isotropic surface.
-    step, pixel_size : pixels between the neighbours that were differenced, and their distances (m) along both axes;
-        None where there was no scan.
-    size : lengths of the scan along both axes, m; None where there was no scan.
+    step, pixel_size : pixels between the neighbours that were differenced, and their distances (m) along both axes.
+    size : lengths of the scan along both axes, m; where there was no scan all three are None.
     missing_fraction : fraction of the points that are missing.
     used_fraction : fraction of the curvature stencils inside the scan that contain no missing point.
     """

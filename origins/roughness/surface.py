@@ -104,8 +104,7 @@ def self_affine_surface(
     hurst : the Hurst exponent H, 0 to 1.
     rms_slope : root mean square slope of the surface, above zero.
     seed : of the phases, at least 0.
-    long_cutoff, short_cutoff : wavelengths; left out, the longest and the shortest that the grid resolves in every
-        direction.
+    long_cutoff, short_cutoff : wavelengths; left out, the extreme ones that the grid resolves in every direction.
     Returns heights of `shape`, with mean zero.
 
     Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode remains, and for a

@@ -32,8 +32,7 @@ def from_samples(
     coefficient : c of the paper's quadratic law f_s = c x_s^2 (Eq. PxPf), so x_s = (f_s/c)^(1/2); force per length^2.
     stiffness : k of x_s = f_s/k, one for all contacts or an array of shape (n,), force per length, above zero.
     weights : array of shape (n,), above zero, on any scale: weight of each sample; equal when left out. The lightest,
-        which together weigh less than a millionth of one effective sample, are left out. A heavy sample is not an exact
-        value: only repeats are.
+        which together weigh less than a millionth of one effective sample, are left out; a heavy sample is not exact.
 
     The result has its sampling error as `n_samples`, `effective_samples`, `cdf_error`, `cdf_misfit`, `beyond` (see
     Sampled), and `origins.bootstrap` gives that of any number derived from it.

@@ -100,13 +100,10 @@ class UpperGaussian(CutGaussian):
         return x
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
-        if n != round(n) or centre != 0.0:
+        if n not in (1.0, 2.0) or centre != 0.0:
             return super()._moment(n, centre)
-        variance = self.parent_std**2
-        lower, moment = 1.0, self.parent_mean + variance * float(np.exp(self._log_at_zero))
-        for order in range(2, round(n) + 1):
-            lower, moment = moment, self.parent_mean * moment + (order - 1) * variance * lower
-        return moment
+        mean = self.parent_mean + self.parent_std**2 * float(np.exp(self._log_at_zero))
+        return mean if n == 1.0 else self.parent_mean * mean + self.parent_std**2
 
 
 class ChordGaussian(Thresholds):

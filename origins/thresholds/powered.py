@@ -1,5 +1,4 @@
-"""Power laws, also with another exponent beyond a bend, and the thresholds that are such a power of another law's
-variable."""
+"""Power laws, also with another exponent beyond a bend, and thresholds that are such a power of another variable."""
 
 from dataclasses import dataclass
 
