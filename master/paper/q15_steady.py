@@ -20,7 +20,7 @@ from origins import Ageing, Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.laws.diffusion import Diffusion
 from origins.thresholds.law import Array
-from origins.thresholds.quadrature import gauss
+from origins.thresholds.scipy_laws import as_thresholds
 
 PRINTED = "(Q15), the paper's closure of ageing,"
 
@@ -57,6 +57,8 @@ def make_ageing(hops: Diffusion, amount: complex) -> Callable[[Array], Array]:
 def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
     """(Q15), (Q11c), (Q11d): fields of SteadyState; InputError for fresh thresholds outside the support of the final
     law, and for a final law with a gap that thresholds would have to cross. Exact single values are allowed."""
+    from scipy import stats
+
     check_contacts(contacts, PRINTED, ("ageing",))
     assert contacts.ageing is not None
     contacts.ageing.check_fresh(contacts.thresholds)
@@ -71,7 +73,8 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
     force, length = best.tolist()
     # weights on the coarser of the last two grids, extrapolated from both
     weights = (4.0 * tables[-1].reshape(-1, 2).sum(axis=1) - tables[-2]) / 3.0
-    thresholds = TabulatedLaw(grids[-2], np.maximum(weights, 0.0))
+    table = stats.rv_histogram((np.maximum(weights, 0.0), grids[-2]), density=False)
+    thresholds = as_thresholds(table)
     return {
         "force": force,
         "force_error": float(off[0]) / fresh.mean(),
@@ -137,30 +140,3 @@ def _solve(
     aged = weights(length)
     square = fresh.moment(2) + float(middle**2 @ (aged - born))
     return np.array([0.5 * square / length, length]), aged
-
-
-class TabulatedLaw(Thresholds):
-    """Thresholds known by their weights (n,) >= 0 in cells between edges (n + 1,), lengths: the density is even within
-    a cell, and cdf and survival are each summed from its own end."""
-
-    onset_power = 0.0
-
-    def __init__(self, edges: Array, weights: Array) -> None:
-        weights = weights / weights.sum()
-        self._edges, self._densities = edges, weights / np.diff(edges)
-        self._support = float(edges[0]), float(edges[-1])
-        self._below = np.append(0.0, weights.cumsum())
-        self._above = np.append(weights[::-1].cumsum()[::-1], 0.0)
-
-    def _pdf(self, x: Array) -> Array:
-        return self._densities[np.searchsorted(self._edges[1:-1], x, "right")]
-
-    def _cdf(self, x: Array) -> Array:
-        return np.interp(x, self._edges, self._below)
-
-    def _sf(self, x: Array) -> Array:
-        return np.interp(x, self._edges, self._above)
-
-    def _moment(self, n: float, centre: float = 0.0) -> float:
-        nodes, weights = gauss(self._edges[:-1], self._edges[1:])
-        return float(((nodes - centre) ** n * weights).sum(axis=1) @ self._densities)

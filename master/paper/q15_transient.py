@@ -163,8 +163,8 @@ def solve_q15(
     began, end = time.perf_counter(), float(drive.path[-1])
     step = 0.5 * narrowest(contacts)  # coarser steps do not resolve the laws
     fine = paper_transient(contacts, drive.path, step, drive.velocity)
-    better, error, stuck, work = np.empty(0), np.inf, False, 0.0
-    while error > tolerance and not stuck and 4.0 * work <= 1e8:
+    better, error, stuck = np.empty(0), np.inf, False
+    while error > tolerance and not stuck and CELLS * fine.edges.size * end / step <= 2.5e7:
         step, coarse, worse = 0.5 * step, fine, better
         fine = paper_transient(contacts, drive.path, step, drive.velocity)
         better = (4.0 * fine.force - coarse.force) / 3.0
@@ -172,7 +172,6 @@ def solve_q15(
             change = 2.0 * float(np.abs(better - worse).max()) / contacts.mean_threshold
             # where contacts have outrun P_c, finer steps may not reduce the error
             stuck, error = fine.outrun < end and change > 0.5 * error, change
-            work = fine.edges.size * CELLS * (end / step + 1.0)
             progress(error)
     reason = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
     success, message = outcome(contacts, error, tolerance, reason)

@@ -52,13 +52,9 @@ class Along:
 
 
 class Points:
-    """The points at which to solve, checked and broadcast.
+    """The points at which to solve, checked and broadcast to one `shape`.
 
-    Attributes
-    ----------
-    shape : tuple of int
-    rows : array of shape (n, 4)
-        Speed, temperature, rate and delay; 0 for a law that the contacts do not have.
+    rows : array of shape (n, 4), speed, temperature, rate and delay; 0 for a law that the contacts do not have
     """
 
     def __init__(self, contacts: Contacts, **asked: npt.ArrayLike | None) -> None:

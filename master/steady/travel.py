@@ -16,12 +16,8 @@ from origins import Contacts, InputError
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Accuracy of tables of which only integrals are needed: of births at one stretch, and at many, where a survival takes
-# some hundred times as long and is smoother.
-ACCURACY, OF_MANY = 1e-9, 1e-8
-# The coarsest accuracy, where E itself is known to no better; and the finest for births at many stretches with heat:
-# the quadrature rule of their average changes along the way, which makes steps of some 1e-12 that no panel resolves.
-COARSEST, STEPPED = 1e-7, 1e-11
+# Accuracy of tables of which only integrals are needed; and the coarsest, where E itself is known to no better.
+ACCURACY, COARSEST = 1e-9, 1e-7
 # Share of contacts below which the error of the survival is relative, not absolute; and below which numbers underflow.
 FEW, NONE = 1e-4, 1e-290
 
@@ -29,30 +25,19 @@ FEW, NONE = 1e-4, 1e-290
 class Travel(Straight):
     """E and K of contacts born at some stretches, tabulated over the way, and their integrals (paper, Eq. Q11c).
 
-    Parameters
-    ----------
-    contacts, life, velocity : Contacts, Life, float
-        Of the contacts, and v > 0, length per time; contacts and velocity are kept as attributes.
-    accuracy : float, optional
-        Last two Legendre coefficients of E, and of K over `scale`, on a panel, below which it is not halved: the error
-        of integrals is then about its square. Kept as an attribute.
-    born : Start, optional
-        The law of the stretches at birth; None: that of re-forming.
+    velocity : v > 0, length per time
+    accuracy : last two Legendre coefficients of E, and of K over `scale`, below which a panel is not halved: the error
+        of integrals is then about its square
+    born : law of the stretches at birth; None: that of re-forming
 
-    Attributes, beside those of Straight, where lags are ways
+    Attributes, beside these and those of Straight, where lags are ways
     ----------
-    atoms : array of shape (n,)
-        Ways after which contacts reach exact thresholds together.
-    grain : float
-        Length over which E falls.
-    most : float
-        A length: the largest value of |K|.
-    wait : float
-        v tau, the travel during which a broken contact is out (a length).
-    length, length_error : float
-        C, the integral of E, and its error; lengths.
-    area, area_error : float
-        The integral of K and its error; lengths squared.
+    atoms : array of shape (n,), ways after which contacts reach exact thresholds together
+    grain : the length over which E falls
+    most : the largest value of |K|, a length
+    wait : v tau, the travel during which a broken contact is out (a length)
+    length, length_error : C, the integral of E, and its error; lengths
+    area, area_error : the integral of K and its error; lengths squared
     """
 
     def __init__(
@@ -60,17 +45,14 @@ class Travel(Straight):
         contacts: Contacts,
         life: Life,
         velocity: float,
-        accuracy: float | None = None,
+        accuracy: float = ACCURACY,
         born: Start | None = None,
     ) -> None:
         """Tabulate E and K over the way since a birth, and integrate them."""
         check_finite(contacts)
-        self.contacts, self.velocity = contacts, velocity
+        self.contacts, self.velocity, self.accuracy = contacts, velocity, accuracy
         self.wait = velocity * contacts.waiting_time
         born = born or reforming_law(contacts)
-        if accuracy is None:
-            accuracy = ACCURACY if born.is_single else OF_MANY
-        self.accuracy = accuracy if born.is_single or life.quick else max(accuracy, STEPPED)
         longest = life.reach + max(-2.0 * float(born.span[0]), 0.0)
         # panels that follow E more closely than it is known would follow its rounding
         finest = min(life.error, COARSEST)

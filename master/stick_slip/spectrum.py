@@ -70,17 +70,14 @@ class DecoherenceSpectrum:
 
     @property
     def period(self) -> Array:
-        """2π/Im s_n, lengths."""
         return 2.0 * np.pi / self.roots.imag
 
     @property
     def period_error(self) -> Array:
-        """Its error, lengths."""
         return self.period * self.roots_error / self.roots.imag
 
     @property
     def decay_length(self) -> Array:
-        """-1/Re s_n, lengths."""
         return -1.0 / self.roots.real
 
     def force(self, x: npt.ArrayLike) -> Array:
