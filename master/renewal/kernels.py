@@ -45,8 +45,6 @@ class Straight:
     steady : whether lags are ways instead of times, and followed beyond the longest until hardly any
         contact holds
 
-    Attributes
-    ----------
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
     typical : the lag after which about half of the contacts have broken
@@ -217,7 +215,8 @@ class Kernels:
         share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
         found[0] += rule.values(share[0]) - rule.values(share[1])
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
-        solve = np.asarray(np.linalg.inv(both[0, 0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
+        # singular on a panel far wider than a life: the residual then shows that this is not resolved
+        solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : rule.DEGREE + 1, 1:]))
         self._known[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
         return self._known[speed, width]
 

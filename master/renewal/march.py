@@ -37,14 +37,11 @@ class March:
     grain : length over which the number of breaks has to be resolved: the first guess of a panel
     stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
 
-    Attributes
-    ----------
     begin, width, breaks, force, wrong : arrays, one entry or row a panel
     since : array, the panels' beginnings counted from that of their leg, which keeps all digits
-    lumps : list of Lump, the start first
-    widest : float, largest width of the next panels
-    steady_since : float, when the march ended because breaks were steady; inf where they were not
-    unfinished : bool, whether the march was stopped before the last edge
+    lumps : the start first; widest : largest width of the next panels
+    steady_since : when the march ended because breaks were steady; inf where they were not
+    unfinished : whether the march was stopped before the last edge
     """
 
     def __init__(
