@@ -83,8 +83,6 @@ class Straight:
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
         shortest = SHORTEST * min(self.typical, float(edges[1]))
-        # an average over a narrow law is rounded by about its error
-        accuracy = accuracy if born.is_single else max(accuracy, life.error)
         self.table = Table(self.scaled, edges, accuracy, shortest, ends=AT_ENDS)
         self._read = self.table
         self.edges, self.error = self.table.edges, self.table.error
@@ -192,9 +190,8 @@ class Kernels:
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, np.diff(motion.times)[motion.speeds == speed].max())
-            # finer than 1e-13, or than its error, a table would follow the rounding of the survival
-            finest = life.error if life.pair_work == 1 else np.inf
-            accuracy = max(1e-13, min(0.1 * births.accuracy, finest))
+            # finer than 1e-13 a table would follow the rounding of the survival
+            accuracy = max(1e-13, 0.1 * births.accuracy)
             self._straight[speed] = Straight(life, births.law, speed, float(longest), accuracy)
         return self._straight[speed]
 
