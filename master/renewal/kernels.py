@@ -146,11 +146,8 @@ def _edges(longest: float, lags: Array) -> Array:
 
 
 class Kernel(NamedTuple):
-    """Contributions of a panel to panels of its own width, by distance.
-
-    values : array of shape (panels apart, 2 * TARGETS.size, DEGREE + 1), to number, then force
-    solve : array of shape (DEGREE, DEGREE), matrix from 1 - number at the nodes to the breaks there
-    """
+    """Contributions of a panel to panels of its own width: to number, then force, of shape (panels apart,
+    2 * TARGETS.size, DEGREE + 1); and the matrix from 1 - number at the nodes to the breaks there."""
 
     values: Array
     solve: Array

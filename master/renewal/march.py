@@ -99,11 +99,8 @@ class March:
             yield from self._segment(begin - leg_begin, end - leg_begin, leg)
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
-        """Solve from one edge to the next; both are times since the leg's beginning.
-
-        A run of equal panels that are all good makes the next one longer, and its panels wider if
-        their errors are far below the tolerance.
-        """
+        """Solve from one edge to the next, both counted from the leg's beginning: a run of equal panels that are
+        all good makes the next longer, and its panels wider if errors are far below the tolerance."""
         t, width, count, easy = begin, 0.0, 8, 0
         quick, grain = self.life.quick, self._duration(self.grain, leg)
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
@@ -150,11 +147,8 @@ class March:
         return self.kernels.straight(float(self.motion.speeds[leg])).longest + self.births.delay
 
     def _steady(self) -> bool:
-        """Whether breaks have been steady for longer than any life, so that they stay so on this leg.
-
-        The rate of breaks is a mean of the rates over the longest life before: where these agree
-        to the tolerance, so do all that follow.
-        """
+        """Whether breaks have been steady for longer than any life: the rate of breaks is a mean of the
+        rates over the longest life before; where these agree to the tolerance, so do all that follow."""
         memory, speed = 1.1 * self._memory(0), self.motion.speeds[0]
         since = self.reached - self.lumps[-1].time
         if not speed or since < memory or self.edges[-1] - self.reached < 8.0 * memory:

@@ -37,8 +37,7 @@ INSIDE = 1e-9
 class Past:
     """Births on the legs before one leg of the motion.
 
-    leg, first : the leg, and the first panel whose births are on it
-    began : when the leg begins
+    leg, began, first : the leg, when it begins, and the first panel whose births are on it
     error : estimate from above of the error of the number, the largest of all legs so far
     """
 
@@ -111,10 +110,8 @@ class Past:
         self.error = max(self.error, sum(each.missed for each in self._strands))
 
     def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force, at times in rows, of births on the legs before, and of all lumps.
-
-        Each row lies within one panel of the leg. Returns an array of shape (2, rows, columns).
-        """
+        """Number and force, of shape (2, rows, columns), of births on the legs before and of all lumps, at
+        times in rows, each within one panel of the leg."""
         t = grid
         if self._life.atoms.size and not self._motion.speeds[: self.leg].all():
             # at an edge the births of a hold may meet an exact threshold, all at once
@@ -132,10 +129,8 @@ class Past:
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _resolved(self, t: Array) -> Iterator[tuple[Rows, Array]]:
-        """Which of the times t see pieces of the births, and their number, force and error, (3, pieces).
-
-        Pieces are halved until the survival is a polynomial on each.
-        """
+        """Which of the times t see pieces of the births, and their number, force and error, (3, pieces);
+        pieces are halved until the survival is a polynomial on each."""
         if not self._legs.size:
             return
         births, pieces = self._births, self._pieces(t)
