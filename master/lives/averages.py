@@ -72,9 +72,8 @@ def integrals(
     """Integrals of functions over ranges, of which each is cut into pieces.
 
     integrand : smooth inside pieces; the first of its functions decides which pieces are halved
-    accuracy : last coefficients, as contributions to the integral, below which a piece is not halved,
-        for all ranges or for each;
-        the error of the Gauss sum is then about their square, or 1e-3 of them near an onset
+    accuracy : last coefficients, as contributions to the integral, below which a piece is not halved, for all
+        ranges or each; the Gauss sum's error is then about their square, or 1e-3 of them near an onset
     relative : whether the accuracy counts in units of the last function's integral
     checked : the error of one range in so many is measured
     """

@@ -87,10 +87,8 @@ class GrainLife(Life):
         return np.stack([share, share * stretch[:, -1]])
 
     def _unbroken(self, stretch: Array, since: Array, worst: Array) -> Array:
-        """Share that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,).
-
-        stretch, since : arrays of shape (n, 2), stretches and times since pinning on one leg
-        """
+        """Share that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,), by
+        stretches and times since pinning at both ends of one leg, (n, 2)."""
 
         def held(row: Rows, hazard: Array) -> Array:
             spent = self._spent(hazard, stretch[row], since[row])

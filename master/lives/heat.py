@@ -67,10 +67,8 @@ class ThermalLife(LawLife):
         return np.stack([np.minimum(out[0], 1.0), out[1] * (born + history.now)])
 
     def _held(self, replay: Replay, weight: Array, side: Array) -> Array:
-        """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n).
-
-        weight : array of shape (n,), the factor on P_c: 1 over the survival at birth
-        """
+        """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n). The
+        weight, shape (n,), is the factor on P_c: 1 over the survival at birth."""
         every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"
 
         def held(contact: Rows, threshold: Array) -> Array:
@@ -100,11 +98,8 @@ class ThermalLife(LawLife):
 
 
 class Replay:
-    """The rate of n contacts, integrated leg by leg: the mean rate on each leg times the time there.
-
-    born, legs : stretch at birth, shape (n,), and moves of each contact
-    furthest : largest |x| of each contact, shape (n,): its threshold lies above
-    """
+    """The rate of n contacts, born at stretches of shape (n,), integrated leg by leg: the mean rate on each
+    leg times the time there; furthest is the largest |x| of each, below its threshold."""
 
     def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
         assert contacts.thermal is not None

@@ -33,8 +33,6 @@ class Life:
     born at t = 0 at the stretches of the start. Each law of contacts is a subclass; attributes that it
     does not set are those of a survival that depends on time and has no bends.
 
-    Attributes
-    ----------
     reach : length; a contact whose |x| has been beyond it no longer holds (its survival is below 1e-17)
     quiet : length; a contact whose |x| has never been beyond it still holds (its survival is 1 to
         rounding); 0 where there is no such length
@@ -151,8 +149,9 @@ class LawLife(Life):
         self.panels = np.maximum(self.panels, SMALLEST)
         inner = self.panels[self.panels < self.reach]
         broken = -np.diff(law.sf(inner))
-        many = broken.sum() > 0.0
-        self.grain = float(np.diff(inner) @ broken / broken.sum()) if many else self.reach
+        self.grain = (
+            float(np.average(np.diff(inner), weights=broken)) if broken.any() else self.reach
+        )
 
     def atom_share(self, atom: float, stretch: float) -> float:
         """See Life; an upper bound, as heat may break some before."""

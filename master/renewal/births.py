@@ -64,10 +64,8 @@ class Births:
 
 
 class Lump(NamedTuple):
-    """Contacts that were born at one moment, or hold at t = 0 (paper, Eqs. Q7b and Q6e).
-
-    time : of the birth; weight : share of all contacts; law : of the stretches at birth
-    """
+    """Contacts that were born at one moment, or hold at t = 0 (paper, Eqs. Q7b and Q6e): time of the
+    birth, weight (share of all contacts) and law of the stretches at birth."""
 
     time: float
     weight: float
@@ -75,11 +73,8 @@ class Lump(NamedTuple):
 
 
 class Panels(NamedTuple):
-    """Solved panels, in the order of time.
-
-    begin, since, width : arrays of shape (n,); since is counted from the beginning of a leg
-    breaks : array of shape (n, DEGREE + 1), values at 0 and the nodes
-    """
+    """Solved panels, in the order of time; since is counted from the beginning of a leg; breaks, values
+    at 0 and the nodes, have shape (n, DEGREE + 1)."""
 
     begin: Array
     since: Array
@@ -96,11 +91,8 @@ class Panels(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Nodes on the parts of pieces that lie on one panel each.
-
-    target, panel : arrays of shape (parts,), in the order of the pieces
-    share, place, weight : arrays of shape (parts, GAUSS); weights in an integral over the panel's share
-    """
+    """Nodes on the parts of pieces that lie on one panel each: target and panel of each part, shape
+    (parts,), and share, place and weight in an integral over the panel's share, (parts, GAUSS)."""
 
     target: Rows
     panel: Rows
@@ -129,8 +121,7 @@ class Nodes(NamedTuple):
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
     """Births on pieces from left to right, weighted by each one's own Legendre polynomials: (pieces, size).
 
-    ends : array of shape (panels + 1,), of the panels
-    slopes : array of shape (panels, DEGREE + 1), Legendre coefficients of the breaks' derivative
+    ends : of the panels; slopes : Legendre coefficients of the breaks' derivative, a row a panel
     """
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight

@@ -60,11 +60,8 @@ def edges(
     bends = np.union1d(life.bends, [life.quiet, life.reach] if alike else [])
 
     def breaks(birth: float, size: float, law: Start) -> Iterator[Moment]:
-        """When births with a jump or bend of this size make breaks jump or bend.
-
-        Where P_c jumps, the effect comes back one order smoother; at an exact threshold as sharp, times
-        the share of the contacts that have it.
-        """
+        """When births with a jump or bend of this size make breaks jump or bend: one order smoother where
+        P_c jumps; as sharp at an exact threshold, times the share of the contacts that have it."""
         ends = law.span if np.ptp(law.span) < 0.1 * life.reach else []
         for stretch in np.union1d(law.breakpoints, ends).tolist():
             for t, bend in passings(motion, birth, stretch, bends):

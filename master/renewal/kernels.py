@@ -45,8 +45,6 @@ class Straight:
     steady : whether lags are ways instead of times, and followed beyond the longest until hardly any
         contact holds
 
-    Attributes
-    ----------
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
     typical : the lag after which about half of the contacts have broken
@@ -85,8 +83,6 @@ class Straight:
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
         shortest = SHORTEST * min(self.typical, float(edges[1]))
-        # an average over a narrow law is rounded by about its error
-        accuracy = accuracy if born.is_single else max(accuracy, life.error)
         self.table = Table(self.scaled, edges, accuracy, shortest, ends=AT_ENDS)
         self._read = self.table
         self.edges, self.error = self.table.edges, self.table.error
@@ -150,11 +146,8 @@ def _edges(longest: float, lags: Array) -> Array:
 
 
 class Kernel(NamedTuple):
-    """Contributions of a panel to panels of its own width, by distance.
-
-    values : array of shape (panels apart, 2 * TARGETS.size, DEGREE + 1), to number, then force
-    solve : array of shape (DEGREE, DEGREE), matrix from 1 - number at the nodes to the breaks there
-    """
+    """Contributions of a panel to panels of its own width: to number, then force, of shape (panels apart,
+    2 * TARGETS.size, DEGREE + 1); and the matrix from 1 - number at the nodes to the breaks there."""
 
     values: Array
     solve: Array
@@ -194,9 +187,8 @@ class Kernels:
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, np.diff(motion.times)[motion.speeds == speed].max())
-            # finer than 1e-13, or than its error, a table would follow the rounding of the survival
-            finest = life.error if life.pair_work == 1 else np.inf
-            accuracy = max(1e-13, min(0.1 * births.accuracy, finest))
+            # finer than 1e-13 a table would follow the rounding of the survival
+            accuracy = max(1e-13, 0.1 * births.accuracy)
             self._straight[speed] = Straight(life, births.law, speed, float(longest), accuracy)
         return self._straight[speed]
 
@@ -217,7 +209,8 @@ class Kernels:
         share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
         found[0] += rule.values(share[0]) - rule.values(share[1])
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
-        solve = np.asarray(np.linalg.inv(both[0, 0, 1 : rule.DEGREE + 1, 1:]), dtype=float)
+        # singular on a panel far wider than a life: the residual then shows that this is not resolved
+        solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : rule.DEGREE + 1, 1:]))
         self._known[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
         return self._known[speed, width]
 

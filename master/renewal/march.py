@@ -37,14 +37,11 @@ class March:
     grain : length over which the number of breaks has to be resolved: the first guess of a panel
     stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
 
-    Attributes
-    ----------
     begin, width, breaks, force, wrong : arrays, one entry or row a panel
     since : array, the panels' beginnings counted from that of their leg, which keeps all digits
-    lumps : list of Lump, the start first
-    widest : float, largest width of the next panels
-    steady_since : float, when the march ended because breaks were steady; inf where they were not
-    unfinished : bool, whether the march was stopped before the last edge
+    lumps : the start first; widest : largest width of the next panels
+    steady_since : when the march ended because breaks were steady; inf where they were not
+    unfinished : whether the march was stopped before the last edge
     """
 
     def __init__(
@@ -102,11 +99,8 @@ class March:
             yield from self._segment(begin - leg_begin, end - leg_begin, leg)
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
-        """Solve from one edge to the next; both are times since the leg's beginning.
-
-        A run of equal panels that are all good makes the next one longer, and its panels wider if
-        their errors are far below the tolerance.
-        """
+        """Solve from one edge to the next, both counted from the leg's beginning: a run of equal panels that are
+        all good makes the next longer, and its panels wider if errors are far below the tolerance."""
         t, width, count, easy = begin, 0.0, 8, 0
         quick, grain = self.life.quick, self._duration(self.grain, leg)
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
@@ -156,11 +150,8 @@ class March:
         return self.kernels.straight(float(self.motion.speeds[leg])).longest + self.births.delay
 
     def _steady(self) -> bool:
-        """Whether breaks have been steady for longer than any life, so that they stay so on this leg.
-
-        The rate of breaks is a mean of the rates over the longest life before: where these agree
-        to the tolerance, so do all that follow.
-        """
+        """Whether breaks have been steady for longer than any life: the rate of breaks is a mean of the
+        rates over the longest life before; where these agree to the tolerance, so do all that follow."""
         memory, speed = 1.1 * self._memory(0), self.motion.speeds[0]
         since = self.reached - self.lumps[-1].time
         if not speed or since < memory or self.edges[-1] - self.reached < 8.0 * memory:

@@ -41,8 +41,7 @@ INSIDE = 1e-9
 class Past:
     """Births on the legs before one leg of the motion.
 
-    leg, first : the leg, and the first panel whose births are on it
-    began : when the leg begins
+    leg, began, first : the leg, when it begins, and the first panel whose births are on it
     error : estimate from above of the error of the number, the largest of all legs so far
     """
 
@@ -161,10 +160,8 @@ class Past:
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
-        """Pieces of the births, as seen from times t; their number, force and error, shape (3, pieces).
-
-        Pieces are halved until the survival is a polynomial on each.
-        """
+        """Pieces of the births, as seen from times t; their number, force and error, shape (3, pieces);
+        pieces are halved until the survival is a polynomial on each."""
         if not self._legs.size:
             return
         births, pieces = self._births, self._pieces(t)

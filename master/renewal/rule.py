@@ -62,12 +62,8 @@ def last_and_fall(size: Array) -> tuple[Array, Array]:
 
 
 class Points:
-    """Shares of a range, at which values give a polynomial.
-
-    nodes : array of shape (size,), the shares
-    series : array of shape (size, size), matrix from values to Legendre coefficients; its first column
-        holds the weights of an integral
-    """
+    """Shares of a range (nodes), at which values give a polynomial, and the matrix from the values to its
+    Legendre coefficients (series), whose first column holds the weights of an integral."""
 
     def __init__(self, z: Array) -> None:
         """From the nodes in [-1, 1]."""
@@ -124,8 +120,5 @@ SLOPES[:-1] = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
 
 
 def legendre_sum(coefficients: Array, z: Array) -> Array:
-    """Sums of Legendre polynomials, a row of coefficients for each row of z in [-1, 1].
-
-    coefficients : array of shape (rows, n); z : array of shape (rows, columns), as the result
-    """
+    """Sums of Legendre polynomials, a row of coefficients for each row of z in [-1, 1]; as z."""
     return np.asarray(legendre.legval(z, coefficients.T[:, :, None], tensor=False))

@@ -48,10 +48,8 @@ class StrandBirths:
         self._weight = found @ basis.series.T
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
-        """Follow the strands to the end of the present leg, which begins at t = 0 of this motion.
-
-        Returns whether more contacts than is negligible hold at the leg's beginning.
-        """
+        """Follow the strands to the end of the present leg, which begins at t = 0 of this motion; whether
+        more contacts than is negligible hold there."""
         leg, self._strands.spent = int(motion.leg(np.finfo(float).tiny)), negligible
         while self._seen < leg:
             self._seen += 1

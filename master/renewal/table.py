@@ -19,8 +19,6 @@ HARDLY = 0.3
 class Table:
     """Functions of one number x >= 0, a length or a time, polynomials between edges; 0 beyond the last.
 
-    Parameters
-    ----------
     function : takes x of shape (panels, nodes), each row within one panel, and gives an array of
         shape (functions, panels, nodes)
     edges : sorted; the functions may jump or bend there
@@ -34,10 +32,7 @@ class Table:
     rounding : in units of the accuracy: panels whose last coefficients are below it are no longer
         halved once halving hardly reduces these
 
-    Attributes
-    ----------
-    begin, end, widths : arrays of shape (panels,)
-    edges : array of shape (panels + 1,)
+    begin, end, widths, edges : of the panels; edges has one entry more
     error : largest error at the ends of panels, where polynomials are off most; unchecked, last coefficient
     tails : array of shape (functions, panels), the larger of the last two coefficients
     """
