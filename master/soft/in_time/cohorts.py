@@ -57,7 +57,7 @@ class Strands(NamedTuple):
 class Trial(NamedTuple):
     """A step that is not taken yet: its travel, its end in time, and the state it leads to.
 
-    strands : all, with a new cohort that has no births yet
+    strands : with a new cohort that has no births yet
     held_force : their share that holds, and its force, shape (2, n)
     force : F/(N_c <k>) (a length); holding : share of the contacts
     breaks, births : per contact since t = 0
@@ -76,18 +76,11 @@ class Trial(NamedTuple):
 class Cohorts:
     """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
-    Attributes
-    ----------
-    place, now, force, holding : float
-        X (a length), the time, F/(N_c <k>) (a length), and the share of the contacts that holds.
-    unit : float
-        Mean threshold (a length).
-    pending : dict
-        Times at which births bend, and the shares of the contacts, possibly 0, born at once there.
-    steps : int
-        Number of steps taken so far.
-    unresolved : float
-        Bound on the force (a length) of contacts whose share that holds the steps do not resolve.
+    place, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the share that holds
+    unit : mean threshold (a length)
+    pending : times at which births bend, and the shares of the contacts, possibly 0, born at once there
+    steps, work : number of steps taken so far, and of operations in them
+    unresolved : bound on the force (a length) of contacts whose share that holds steps do not resolve
     """
 
     def __init__(self, contacts: Contacts, memory: Memory, level: int, until: float) -> None:

@@ -56,19 +56,11 @@ class Leg(NamedTuple):
 class Memory:
     """The history of contacts with thresholds that stay, which break there or by heat.
 
-    Cells are halved with each level, from the fourth on with every second one.
-
-    Attributes
-    ----------
-    scales : Scales
-    error : float
-        Error of the survival that `share_and_force` returns, however fine cells and steps are.
-    reach : float
-        Stretch beyond which no contact holds (a length).
-    width : int
-        Length of a strand's record, of which the first `others` numbers are not A.
-    starts : int
-        Most nodes for a start with a width.
+    scales : see Scales
+    error : of the survival that `share_and_force` returns, however fine cells and steps are
+    reach : stretch beyond which no contact holds (a length)
+    width : length of a strand's record, of which the first `others` numbers are not A
+    starts : most nodes for a start with a width
     """
 
     error, others = 1e-15, 0
@@ -76,7 +68,6 @@ class Memory:
     def __init__(self, contacts: Contacts, level: int) -> None:
         law = self._law = contacts.thresholds
         self._hot, self._contacts = contacts.thermal is not None, contacts
-        self._linked = contacts.stiffness == "linked"
         self.starts = 24 + 8 * level if self._hot else 400
         self.reach = max([min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]])
         self.scales = scales_of(contacts)
@@ -121,7 +112,7 @@ class Memory:
         stretch and largest |x|, shape (n,).
         """
         unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
-        if not (self._hot or self._linked):
+        if not self._hot and self._contacts.stiffness == "independent":
             return np.stack([unmet, stretch * unmet])
         return self._summed(record, stretch, furthest, unmet)
 
@@ -146,8 +137,6 @@ class Memory:
             log[every, cut] = near + apart * np.maximum(near - far, 0.0)
             weight = weight * mean_share(log)
         held = weight.sum(axis=1)
-        if not self._linked:
-            return np.stack([held, stretch * held])
         ends = np.tile(edges, (least.size, 1))
         ends[every, cut] = low
         middle = 0.5 * (ends[:, 1:] + ends[:, :-1])
@@ -175,11 +164,8 @@ class MeanRateMemory(Memory):
     def advance(self, record: Array, leg: Leg) -> Array:
         """See Memory."""
         life, (share, born) = self._life, record.T
-        way = np.abs(leg.end - leg.begin)
-        moved = way > 1e-6 * (np.abs(leg.begin) + np.abs(leg.end))
-        # the mean of H over a short way would suffer from the rounding of its integral
-        mean = np.abs(life.grown(leg.end) - life.grown(leg.begin)) / np.where(moved, way, 1.0)
-        mean = np.where(moved, mean, life.rate(0.5 * np.abs(leg.begin + leg.end)))
+        ends, middle = np.abs([leg.begin, leg.end]), 0.5 * np.abs(leg.begin + leg.end)
+        mean = (life.rate(ends).sum(axis=0) + 4.0 * life.rate(middle)) / 6.0
         share = share * life.unmet(leg.begin, leg.end, born, leg.furthest)
         return np.stack([share * np.exp(-mean * leg.duration), born], axis=1)
 

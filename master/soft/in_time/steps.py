@@ -45,17 +45,12 @@ class StepCount:
 
     def time(self, steps: float) -> float:
         """The time after so many steps, at most the end."""
-        even = self._rate * self._first
         if not self._folds:
-            later = steps / self._rate
-        elif not even:
-            later = self._first * float(np.expm1(min(steps / self._folds, 700.0)))
-        else:
-            # even u + folds log(1 + u) = steps
-            even /= self._folds
-            omega = wrightomega(steps / self._folds + even + np.log(even)).real
-            later = self._first * (float(omega) / even - 1.0)
-        return min(self._begin + later, self._end)
+            return min(self._begin + steps / self._rate, self._end)
+        # u = (time - begin) / first solves even u + log(1 + u) = steps / folds, also for hardly any `even`
+        even = max(self._rate * self._first / self._folds, 1e-200)
+        omega = float(wrightomega(steps / self._folds + even + np.log(even)))
+        return min(self._begin + self._first * (omega / even - 1.0), self._end)
 
 
 class Steps:
