@@ -167,7 +167,7 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
     lanes = Lanes(now[0], now[1], np.ones(LANES, whole), np.arange(LANES), now[2])
     rows = Rows(now[3], now[4], now[5], now[6], now[7], np.zeros(LANES, np.int32), log_amount)
     n, turn, breaks = min(LANES, count), whole(0), whole(0)
-    while n > 0:
+    while lanes.number.min() < count:
         for row in range(whole(4)):
             if not again.relaxed:
                 draw_stretches(n, row, turn, stream, again, scratch, rows.stretch)
@@ -180,12 +180,4 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
                 draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, e)
             breaks += _row(work.law, n, rows, count, work, lanes, sums, counts)
         turn += 1
-        if turn % 4 == 0:
-            m = 0
-            for i in range(n):  # lanes without further contacts are removed
-                if lanes.number[i] < count:
-                    for values in lanes:
-                        values[m] = values[i]
-                    m += 1
-            n = m
     return breaks

@@ -25,37 +25,25 @@ STIFFNESS_UNIT = 2.0**36  # k and k² are summed as whole multiples of 1/STIFFNE
 class WholeDrive(NamedTuple):
     """The drive in whole units, for kernels: m legs of one speed each, and n bins in the order of the clock, which end
     at the points of the path and between.
-
-    unit : a length. bin_of_point : of each point of the drive's path. begins, positions : (m + 1,), the clock and the
-    slider at the ends of legs. directions : (m,), of the motion, 0 in a hold. paces : (m,), time in one unit of the
-    clock. bin_ends, bin_positions : (n,), the last moment that belongs to each bin, and the slider's position there,
-    to which stretches of the bin's events refer.
-
-    first : for each cell of the clock, 2^shift long, the first bin that ends in it or later. even : whether each cell
-    is a bin, that of (clock + offset) >> shift. end : last moment of the drive. square : whole second moments are this
-    times unit^-2.
-
-    watched : (k,), the bins at whose ends contacts are counted. before : (n + 2,), number of them before each bin.
-    per_stretch, per_threshold : bins of histograms per unit of |x|.
     """
 
-    unit: float
-    bin_of_point: npt.NDArray[np.intp]
-    begins: Whole
-    positions: Whole
-    directions: Whole
-    paces: Array
-    bin_ends: Whole
-    bin_positions: Whole
-    first: npt.NDArray[np.int32]
-    shift: np.int64
-    even: bool
+    unit: float  # a length
+    bin_of_point: npt.NDArray[np.intp]  # of each point of the drive's path
+    begins: Whole  # (m + 1,): the clock at the ends of legs
+    positions: Whole  # (m + 1,): the slider there
+    directions: Whole  # (m,): of the motion, 0 in a hold
+    paces: Array  # (m,): time in one unit of the clock
+    bin_ends: Whole  # (n,): the last moment that belongs to each bin
+    bin_positions: Whole  # (n,): the slider there, to which stretches of the bin's events refer
+    first: npt.NDArray[np.int32]  # the first bin that ends in each cell of the clock or later
+    shift: np.int64  # a cell is 2^shift long
+    even: bool  # whether each cell is a bin, that of (clock + offset) >> shift
     offset: np.int64
-    end: np.int64
-    square: float
-    watched: npt.NDArray[np.intp] = np.zeros(0, np.intp)
-    before: npt.NDArray[np.intp] = np.zeros(0, np.intp)
-    per_stretch: float = 1.0
+    end: np.int64  # last moment of the drive
+    square: float  # whole second moments are this times unit^-2
+    watched: npt.NDArray[np.intp] = np.zeros(0, np.intp)  # bins at whose ends contacts are counted
+    before: npt.NDArray[np.intp] = np.zeros(0, np.intp)  # (n + 2,): number of them before each bin
+    per_stretch: float = 1.0  # bins of histograms per unit of |x|
     per_threshold: float = 1.0
 
 
@@ -123,8 +111,8 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
 
 
 def _bits(number: float) -> int:
-    """Bits of a number >= 0, which may be infinite (then more than there are)."""
-    return int(np.ceil(np.log2(min(max(number, 1e-300), 1e300))))
+    """Bits of a number >= 0, of which 0 and inf count as a tiny and a huge one."""
+    return int(np.ceil(np.log2(np.clip(number, 1e-300, 1e300))))
 
 
 def _points(clock: Array, widest: float, most: int) -> tuple[Array, float]:

@@ -1,8 +1,6 @@
 """Replicas of coupled contacts, N of them on one soft slider each: following one, and the result of all."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +11,6 @@ from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse
 from origins.thresholds.law import Array
-
-if TYPE_CHECKING:
-    from eq_model.coupled.slide_kernel import Pull
 
 
 class Replicas:
@@ -97,8 +92,8 @@ class Replicas:
             rows=row[None], slips=np.reshape(slips, (-1, 8)) * scales, breaks=int(s["breaks"])
         )
 
-    def _pull(self, s: np.void) -> Pull:
-        """The drive of a slider with its first contacts, from the position that balances them on."""
+    def _pull(self, s: np.void) -> Any:
+        """The Pull of a slider with its first contacts, from the position that balances them on."""
         from eq_model.coupled.slide_kernel import Pull
 
         n, drive, unit, delay = self._n, self._drive, self._unit, self._contacts.delay

@@ -75,8 +75,7 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
     """The table of a law, in its lengths, down to v = `deepest` from above: |cdf(Q(u)) - u| <= 1e-6 min(u, 1 - u).
 
     law : with cdf, sf, ppf and isf, as Thresholds, Start and distributions of scipy.stats have them. It is certified at
-    ten points of every cell. A value within 4 units in the last place of the exact one also passes, and so does an
-    error of v up to 4e-16 below v = 1e-9 where the law's own tail is no more accurate.
+    ten points of every cell. A value within 4 units in the last place of the exact one also passes.
 
     Raises InputError, with `name`, where cdf, sf, ppf and isf do not agree well enough for that, as
     where values underflow.
@@ -97,9 +96,6 @@ def _side(
     edge = 2.0 ** -(OCTAVES + 1) * np.append(octaves, 2.0**OCTAVES)
     left, right = np.append(OCTAVES + 1.0, edge[:-1]), np.append(-np.log2(deepest), edge[1:])
     logarithmic = np.arange(SIDE) == 0
-    # a law of the user may compute one tail as 1 minus the other, with the round-off of 1
-    rare = np.array([3e-15, 1e-14, 3e-14])
-    grain = 4e-16 * float(np.abs(tail_of(quantile(rare)) / rare - 1.0).max() > 1e-6)
     rows, children, total, jumps, why = [], [], 0, 0.0, ""
     while left.size and not why:
         total += left.size
@@ -107,7 +103,7 @@ def _side(
         if not np.isfinite(row).all():
             why = "they are not finite"
             break
-        good = _certified(tail_of, row, logarithmic, grain)
+        good = _certified(tail_of, row, logarithmic)
         thin = ~good & (right - left <= 2.0**-50 * right)
         jumps += float(np.abs(_v(right, logarithmic) - _v(left, logarithmic))[thin].sum())
         row[thin, 2] = row[thin, 2:].sum(axis=1)  # constant, with the value at the far end
@@ -143,16 +139,13 @@ def _fit(quantile: Callable[[Any], Any], left: Array, right: Array, logarithmic:
     return np.stack([left, width, y[:, 0], c1, c2], axis=1)
 
 
-def _certified(
-    tail_of: Callable[[Any], Any], row: Array, logarithmic: Flags, grain: float
-) -> Flags:
+def _certified(tail_of: Callable[[Any], Any], row: Array, logarithmic: Flags) -> Flags:
     """Whether the values of each cell have the tail probabilities that they should."""
     left, width, c0, c1, c2 = (column[:, None] for column in row.T)
     share = (np.arange(10) + 0.5) / 10.0
     v, first, last = (_v(left + width * t, logarithmic[:, None]) for t in (share, 0.0, 1.0))
     # the limit 0.01 of its width makes a cell fail that contains a jump, however thin it is
     slack = np.minimum(1e-6 * np.minimum(v, 1.0 - v), 0.01 * np.abs(last - first))
-    slack += grain * (v < 1e-9)
     x = c0 + share * (c1 + share * c2)
     good = np.abs(tail_of(x) - v) <= slack
     off = np.flatnonzero(~good.all(axis=1))
@@ -165,4 +158,4 @@ def _certified(
 
 def _v(place: Array, logarithmic: Flags) -> Array:
     """The v of places in cells, which are -log2 v in tails."""
-    return np.where(logarithmic, np.exp2(-np.where(logarithmic, place, 0.0)), place)
+    return np.where(logarithmic, np.exp2(-place), place)

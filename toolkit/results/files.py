@@ -253,7 +253,7 @@ def _read_master(group: Any) -> SolvedRecord:
 
 def _read_eq(group: Any) -> Any:
     from eq_model import CoupledResult, CoupledSlips, EnsembleResult
-    from eq_model.histogram import Histogram
+    from eq_model.result import Histogram
 
     if "positions" in group:
         return _read(group, CoupledResult, slips=_read(group, CoupledSlips, "slip_"))
