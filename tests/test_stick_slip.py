@@ -18,6 +18,7 @@ CLOSED = {
     "exponential": (scipy.stats.expon(), None, 0.0, 1.0),
     "pareto": (scipy.stats.pareto(8.0), None, 7.0, None),
     "identical": (origins.identical(1.3), None, np.inf, 2.0),
+    "arcsine, a density that diverges": (scipy.stats.beta(0.5, 0.5), None, np.inf, None),
     "one value, spread start": (
         origins.identical(1.0),
         origins.gaussian_start(0.0, 0.025),

@@ -49,13 +49,7 @@ class AgeingMemory(Memory):
 
     def advance(self, record: Array, leg: Leg) -> Array:
         """See Memory."""
-        # drop strands of which a smaller share holds
-        holds = record.sum(axis=1) > 1e-13
-        out = np.where(holds[:, None], record, 0.0)
-        if holds.any():
-            moves = leg.begin[holds], leg.end[holds], leg.duration
-            out[holds] = self._cells.stepped(record[holds], *moves)
-        return out
+        return self._cells.stepped(record, leg.begin, leg.end, leg.duration)
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
         """See Memory."""
