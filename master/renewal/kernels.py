@@ -187,8 +187,9 @@ class Kernels:
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, np.diff(motion.times)[motion.speeds == speed].max())
-            # finer than 1e-13 a table would follow the rounding of the survival
-            accuracy = max(1e-13, 0.1 * births.accuracy)
+            # finer than 1e-13, or than its error, a table would follow the rounding of the survival
+            finest = life.error if life.pair_work == 1 else np.inf
+            accuracy = max(1e-13, min(0.1 * births.accuracy, finest))
             self._straight[speed] = Straight(life, births.law, speed, float(longest), accuracy)
         return self._straight[speed]
 
