@@ -176,6 +176,7 @@ class MeanRateLife(LawLife):
     pair_work = 6
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
+        """Tabulate the mean rate H and its integral."""
         super().__init__(contacts)
         assert contacts.thermal is not None
         self.resolved, self.birth_reach = resolved, self.reach

@@ -134,6 +134,7 @@ class LawLife(Life):
     """
 
     def __init__(self, contacts: Contacts) -> None:
+        """Find how far contacts may be stretched, where their survival bends, and how finely it varies."""
         law = self.law = contacts.thresholds
         self.force_error = 1e-12 if contacts.stiffness == "linked" else 0.0
         self.atoms, self.atom_weights = law.atoms

@@ -65,6 +65,7 @@ class Straight:
         accuracy: float,
         steady: bool = False,
     ) -> None:
+        """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest, self.error = life, born, longest, 0.0
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale = life.reach

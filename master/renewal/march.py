@@ -53,6 +53,7 @@ class March:
         grain: float,
         stretch: float,
     ) -> None:
+        """Begin with the start as the only lump, before the first panel."""
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
         self.stretch, self.unfinished = stretch, False

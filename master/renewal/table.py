@@ -48,6 +48,7 @@ class Table:
         felt: Callable[[Array, Array], Array] | None = None,
         rounding: float = 0.0,
     ) -> None:
+        """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
         gauss, at_ends = rule.gauss(size), rule.gauss(size).at(np.array([0.0, 1.0]))
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         shares = np.concatenate([[0.0], gauss.nodes, [1.0]]) if ends > 0.0 else gauss.nodes

@@ -52,6 +52,7 @@ class AgeingLife(Life):
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
     ) -> None:
+        """Follow the contacts of the start where the motion has more than one leg, or fresh ones."""
         ageing = contacts.ageing
         assert ageing is not None and ageing.closure == "exact"
         laws = contacts.thresholds, ageing.final

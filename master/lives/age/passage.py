@@ -58,6 +58,7 @@ class Passage:
     def __init__(
         self, fresh: Thresholds, ageing: Ageing, velocity: float, start: float, accuracy: float
     ) -> None:
+        """Tabulate the breaks along the way; InputError for a start beyond every threshold."""
         normal = ageing.normal
         assert normal is not None and velocity > 0.0
         least = abs(start)
