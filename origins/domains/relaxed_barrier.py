@@ -32,8 +32,7 @@ class RelaxedBarrier:
     barrier_error : error due to remaining forces and rounding. Where an island is so soft that its energy jumps as it
         is moved, the whole range of that energy: lower ways may exist.
     minimum, saddle : copies of the atoms there, with their energy and forces.
-    evaluations : calls of the calculator.
-    run_time : seconds.
+    evaluations, run_time : calls of the calculator, and seconds.
     """
 
     barrier: float
@@ -75,8 +74,8 @@ def relaxed_barrier(
         refuse("calculator", calculator, "must be an ASE calculator, as substrate_calculator(...)")
     island = _MovingIsland(atoms, calculator, rigid, planar, _periods(atoms, calculator, periods))
     noise = _checked(island)
-    shifts, missed = _minimum_and_saddle(island, noise)
-    (minimum, force), (saddle, force_there) = map(island.finished, shifts)
+    starts, missed = _minimum_and_saddle(island, noise)
+    (minimum, force), (saddle, force_there) = map(island.without_force, starts)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
     # forces that remain displace a stationary point by their size over its curvature, here 1e-6 of force over radian;
     # at flatter places the stated error is too small
@@ -87,10 +86,9 @@ def relaxed_barrier(
 
 
 class _MovingIsland:
-    """The atoms that move: all but those fixed by FixAtoms, which are the surroundings.
+    """The atoms that move, all but those fixed by FixAtoms, and how they may, as relaxed_barrier says.
 
-    How they may move is said in relaxed_barrier. Units are the `radian`, the shorter period over 2 pi, and the
-    greatest `force` on one atom at nine places.
+    Units are the `radian`, the shorter period over 2 pi, and the greatest `force` on one atom at nine places.
     """
 
     def __init__(
@@ -121,12 +119,13 @@ class _MovingIsland:
         """Shifts of all atoms by `share` (2,) of the periods."""
         return np.broadcast_to(np.append(np.asarray(share) @ self.periods, 0.0), self.rest.shape)
 
-    def permitted(self, shifts: Array) -> Array:
-        """The part of shifts, or forces, (N_a, 3) that the island's motion permits."""
+    def permitted(self, shifts: Array, centred: bool = False) -> Array:
+        """The part of shifts, or forces, (N_a, 3) that the island's motion permits; `centred`: with its centre kept
+        along x and y."""
         out = shifts.reshape(self.rest.shape) * [1.0, 1.0, 0.0 if self.planar else 1.0]
-        if self.rigid:
-            return np.broadcast_to(out.mean(axis=0), out.shape)
-        return out - (out * self._turn).sum() * self._turn
+        middle = out.mean(axis=0)
+        out = middle + 0.0 * out if self.rigid else out - (out * self._turn).sum() * self._turn
+        return out - middle * [1.0, 1.0, 0.0] if centred else out
 
     def energy_and_forces(self, shifts: Array) -> tuple[float, Array]:
         """The energy, and the forces on each atom (N_a, 3); InputError where they are not finite."""
@@ -145,41 +144,36 @@ class _MovingIsland:
         if self.rigid and self.planar:
             return self.energy_and_forces(place)[0], change
 
-        def inner(part: Array) -> Array:
-            part = self.permitted(part)
-            return part - part.mean(axis=0) * [1.0, 1.0, 0.0]
-
         def scaled(q: Array) -> tuple[float, Array]:
-            energy, forces = self.energy_and_forces(place + change + self.radian * inner(q))
-            return energy / (self.radian * self.force), -inner(forces).ravel() / self.force
+            moved = place + change + self.radian * self.permitted(q, centred=True)
+            energy, forces = self.energy_and_forces(moved)
+            slopes = -self.permitted(forces, centred=True) / self.force
+            return energy / (self.radian * self.force), slopes.ravel()
 
         options, start = {"gtol": _RELAXED, "ftol": 0.0, "maxiter": 2000}, np.zeros(place.size)
         found = scipy.optimize.minimize(scaled, start, jac=True, method="L-BFGS-B", options=options)
-        return float(found.fun) * self.radian * self.force, change + self.radian * inner(found.x)
+        change = change + self.radian * self.permitted(found.x, centred=True)
+        return float(found.fun) * self.radian * self.force, change
 
-    def without_force(self, shifts: Array) -> Array:
-        """The nearby shifts at which the forces vanish; `shifts` themselves where none is found."""
+    def without_force(self, shifts: Array) -> tuple[Atoms, float]:
+        """A copy of all atoms with energy and forces, the island at nearby shifts at which its forces vanish, or at
+        `shifts` themselves where none is found; and the force that remains."""
+        from ase.calculators.singlepoint import SinglePointCalculator
 
         def forces(q: Array) -> Array:
             moved = shifts + self.radian * self.permitted(q)
             return (self.permitted(self.energy_and_forces(moved)[1]) / self.force).ravel()
 
-        start, options = np.zeros(shifts.size), {"fatol": 1e-10, "maxiter": 200}
-        if np.abs(forces(start)).max() <= 1e-10:
-            return shifts
-        q = scipy.optimize.root(forces, start, method="krylov", options=options).x
-        settled = np.abs(forces(q)).max() <= 1e-8 and np.abs(q).max() <= 0.5
-        return shifts + self.radian * self.permitted(q) if settled else shifts
-
-    def finished(self, shifts: Array) -> tuple[Atoms, float]:
-        """A copy of the atoms as given, the island shifted, with energy and forces; the force that remains."""
-        from ase.calculators.singlepoint import SinglePointCalculator
-
-        energy, forces = self.energy_and_forces(shifts)
+        q, options = np.zeros(shifts.size), {"fatol": 1e-10, "maxiter": 200}
+        if np.abs(forces(q)).max() > 1e-10:
+            found = scipy.optimize.root(forces, q, method="krylov", options=options).x
+            if np.abs(forces(found)).max() <= 1e-8 and np.abs(found).max() <= 0.5:
+                q = found
+        remaining = self.force * np.abs(forces(q)).max() * (len(self.rest) if self.rigid else 1)
         atoms, of_all = self.atoms.copy(), self.atoms.get_forces(apply_constraint=False)
+        energy = self.atoms.get_potential_energy()
         atoms.calc = SinglePointCalculator(atoms, energy=energy, forces=of_all)
-        remaining = self.permitted(forces) * (len(forces) if self.rigid else 1)
-        return atoms, float(np.abs(remaining).max())
+        return atoms, float(remaining)
 
 
 def _periods(atoms: Atoms, calculator: Any, given: npt.ArrayLike | None) -> Array:
@@ -220,7 +214,7 @@ def _checked(island: _MovingIsland) -> float:
 
 
 def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array], float]:
-    """Shifts of the atoms at the lowest minimum and at the saddle, and the search's own error, an energy."""
+    """Shifts near the lowest minimum and the saddle, and the search's own error, an energy."""
     exact = island.rigid and island.planar
     for count in (16, 32, 64) if exact else (16,):
         places = np.indices((count, count)).reshape(2, -1).T
@@ -233,13 +227,12 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
         shortest, largest = sizes[highest > count // 3].max(), sizes[1:].max()
         if shortest <= _SMALL * largest:
             break
-    # one of each pair of opposite waves; small ones move the stationary points only a little
-    half = (K[:, 0] > 0) | ((K[:, 0] == 0) & (K[:, 1] > 0))
-    kept = half & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
-    lowest = lowest_saddles(K[kept], 2.0 * waves[kept][None])
+    # small waves move the stationary points only a little
+    kept = (highest > 0) & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
+    lowest = lowest_saddles(K[kept], waves[kept][None])
     found = []
     for share in np.vstack([lowest.minima, lowest.saddles]) / (2.0 * np.pi):
         _, change = island.relaxed(share, change)
-        found.append(island.without_force(island.shifted(share) + change))
+        found.append(island.shifted(share) + change)
     # where short waves are larger than a hundredth of the largest one the relaxed energy jumps
     return found, 0.0 if shortest <= 1e-2 * largest else float(np.ptp(energies))

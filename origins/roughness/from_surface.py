@@ -51,19 +51,16 @@ def from_moments(
 ) -> Thresholds:
     """Thresholds in metres of a surface known by its moments, as moments_of_spectrum or moments_of_summits give them.
 
-    model : "gw": Greenwood and Williamson's summits, counted and shaped by the spectral moments (McCool 1986), heights
-        measured from the summits' mean plane. "persson": normal stress in the real contact, of width
-        E* h'_rms/2^(1/2), on patches of `patch_area`.
+    model : "gw": Greenwood and Williamson's summits, counted and shaped by the spectral moments (McCool 1986).
+        "persson": normal stress in the real contact, of width E* h'_rms/2^(1/2), on patches of `patch_area`.
     law : from the area A and load w of a contact to its threshold x_s = f_s/k (docs/rough-surfaces.md compares them):
         "paper": f_s = mu w and f_s = c x_s², so that k = c x_s; refuses contact_stiffness;
         "amontons": f_s = mu w, with k = G A^(1/2), or the material's contact_stiffness;
         "strength": f_s = tau A, with the same k; refused for patches, which would all break at one threshold.
-    material : SI units; InputError names the constants that the law needs and the material lacks.
-    pressure : nominal pressure, Pa.
+    material, pressure : SI units, with the constants that the law needs; nominal pressure, Pa.
     regime : gw only. "elastic"; "plastic": every summit carries hardness times area, pi r delta H (paper, Eq. GW2);
-        "mixed": only those compressed by more than r (3 pi H/4E*)² do, where this load equals Hertz'; P_c jumps there.
-    patch_area : persson only, and needed there: area of one contact, m². The theory has stresses but no contacts. Use
-        `interface.mean_area` of model="gw" on the same surface, under the same pressure.
+        "mixed": only those compressed by more than r (3 pi H/4E*)² do, where this load equals Hertz'.
+    patch_area : persson only, and needed there: area of one contact, m², such as `interface.mean_area` of model="gw".
     height_law : gw only: "gaussian" or "exponential" heights of the summits, either of the measured standard deviation.
 
     The result has `.interface`, the Interface: area fraction, contact density, <k>, plasticity, friction coefficient.
@@ -99,11 +96,8 @@ def resolution_study(
 ) -> tuple[Thresholds, ...]:
     """from_topography with neighbours `factors` pixels apart: the dependence on the scan's resolution.
 
-    m4, and with it radius and density of the summits, depends on both the surface and the resolution. Each
-    result has its moments as `.interface.moments`, with the step and the spacing of their differences.
-    options : all other arguments of from_topography, except step.
-
-    Raises InputError as from_topography does, and for no factors.
+    Each result has its moments as `.interface.moments`, with the step and the spacing of their differences.
+    options : all other arguments of from_topography, except step. Raises InputError as it does, and for no factors.
     """
     if not isinstance(factors, tuple | list) or not factors:
         refuse("factors", factors, "must be a tuple of whole numbers, such as (1, 2, 4, 8)")
@@ -131,7 +125,7 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
         straight(np.pi * summits.radius, 1.0),
         **fields,
         area_fraction=summits.area_fraction(z),
-        contact_density=float(np.exp(summits.log_contact_density(z))),
+        contact_density=summits.contact_density(z),
         plastic_fraction=plastic,
         hertz_plastic_fraction=of_hertz,
         regime=regime,
@@ -171,24 +165,27 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Threshol
     InputError where the material lacks a constant, or k grows as fast as f_s or faster, so that x_s does not rise.
     """
     law, material, moments = fields["law"], fields["material"], fields["moments"]
-    constant = "shear_strength" if law == "strength" else "local_friction"
-    strength = material.needed(constant, f'law = "{law}"')
-    force = (area if law == "strength" else load).times(strength)
+    of_area = law == "strength"
+    strength = material.needed("shear_strength" if of_area else "local_friction", f'law = "{law}"')
+    force = (area if of_area else load).times(strength)
     if law == "paper":
         coefficient = material.needed("force_coefficient", 'law = "paper"')
         thresholds = Powered(size, force.times(coefficient**-0.5, 0.5))
         stiffness = coefficient * thresholds.mean()  # k = c x_s
     else:
-        of_area = material.stiffness(law)
-        each = area.times(of_area.coefficient, of_area.exponent)
+        given = material.stiffness(law)
+        each = area.times(given.coefficient, given.exponent)
         stretch = force.times(1.0 / each.coefficient, exponent=-each.exponent)
         if not min(stretch.exponent, stretch.above) > 0.0:
             rule = "makes thresholds fall as a summit is pressed down; take one with k ~ A^(1/2)"
-            raise InputError(f"material.contact_stiffness: k ~ A^{of_area.exponent:g} {rule}")
+            raise InputError(f"material.contact_stiffness: k ~ A^{given.exponent:g} {rule}")
         thresholds = Powered(size, stretch)
         stiffness = each.coefficient * size._moment(each.exponent)
-    density, pressure = fields["contact_density"], fields["pressure"]
-    carried = fields["area_fraction"] if law == "strength" else pressure
+    density, carried = fields["contact_density"], fields["area_fraction" if of_area else "pressure"]
+    psi = None
+    if material.hardness is not None:
+        shape = float(np.sqrt(moments.summit_std / moments.summit_radius))
+        psi = 3.0 * material.contact_modulus / material.hardness * shape
     kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
     radius = area.times(np.pi**-0.5, 0.5)
     thresholds.interface = Interface(
@@ -197,8 +194,8 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Threshol
         mean_threshold=thresholds.mean(),
         mean_stiffness=stiffness,
         mean_force_threshold=strength * carried / density,
-        friction_coefficient=density * stiffness * kinetic / pressure,
+        friction_coefficient=density * stiffness * kinetic / fields["pressure"],
         force_law=force.against(thresholds.power),
-        plasticity_index=material.plasticity_index(moments.summit_std, moments.summit_radius),
+        plasticity_index=psi,
     )
     return thresholds

@@ -21,8 +21,7 @@ REGIMES = ("elastic", "plastic", "mixed")
 
 
 class Summits:
-    """The summits that a surface's moments imply, of one radius (m), their heights of deviation `std` (m) and `density`
-    (1/m²), and the load in N of one as a law of its compression in m.
+    """The summits that a surface's moments imply, and the load in N of one as a law of its compression in m.
 
     z, in sigma_h, is the height of the flat above the summits' mean plane. Exponential heights have mean and standard
     deviation sigma_h, begin at the plane h = 0, and give thresholds that do not depend on the load (paper, Eqs. GW3
@@ -32,7 +31,7 @@ class Summits:
     def __init__(
         self, moments: SpectralMoments, material: Material, regime: str, height_law: str
     ) -> None:
-        """Keep the moments of the summits, and find the load of one by the regime."""
+        """Keep the moments of the summits (m, 1/m²), and find the load of one by the regime."""
         one_of("regime", regime, REGIMES)
         self.heights = one_of("height_law", height_law, ("gaussian", "exponential"))
         self.radius, self.std = moments.summit_radius, moments.summit_std
@@ -51,26 +50,24 @@ class Summits:
             return gaussian(-z * self.std, self.std)
         return Weibull(1.0, 1.0 / self.std)
 
-    def log_contact_density(self, z: float) -> float:
-        """Log of the contacts per nominal area in 1/m²."""
-        log_touching = scipy.special.log_ndtr(-z) if self.heights == "gaussian" else -z
-        return float(np.log(self.density) + log_touching)
+    def contact_density(self, z: float) -> float:
+        """Contacts per nominal area in 1/m²."""
+        touching = scipy.special.ndtr(-z) if self.heights == "gaussian" else np.exp(-z)
+        return float(self.density * touching)
 
     def area_fraction(self, z: float) -> float:
         """Real over nominal area of contact."""
-        mean_area = np.pi * self.radius * self.compressions(z).mean()
-        return float(np.exp(self.log_contact_density(z)) * mean_area)
+        return self.contact_density(z) * np.pi * self.radius * self.compressions(z).mean()
 
-    def log_pressure(self, z: float) -> float:
-        """Log of the nominal pressure in Pa where the flat is at z sigma_h."""
-        mean_load = Powered(self.compressions(z), self.load).mean()
-        return self.log_contact_density(z) + float(np.log(mean_load))
+    def pressure(self, z: float) -> float:
+        """Nominal pressure in Pa where the flat is at z sigma_h."""
+        return self.contact_density(z) * Powered(self.compressions(z), self.load).mean()
 
     def separation(self, pressure: float) -> float:
         """z = h0/sigma_h under a nominal pressure in Pa; at least -1e6, which is taken for covered."""
 
         def excess(z: float) -> float:
-            return self.log_pressure(z) - float(np.log(pressure))
+            return float(np.log(self.pressure(z) / pressure))
 
         if self.heights == "exponential":
             return excess(0.0)  # the pressure is proportional to e^-z
@@ -86,7 +83,7 @@ class Summits:
         h = 0 under exponential heights, which begin there."""
         other = f'{remedy}, or take the thresholds of model = "persson"'
         if self.heights == "exponential" and z < 0.0:
-            most = f"{np.exp(self.log_pressure(0.0)):.3g} Pa, where every summit touches"
+            most = f"{self.pressure(0.0):.3g} Pa, where every summit touches"
             refuse(name, value, f"exponential heights begin at 0 and bear at most {most}; {other}")
         if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
             rule = f"summits would cover {covered:.3g} of the surface, not far apart: {other}"
@@ -127,8 +124,7 @@ def pressure_of_separation(
     summits = Summits(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std
     summits.check(z, "separation", separation, "raise it")
-    pressure = float(np.exp(summits.log_pressure(z)))
-    if not pressure > 0.0:
+    if not (pressure := summits.pressure(z)) > 0.0:
         refuse("separation", separation, f"is {z:.3g} sigma_h, where no summit reaches; lower it")
     return pressure
 
@@ -143,17 +139,13 @@ def gw_gaussian(
     """Summits of Gaussian heights under a flat: S(x) = Phi_c[(h0 + delta(x))/sigma_h]/Phi_c[h0/sigma_h].
 
     A contact compressed by delta breaks at x_s = scale (delta/sigma_h)^b, where b of elastic contacts is 3/4 under the
-    law "paper", 1 under "amontons" and 1/2 under "strength", and b of plastic ones 1/2.
+    law "paper", 1 under "amontons" and 1/2 under "strength", and b of plastic ones 1/2. Light load, h0 >> sigma_h, is
+    up to (sigma_h/h0)² gw_elastic or gw_plastic with B = h0/sigma_h/scale^(1/b), under the paper's law.
 
-    Light load, h0 >> sigma_h, is the exponential case up to (sigma_h/h0)²: the paper's law gives (GW3) and (GW4),
-    gw_elastic and gw_plastic with B = h0/sigma_h/scale^(1/b).
-
-    separation : h0/sigma_h, from the summits' mean plane, from -1e3 to 1e6. Below 0 the load is heavy; below about -3
-        every summit touches, and the model hardly applies. separation_of_pressure finds it from a load.
+    separation : h0/sigma_h, from the summits' mean plane, -1e3 to 1e6; separation_of_pressure finds it from a load.
     scale : threshold of a contact compressed by sigma_h, a length, from 1e-150 to 1e150.
     law : as in from_moments.
-    regime : "elastic", "plastic" or "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))², where Hertz' mean
-        pressure is the hardness, are plastic. x_s is continuous there; P_c jumps up by 3/2 ("paper") or 2 ("amontons").
+    regime : "elastic", "plastic" or "mixed": contacts compressed beyond sigma_h (9 pi/(4 psi))² are plastic.
     plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3, from 1e-100 to 1e100; for the regime "mixed" only.
 
     Raises InputError for values outside these. For summits in metres and newtons see from_moments.

@@ -75,13 +75,6 @@ class Material:
         """Compression in m above which a summit is plastic, r (3 pi H/4E*)², for a material with a hardness."""
         return float(radius * (0.75 * np.pi * (self.hardness or 0.0) / self.contact_modulus) ** 2)
 
-    def plasticity_index(self, std: float, radius: float) -> float | None:
-        """psi = (E*/Y)(sigma_h/r)^(1/2), Y = H/3; None without a hardness. Greenwood and Williamson's is a third of it;
-        the paper's has E and the mean height of exponential summits."""
-        if self.hardness is None:
-            return None
-        return float(3.0 * self.contact_modulus / self.hardness * np.sqrt(std / radius))
-
 
 def sound_stiffness(density: float, sound_velocity: float) -> PowerLaw:
     """k = rho c² A^(1/2) (paper, Sec. II); rho c² is the shear modulus.
@@ -98,10 +91,8 @@ def mindlin_stiffness(
 ) -> PowerLaw:
     """k = 8 a G*, a = (A/pi)^(1/2) the radius of a circular contact that does not slip (R. D. Mindlin, 1949).
 
-    1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2.
-
-    shear_modulus : G in Pa above zero, one number for two equal bodies or a pair.
-    poisson_ratio : nu, above -1 and at most 1/2, one number or a pair.
+    shear_modulus, poisson_ratio : G in Pa above zero, and nu above -1 and at most 1/2, one number for two equal bodies
+        or a pair; 1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2.
     The law takes m² and gives N/m. Raises InputError otherwise.
     """
     moduli, ratios = pair("shear_modulus", shear_modulus), pair("poisson_ratio", poisson_ratio)
@@ -121,9 +112,7 @@ def column_stiffness(
     Its radius is r_c = (A/pi)^(1/2), its length h: a thin beam without shear, too stiff where r_c is not below h.
 
     youngs_modulus : E_c in Pa; 2 (1 + nu) rho c² in Eq. (eq15a).
-    aspect : r_c/h, the same for every contact, so that k ~ A^(1/2).
-    height : or h in m, the same for every contact, the thickness of the interface: then k ~ A².
-
+    aspect, height : r_c/h, so that k ~ A^(1/2), or h in m, so that k ~ A²; the same for every contact.
     The law takes m² and gives N/m. Raises InputError for values not above zero, for both and for neither.
     """
     modulus = 0.75 * positive("youngs_modulus", youngs_modulus)
@@ -140,12 +129,10 @@ class Interface:
 
     A force F per N_c<k>, a length, is the shear stress contact_density * mean_stiffness * F.
 
-    model, law : "gw" or "persson"; "paper", "amontons" or "strength".
+    model, law, regime : as from_moments was asked; "elastic" of model = "persson".
     material, moments : Material, and SpectralMoments with the step and the pixel size of their differences.
-    pressure : nominal pressure, Pa.
-    area_fraction : real over nominal area of contact.
-    contact_density : contacts per nominal area, 1/m².
-    mean_radius : <(A/pi)^(1/2)> over the contacts, m.
+    pressure, area_fraction : nominal pressure, Pa; real over nominal area of contact.
+    contact_density, mean_radius : contacts per nominal area, 1/m²; <(A/pi)^(1/2)> over them, m.
     mean_threshold, mean_stiffness, mean_force_threshold : fresh <x_s> in m, <k> = <f_s/x_s> in N/m, <f_s> in N.
     friction_coefficient : kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of
         x_i (paper, Eq. Q6), with number, load and <k> of the fresh interface.
@@ -154,7 +141,6 @@ class Interface:
     plastic_fraction : gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime
         "mixed"; all of them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
     hertz_plastic_fraction : the same if all contacts were elastic under this pressure, whatever the regime.
-    regime : gw only, else "elastic": "elastic", "plastic" or "mixed".
     separation : gw only: height of the flat above the summits' mean plane, m; below zero where it lies beneath.
     patch_area : persson only: area of one contact, m².
     """
@@ -201,9 +187,7 @@ class Interface:
 
     def force_threshold(self, threshold: npt.ArrayLike) -> Array:
         """f_s in N of contacts that break at the stretches `threshold` in m; shape as given. Their k is f_s/x_s.
-
-        Raises InputError for values that are no numbers, not finite or below zero.
-        """
+        Raises InputError for values that are no numbers, not finite or below zero."""
         lengths = np.asarray(threshold)
         if lengths.dtype.kind not in "iuf" or not (np.isfinite(lengths) & (lengths >= 0.0)).all():
             refuse("threshold", threshold, "must be a length in m, finite and zero or above")
@@ -211,9 +195,7 @@ class Interface:
 
     def temperature(self, kelvin: float | None = None, energy: float | None = None) -> float:
         """k_BT/<k> in m², the temperature of a contact's laws, from `kelvin` (K) or from `energy` = k_BT (J).
-
-        Raises InputError for both, for neither, and for values below zero.
-        """
+        Raises InputError for both, for neither, and for values below zero."""
         if (kelvin is None) == (energy is None):
             raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them")
         joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else energy
