@@ -63,6 +63,22 @@ class _Landscapes(NamedTuple):
         fastest = np.abs(self.waves @ step).max(0)
         return np.asarray(step * np.minimum(1.0, 0.5 / np.maximum(fastest, 1e-300)))
 
+    def settled(self, t: Array, down: bool = False) -> tuple[Array, Array]:
+        """Where Newton's steps from t end, and the last ones; `down`: at minima, as steps uphill are shortened."""
+        t, last, trust = t.copy(), np.zeros(t.shape), np.ones(t.shape[1])
+        moving = np.arange(trust.size)
+        for _ in range(400 if down else 20):
+            part, here = self.of(moving), t[:, moving]
+            step = trust[moving] * part.newton_step(here, down)
+            up = down & (part.energy(here + step) > part.energy(here) + 1e-15)
+            t[:, moving] += np.where(up, 0.0, step)
+            trust[moving] = np.where(up, 0.25 * trust[moving], np.minimum(2.0 * trust[moving], 1.0))
+            last[:, moving] = step
+            moving = moving[(np.abs(step) >= 1e-9).any(0)]
+            if not moving.size:
+                break
+        return t, last
+
     def critical_points(self, n: int) -> tuple[Whole, Array]:
         """Landscapes and places (2, m) of critical points that Newton's method finds from a grid n x n, each once."""
         spacing, (k, m) = _TURN / n, self.waves.T
@@ -74,13 +90,7 @@ class _Landscapes(NamedTuple):
         # nodes from which Newton's step is shorter than the spacing
         near = np.hypot(yy * x - xy * y, xx * y - xy * x) < spacing * np.abs(xx * yy - xy * xy)
         which, node = np.nonzero(near)
-        t, step, moving = nodes[:, node], np.zeros((2, node.size)), np.arange(node.size)
-        for _ in range(20):
-            step[:, moving] = self.of(which[moving]).newton_step(t[:, moving])
-            t[:, moving] += step[:, moving]
-            moving = moving[(np.abs(step[:, moving]) >= 1e-9).any(0)]
-            if not moving.size:
-                break
+        t, step = self.of(which).settled(nodes[:, node])
         # a last step below this changes energies by at most its square
         good = (np.abs(step) < 1e-6) & (np.abs(t - nodes[:, node]) < 4.0 * spacing)
         which, t = which[good.all(0)], t[:, good.all(0)]
@@ -88,49 +98,32 @@ class _Landscapes(NamedTuple):
         each = np.unique(_same(np.vstack([which, kind]), t))
         return which[each], t[:, each]
 
-    def descended(self, t: Array) -> Array:
-        """The minima to which U falls from t; steps that would lead up are shortened."""
-        t, trust, moving = t.copy(), np.ones(t.shape[1]), np.arange(t.shape[1])
-        for _ in range(400):
-            part, here = self.of(moving), t[:, moving]
-            step = trust[moving] * part.newton_step(here, down=True)
-            lower = part.energy(here + step) <= part.energy(here) + 1e-15
-            t[:, moving[lower]] += step[:, lower]
-            trust[moving] *= np.where(lower, np.minimum(2.0, 1.0 / trust[moving]), 0.25)
-            moving = moving[(np.abs(step) >= 1e-9).any(0)]
-            if not moving.size:
-                break
-        return t
-
     def over_saddles(self, which: Whole, tops: Array) -> LowestBarriers:
         """The lowest barriers over saddles at `tops` (2, m) of landscapes `which`, sorted; inf where none is found."""
         levels, count = self.of(which).energy(tops), self.amplitudes.shape[1]
         order, owner = np.lexsort([levels, which]), np.tile(which, 2)
         tops, levels = tops[:, order], levels[order]
         downhill = 1e-3 * self.of(which).curvatures(tops)[1][..., 0].T
-        feet = self.of(owner).descended(np.hstack([tops + downhill, tops - downhill]))
+        feet, _ = self.of(owner).settled(np.hstack([tops + downhill, tops - downhill]), down=True)
         energies = self.of(owner).energy(feet)
         barriers, depths = np.full((2, count), np.inf)
         minima, saddles = np.zeros((2, 2, count))
         order = np.argsort(-energies)  # the lowest minimum is written last
         depths[owner[order]], minima[:, owner[order]] = energies[order], feet[:, order]
         lowest = energies <= depths[owner] + _NOTHING
-        first = _same(owner, feet)
-        copies = np.rint((feet - feet[:, first]) / _TURN)
-        # copy, pool: of each minimum, by its first foot, its periodic copy and the number of its pool; winds: whether
-        # the pool meets a copy of itself
-        copy, pool, winds = np.zeros(feet.shape), first, np.zeros(first.size, dtype=bool)
+        # A way round the torus that does not cross itself turns an odd number of times in one direction at least. On
+        # a torus of twice the size each minimum, named by its first foot, is there four times; such a way joins two.
+        minimum, cells = _same(owner, feet), np.arange(4)[:, None]
+        turns = np.rint((feet - feet[:, minimum]) / _TURN).astype(int) % 2
+        cell = 2 * turns[0] + turns[1]
+        near, far = np.split(4 * minimum + (cells ^ cell), 2, axis=1)
         rank = np.arange(which.size) - np.searchsorted(which, which)
-        for k in range(rank.max(initial=-1) + 1):  # the next saddle of each landscape
-            sides = np.add([[0], [which.size]], np.flatnonzero(rank == k))
-            near, far = first[sides]
-            apart = copy[:, near] - copies[:, sides[0]] + copies[:, sides[1]] - copy[:, far]
-            together = pool[near] == pool[far]
-            winds[pool[near]] |= winds[pool[far]] | (together & apart.any(0))
-            merged, shift = np.arange(first.size), np.zeros(feet.shape)
-            merged[pool[far]], shift[:, pool[far]] = pool[near], np.where(together, 0.0, apart)
-            copy, pool = copy + shift[:, pool], merged[pool]
-            over = np.unique(owner[lowest & winds[pool]])
+        for k in range(rank.max(initial=-1) + 1):  # with the next saddle of each landscape
+            ends = near[:, rank <= k].ravel(), far[:, rank <= k].ravel()
+            graph = scipy.sparse.coo_array((np.ones(ends[0].size), ends), (4 * minimum.size,) * 2)
+            pools = scipy.sparse.csgraph.connected_components(graph, False)[1].reshape(-1, 4)
+            winds = (pools[minimum, 1:] == pools[minimum, :1]).any(1)
+            over = np.unique(owner[lowest & winds])
             over = over[np.isinf(barriers[over])]
             top = np.searchsorted(which, over) + k
             barriers[over], saddles[:, over] = levels[top] - depths[over], tops[:, top]

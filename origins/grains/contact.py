@@ -16,14 +16,10 @@ class GrainContact:
 
     Exact Jacobian. A contact pins from the age tau_m on, at stretch 0, and breaks where it first meets its threshold:
     sliding at `velocity` after a time `rest` it has the age tau_m + rest + x/velocity at stretch x, and holds beyond x
-    with the probability exp(-hazard(x, age)).
+    with the probability exp(-hazard(x, age)). It then carries no force for tau_m, until its new grains pin; one that
+    is stretched faster than its threshold grows never holds, and waits once more.
 
-    origins.Contacts takes it in the place of thresholds. A contact that breaks then carries no force for tau_m, until
-    its new grains pin; one that is stretched faster than its threshold grows never holds, and waits once more.
-
-    growth : of the grains.
-    age : time since coalescence began of all contacts at X = 0, above tau_m; origins.Contacts needs it.
-
+    growth : of the grains; age : that of all contacts at X = 0, a time above tau_m, which origins.Contacts needs.
     Raises InputError for anything but a GrainGrowth, and for an age at which no grain pins.
     """
 
@@ -44,11 +40,8 @@ class GrainContact:
         return self.growth.thresholds(self.age)
 
     def hazard(self, x: npt.ArrayLike, age: npt.ArrayLike) -> Array:
-        """-ln of the fraction of contacts of `age` whose thresholds exceed x >= 0 (a length); shapes broadcast.
-
-        Of those that pinned together the share exp(-h) still holds, h being the largest hazard so far. For ages up to
-        tau_m it is infinite, except at x = 0.
-        """
+        """-ln of the fraction of contacts of `age` whose thresholds exceed x >= 0 (a length); shapes broadcast. Of
+        those that pinned together exp(-h) still hold, h the largest so far; up to tau_m it is infinite, but at 0."""
         return self.hazard_at(np.asarray(x, dtype=float), self.growth.excess(age))[()]
 
     def hazard_at(self, x: Array, excess: Array) -> Array:
@@ -70,10 +63,8 @@ class GrainContact:
         return np.sqrt(excess * share * (excess * share + 2.0) / self.growth.B)
 
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
-        """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast.
-
-        It rises with age, from 0 at tau_m. InputError for ages below tau_m, at which no grain pins.
-        """
+        """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast. It rises with age,
+        from 0 at tau_m. InputError for ages below tau_m, at which no grain pins."""
         u, age = np.asarray(u, dtype=float), np.asarray(age, dtype=float)
         if (bad := ~((u >= 0.0) & (u <= 1.0))).any():
             refuse("u", u[bad].flat[0], "must be a quantile between 0 and 1")
@@ -107,10 +98,8 @@ class GrainContact:
 def growing_grains(alpha: float, B: float, age: float) -> GrainContact:
     """Contacts whose thresholds grow with their age, in place of thresholds in origins.Contacts (paper, Sec. VI).
 
-    alpha : rho = 2<r>/d = alpha age^(1/3), in time^(-1/3).
-    B : as grains has it, in length^-2.
+    alpha, B : rho = 2<r>/d = alpha age^(1/3), in time^(-1/3); B as grains has it, in length^-2.
     age : of all contacts at X = 0 since coalescence began, above tau_m = (2/(3 alpha))³; a broken one begins at 0.
-
     Raises InputError for a value not above zero, and for an age at which no grain pins.
     """
     return GrainContact(GrainGrowth(alpha, B), age)

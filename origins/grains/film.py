@@ -26,14 +26,13 @@ def grains(
 
     P_c is conditional on pinning, and ends where the largest grain breaks, x_max = ((3 rho/2)² - 1)^(1/2) B^(-1/2).
 
-    rho : mean grain diameter over film thickness, 2<r>/d; a number above 2/3.
+    rho : mean grain diameter over film thickness, 2<r>/d; a number above 2/3, where the first grains pin.
     B : stiffness of a contact relative to a grain's strength, in length^-2: 4c/(pi tau d²) where f_s = c x_s².
     alpha, time : instead of rho: rho = alpha time^(1/3), with `time` since coalescence began and alpha in time^(-1/3).
     jacobian : "exact": P_c = P_LS(u) du/dx with u = (1 + B x²)^(1/2)/rho, so that P_c rises as x;
         "paper": P_c proportional to P_LS(u) as printed, from dr/df ~ f^(-1/2), so that P_c(0) > 0.
 
-    Raises InputError for values outside these, where neither or both of rho and (alpha, time) are given,
-    and for rho <= 2/3, where no grain pins yet.
+    Raises InputError for values outside these, and where neither or both of rho and (alpha, time) are given.
     """
     if rho is None and alpha is not None and time is not None:
         return GrainGrowth(alpha, B).thresholds(time, jacobian)
@@ -50,9 +49,7 @@ def grains(
 class GrainGrowth:
     """Grains whose mean radius grows as time^(1/3) in a film of constant thickness; time counts from their beginning.
 
-    alpha : rho = 2<r>/d = alpha time^(1/3), in time^(-1/3).
-    B : of a grain's threshold, 2r/d = (1 + B x²)^(1/2), in length^-2.
-
+    alpha : rho = 2<r>/d = alpha time^(1/3), in time^(-1/3); B : 2r/d = (1 + B x²)^(1/2), in length^-2.
     Methods take times as numbers or arrays and return their shape. Raises InputError for a value not above zero.
     """
 
@@ -91,10 +88,7 @@ class GrainGrowth:
         return np.exp(-hazard_beyond(np.atleast_1d(q))).reshape(q.shape)[()]
 
     def pinning_number(self, time: npt.ArrayLike) -> Array:
-        """Grains that span the film, over the number of all grains at tau_m: largest at rho = 1, finally ~ 1/time.
-
-        The contact density of the film over N(tau_m).
-        """
+        """Grains that span the film, the contacts, over the number of all at tau_m: largest at rho = 1."""
         return self.number(time) * self.pinned_fraction(time)
 
     def thresholds(self, time: float, jacobian: Literal["exact", "paper"] = "exact") -> Thresholds:
@@ -120,8 +114,7 @@ def film_growth(
 ) -> GrainGrowth:
     """Grain growth of a film from its physical constants, in SI units; lengths then are in m, times in s.
 
-    film_thickness : d in m; tau_m = d³/(27 K).
-    coarsening_rate : K in m³/s, <r>³ = K time.
+    film_thickness, coarsening_rate : d in m; K in m³/s, <r>³ = K time, so that tau_m = d³/(27 K).
     shear_strength : tau in Pa, at which a grain breaks: f_s = tau pi (r² - d²/4). A misfit to the substrate lowers it.
     force_coefficient : c in Pa, f_s = c x_s² (the paper's law).
     shear_modulus : G in Pa, in place of c = G²/tau: the contact's stiffness is k = G A^(1/2) with A = pi (r² - d²/4).
@@ -140,10 +133,7 @@ def film_growth(
 
 
 class PinningGrains(Thresholds):
-    """Stretches at which grains break; excess = 3 rho/2 - 1 > 0.
-
-    P_c = P_LS(u(x)) du/dx, or without the Jacobian as the paper prints it.
-    """
+    """Stretches at which grains break, as `grains` describes them; excess = 3 rho/2 - 1 > 0."""
 
     def __init__(self, excess: float, B: float, jacobian: str) -> None:
         between("rho", 2.0 / 3.0 * (1.0 + excess), 0.0, _LARGEST)

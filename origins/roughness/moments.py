@@ -18,12 +18,10 @@ class SpectralMoments:
     """Moments of the profiles along both axes, and the summits of the isotropic Gaussian surface that has them.
 
     m0 : mean square height about the trend, m².
-    m2, m4 : mean square slope and curvature (1/m²) of profiles, averaged over both axes; m2 is half the surface's.
-    m2_axes, m4_axes : the same along the first and along the second axis; equal for an isotropic surface.
+    m2_axes, m4_axes : mean square slope and curvature (1/m²) of profiles along both axes.
     step, pixel_size : pixels between the neighbours that were differenced, and their distances (m) along both axes.
     size : lengths of the scan along both axes, m; where there was no scan all three are None.
-    missing_fraction : fraction of the points that are missing.
-    used_fraction : fraction of the curvature stencils inside the scan that contain no missing point.
+    missing_fraction, used_fraction : of the points, those missing; of the curvature stencils, those without such.
     """
 
     m0: float
@@ -42,12 +40,12 @@ class SpectralMoments:
 
     @property
     def m2(self) -> float:
-        """Mean square profile slope."""
+        """Mean square profile slope, averaged over both axes: half the surface's."""
         return 0.5 * (self.m2_axes[0] + self.m2_axes[1])
 
     @property
     def m4(self) -> float:
-        """Mean square profile curvature, in 1/m²."""
+        """Mean square profile curvature, averaged over both axes, in 1/m²."""
         return 0.5 * (self.m4_axes[0] + self.m4_axes[1])
 
     @property
@@ -84,9 +82,7 @@ class SpectralMoments:
 def moments_of_summits(radius: float, std: float, density: float) -> SpectralMoments:
     """The isotropic Gaussian surface whose summits have this radius (m), height spread (m) and density (1/m²).
 
-    McCool's relations inverted, for use where Greenwood and Williamson's parameters are known directly:
-    m4 = pi (0.375/r)², m2 = m4/(6 pi 3^(1/2) density), m0 = std² + 0.8968 m2²/m4.
-    Raises InputError for values not above zero.
+    By McCool's relations, inverted. Raises InputError for values not above zero.
     """
     m4 = np.pi * (0.375 / positive("radius", radius)) ** 2
     m2 = float(m4 / (6.0 * np.pi * np.sqrt(3.0) * positive("density", density)))
@@ -102,15 +98,13 @@ def spectral_moments(
     step: int = 1,
     periodic: bool = False,
 ) -> SpectralMoments:
-    """Profile spectral moments m0, m2, m4 of a scan (J. McCool, Wear 107, 37, 1986).
+    """Profile spectral moments m0, m2, m4 of a scan (J. McCool, Wear 107, 37, 1986), by differences of neighbours.
 
-    The slope at a point is the pair of differences to its next neighbour along x and along y; the curvature is
-    the pair of second differences about it. A point counts only where both members of the pair lie inside the
-    scan and contain no missing point, so that both axes are averaged over the same points.
+    Both axes are averaged over the same points: those whose differences along both contain no missing point.
 
     heights, pixel_size : as in as_topography, metres, or a topography object with its own unit.
     detrend : least-squares trend removed first, "curvature", "tilt" or "centre".
-    step : neighbours are `step` pixels apart: 2 is the resolution of an instrument half as fine. m0 is the same.
+    step : neighbours are `step` pixels apart. m0 is the same.
     periodic : whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
 
     Raises InputError for a flat surface, for one too small for the step, where missing points leave less than

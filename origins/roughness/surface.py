@@ -28,7 +28,6 @@ def as_topography(heights: object, pixel_size: object = None) -> Topography:
     heights : metres, array of shape (n_x, n_y), NaN or masked where missing; or a SurfaceTopography topography, an
         object with .heights(), .pixel_size and .unit, converted by its unit.
     pixel_size : distances between points, one number or (dx, dy), in metres; left out for an object, which has them.
-
     Raises InputError for line scans, absent or unknown units, infinite heights and pixel sizes not above zero.
     """
     if isinstance(heights, Topography):
@@ -64,9 +63,8 @@ def _pixel_sizes(pixel_size: object) -> tuple[float, float]:
 def detrended(heights: Array, detrend: str) -> Array:
     """Heights minus their least-squares trend, fitted to the points that are not missing; shape and unit as given.
 
-    "curvature": polynomial of second order with the xy term; "tilt": plane; "centre": mean height.
-
-    Raises InputError for any other name and where the surface equals its trend.
+    "curvature": polynomial of second order with the xy term; "tilt": plane; "centre": mean height. Raises InputError
+    for any other name and where the surface equals its trend.
     """
     one_of("detrend", detrend, ("curvature", "tilt", "centre"))
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in heights.shape), indexing="ij")
@@ -97,18 +95,13 @@ def self_affine_surface(
     the seed: the rms slope, from the sum over modes of |a_q|² q², is `rms_slope` exactly. The power spectrum is
     ~ q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
 
-    Periodic differences (spectral_moments with periodic=True) see q_x as 2 sin(q_x dx/2)/dx, and q_y likewise.
-
-    shape : numbers of points along both axes, at least 4.
-    pixel_size : distance between points, one number or (dx, dy).
-    hurst : the Hurst exponent H, 0 to 1.
-    rms_slope : root mean square slope of the surface, above zero.
+    shape, pixel_size : numbers of points along both axes, at least 4; their distance, one number or (dx, dy).
+    hurst, rms_slope : the Hurst exponent H, 0 to 1; root mean square slope of the surface, above zero.
     seed : of the phases, at least 0.
     long_cutoff, short_cutoff : wavelengths; left out, the extreme ones that the grid resolves in every direction.
-    Returns heights of `shape`, with mean zero.
 
-    Raises InputError for values outside these, for a short_cutoff below two pixels, where no mode remains, and for a
-    shape that needs, at 40 bytes a point, more than the memory of the machine.
+    Returns heights of `shape`, with mean zero. Raises InputError for values outside these, for a short_cutoff below two
+    pixels, where no mode remains, and for a shape that needs, at 40 bytes a point, more than the machine's memory.
     """
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
