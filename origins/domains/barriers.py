@@ -34,7 +34,6 @@ def barrier(atoms: Atoms, angle: npt.ArrayLike, substrate: Substrate | None = No
     Only x and y of `atoms` matter, and the substrate, sin x + sin y when left out, acts on all of them equally. The
     barrier is zero where the island slides freely: on a substrate that varies in one direction only, and where its
     structure factors vanish. For two waves it is exact, for more known to about 1e-11 of the largest |c_n S(G_n)|.
-
     Raises InputError for other input, for angles beyond a full circle, which look like degrees, and for a
     substrate of more than two waves that never repeats.
     """
@@ -51,10 +50,7 @@ def triangular_barrier(
     substrate: Substrate | None = None,
 ) -> Array:
     """barrier(triangular_island(lattice_constant, n_i, n_j), angle, substrate), at a cost independent of N_a.
-
-    n_i, n_j and angle (radians) broadcast to the shape of the result. Raises InputError as barrier does,
-    and unless lattice_constant is above zero and n_i, n_j are whole numbers of at least 1.
-    """
+    n_i, n_j and angle (radians) broadcast to the shape of the result. Raises InputError as these two do."""
     substrate, angle = checked_substrate(substrate), radians(angle)
     waves = substrate.wavevectors
     factors = triangular_structure_factors(lattice_constant, n_i, n_j, angle, waves)
@@ -172,11 +168,10 @@ def triangular_structure_factors(
     angle: npt.ArrayLike,
     wavevectors: npt.ArrayLike = SQUARE,
 ) -> Complex:
-    """S(G) of triangular_island(lattice_constant, n_i, n_j) turned by `angle`, at a cost independent of N_a.
+    """structure_factors of triangular_island(lattice_constant, n_i, n_j), at a cost independent of N_a.
 
-    n_i, n_j and angle (radians) broadcast; the result is complex and has their shape + (n,), n wavevectors
-    (those of sin x + sin y when left out). The error is that of an angle rounded to floating point. Raises
-    InputError unless lattice_constant is above zero and n_i, n_j are whole numbers of at least 1.
+    n_i, n_j and angle (radians) broadcast; the result is complex and has their shape + (n,). The error is that of an
+    angle rounded to floating point. Raises InputError as these two do.
     """
     a, angle = positive("lattice_constant", lattice_constant), radians(angle, most=inf)
     numbers = np.vectorize(lambda name, n: whole(name, n, 1), otypes=[int])

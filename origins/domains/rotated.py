@@ -56,28 +56,21 @@ def domains(
         are as high as wide, and n_i is N_a/n_j, both rounded to whole numbers of at least 1.
     islands : instead of these three, a sequence of ase.Atoms, drawn with `weights`.
     weights : shares of `sizes` or `islands`, shape (m,), above zero; equal when left out.
-    bonds : makes `islands` flexible: the stiffness of harmonic_bonds, energy per length². As relaxed_barrier takes
-        seconds for each island and angle, angles must be listed. Left out, islands are rigid.
+    bonds : makes `islands` flexible, at listed `angles`: the stiffness of harmonic_bonds, energy per length².
     angles : radians, from -2 pi to 2 pi, taken in turn, sample by sample; the full circle when left out.
     temperature : k_BT, an energy: angles are weighted by exp(-U_min/k_BT) for each size of island, U_min the lowest
         energy at that angle; left out, all are equally likely.
     substrate : sin x + sin y when left out.
-    law : from f_s = epsilon_a/a_s to x_s = f_s/k, a_s the substrate's shortest period:
-        "area": k = stiffness (N_a/<N_a>)^(1/2), the k ~ A^(1/2) of the laws "amontons" and "strength" of
-        rough surfaces; for islands of one size x_s ~ f_s;
-        "equal": k = stiffness for islands of every size;
-        "paper": f_s = coefficient x_s², so that k ~ x_s (paper, Eqs. PxPf and Pcrotateh).
-    stiffness : force per length; "area" and "equal" only, and needed there.
-    coefficient : force per length²; "paper" only, and needed there.
+    law : from f_s = epsilon_a/a_s to x_s = f_s/k, a_s the substrate's shortest period: "area" with
+        k = stiffness (N_a/<N_a>)^(1/2), "equal" with k = stiffness for all, "paper" with f_s = coefficient x_s², so
+        that k ~ x_s (paper, Eqs. PxPf and Pcrotateh).
+    stiffness, coefficient : force per length, not for "paper"; force per length², for "paper" only; needed there.
     samples, seed : islands drawn; the same seed gives the same islands.
     comm : mpi4py communicator; its ranks, all of which must call, share the work and get the same bits at any number.
 
     Returns thresholds as from_samples makes them of x_s, with their sampling error, and with `.domains`, a
-    DomainSamples. Force and holding fraction of a run count only the islands that resist.
-
-    One or two rigid islands on two waves, at any angle and without a temperature, have no sampling error: P_c comes
-    from b(angle) itself. It diverges where db/dangle = 0, so that K* is infinite, and jumps where |S_x| = |S_y|.
-    Samples of all others, and of islands of some hundred periods across, smooth such peaks.
+    DomainSamples. One or two rigid islands on two waves, at any angle and without a temperature, have no sampling
+    error: P_c comes from b(angle) itself, and K* is infinite (docs/islands.md).
 
     Raises InputError for other values, for a substrate that varies in one direction only, and where no island resists.
     """
