@@ -145,9 +145,8 @@ def test_what_it_means_for_sliding(island_law: origins.Thresholds) -> None:
     steady = master.steady_state(origins.Contacts(island_law), velocity=1.0)
     exact = counted(5, 4)
     assert steady.force == pytest.approx((exact**2).mean() / (2.0 * exact.mean()), rel=1e-7)
-
-
-# -- in scenes -------------------------------------------------------------------------------------
+    paper = origins.domains(A, sizes=[(5, 4)], law="paper", coefficient=1.0, samples=100)
+    assert paper.std() == pytest.approx(np.sqrt(exact).std(), rel=1e-6)
 
 
 def thresholds_of(**table: object) -> origins.Thresholds:

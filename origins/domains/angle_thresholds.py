@@ -1,9 +1,8 @@
 """P_c of one rigid island over all angles, from its barrier b(angle) itself (paper, Sec. VI C).
 
-On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where db/dangle = 0 and where the two are equal: on each
-piece b rises or falls, so that the share of angles below x follows from one root for each piece. P_c diverges as an
-inverse square root where db/dangle = 0, and jumps where the two are equal. Between these values the share is smooth
-in s, x = lower + (upper - lower) sin²(pi s/2): a Chebyshev series.
+On two waves b = 2 min(|c_1 S_1|, |c_2 S_2|). The circle is cut where db/dangle = 0, as an inverse square root of which
+P_c diverges, and where the two are equal, where it jumps: on each piece b rises or falls, and one root gives the share
+of angles below x. Between these values it is a Chebyshev series in s, x = lower + (upper - lower) sin²(pi s/2).
 """
 
 from collections.abc import Callable
@@ -56,8 +55,6 @@ def _cuts(waves: Function, count: int) -> Array:
     crossings = find_root(difference, between, tolerances=tight).x if k.size else np.empty(0)
     there = waves(extrema)
     extrema = extrema[there[which, np.arange(which.size)] <= there.min(0) + near]
-    # where the two waves are equal b has a kink, not a zero derivative
-    extrema = extrema[np.abs(extrema[:, None] - crossings).min(-1, initial=np.inf) > 1e-9]
     return np.sort(np.append(crossings, extrema))
 
 

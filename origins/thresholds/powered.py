@@ -103,6 +103,10 @@ class Powered(Thresholds):
         return self.power(self.base._quantiles(below, above))
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
+        marks = self.base.breakpoints
+        if n == 2 and centre != 0.0 and np.isinf(self.base.pdf(marks[marks > 0.0])).any():
+            # no NumericalLaw follows peaks
+            return self._moment(2) - centre * (2.0 * self._moment(1) - centre)
         if self.power.at < np.inf or centre != 0.0:
             return super()._moment(n, centre)
         return self.power.coefficient**n * self.base._moment(n * self.power.exponent)
