@@ -1,10 +1,9 @@
 """Barriers of rigid islands: the energy needed to slide one over a substrate at a fixed angle (paper, Sec. VI C).
 
 An island at R has the energy U(R) = sum_n c_n S(G_n) exp(i G_n·R) on the substrate sum_n c_n exp(i G_n·r), with the
-structure factor S(G) = sum_j exp(i G·r_j), r_j its atoms about their centre of mass: it depends on the atoms through S
-only. To turn the island by an angle, turn the wavevectors by its opposite. Its barrier is the least height over
-the lowest minimum of U at which a path leads to a copy of that minimum, in whichever direction is easiest.
-On two waves, as in sin x + sin y, that is exactly 2 min(|c_1 S_1|, |c_2 S_2|).
+structure factor S(G) = sum_j exp(i G·r_j), r_j its atoms about their centre of mass. To turn the island by an angle,
+turn the wavevectors by its opposite. Its barrier is the least height over the lowest minimum of U at which a path leads
+to a copy of that minimum: on two waves, as in sin x + sin y, exactly 2 min(|c_1 S_1|, |c_2 S_2|).
 """
 
 from __future__ import annotations
@@ -147,11 +146,8 @@ def radians(angle: npt.ArrayLike, name: str = "angle", most: float = 2.0 * pi) -
 def structure_factors(
     atoms: Atoms, angle: npt.ArrayLike, wavevectors: npt.ArrayLike = SQUARE
 ) -> Complex:
-    """S(G) of any island turned by `angle` about its centre of mass, summed over the atoms.
-
-    Only x and y of `atoms` count, and their masses for the centre; angle is in radians, wavevectors (n, 2) per length
-    (those of sin x + sin y when left out). The result has the shape of angle + (n,). InputError for other input.
-    """
+    """S(G) of any island turned by `angle` (radians) about its centre of mass, summed over x and y of the atoms;
+    wavevectors (n, 2) per length. The result has the shape of angle + (n,). InputError for other input."""
     points = positions_of(atoms)
     turned = _turned(radians(angle, most=inf), wavevectors)
     waves = np.stack([turned.real.ravel(), turned.imag.ravel()], axis=-1)
@@ -168,11 +164,8 @@ def triangular_structure_factors(
     angle: npt.ArrayLike,
     wavevectors: npt.ArrayLike = SQUARE,
 ) -> Complex:
-    """structure_factors of triangular_island(lattice_constant, n_i, n_j), at a cost independent of N_a.
-
-    n_i, n_j and angle (radians) broadcast; the result is complex and has their shape + (n,). The error is that of an
-    angle rounded to floating point. Raises InputError as these two do.
-    """
+    """structure_factors of triangular_island(lattice_constant, n_i, n_j), at a cost independent of N_a; n_i, n_j and
+    angle broadcast. The error is that of an angle rounded to floating point. Raises InputError as these two do."""
     a, angle = positive("lattice_constant", lattice_constant), radians(angle, most=inf)
     numbers = np.vectorize(lambda name, n: whole(name, n, 1), otypes=[int])
     columns, rows = numbers("n_i", n_i)[..., None], numbers("n_j", n_j)[..., None]

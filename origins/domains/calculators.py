@@ -1,7 +1,6 @@
-"""ASE calculators for the atoms of an island: a substrate under them, harmonic bonds between them.
+"""ASE calculators for the atoms of an island: a substrate under them, harmonic bonds between them, in its units.
 
-Energies are in the substrate's unit (dimensionless by default) and lengths in that of its period; ASE's
-own eV and Å are not assumed. ASE's SumCalculator adds a substrate to any other calculator.
+ASE's own eV and Å are not assumed. ASE's SumCalculator adds a substrate to any other calculator.
 """
 
 from collections.abc import Callable
@@ -17,11 +16,8 @@ from origins.thresholds.law import Array
 
 
 def substrate_calculator(substrate: Substrate) -> Any:
-    """A Calculator with the energy and forces of atoms on `substrate`, each by its own x and y.
-
-    There is no force along z, and cell and boundary conditions of the atoms are ignored. The calculator's
-    `periods` are substrate.cell. Raises InputError unless given a Substrate, such as square_substrate().
-    """
+    """A Calculator with the energy and forces of atoms on `substrate`, each by its own x and y; `periods` is its cell.
+    Cell and boundary conditions of the atoms are ignored. Raises InputError unless given a Substrate."""
     substrate = checked_substrate(substrate)
 
     def energy_and_forces(points: Array) -> tuple[float, Array]:
@@ -36,9 +32,8 @@ def harmonic_bonds(atoms: Atoms, stiffness: float, *, reach: float | None = None
 
     stiffness is an energy per length squared, above zero. Atoms at most `reach` (a length) apart are bonded; when left
     out, 1.2 times the shortest distance: nearest neighbours. A square lattice needs a reach beyond its diagonal to
-    withstand shear. Boundary conditions of the atoms are ignored.
-
-    Raises InputError for other values, for atoms in one place and where no two atoms are bonded.
+    withstand shear. Boundary conditions are ignored. Raises InputError for other values, for atoms in one place and
+    where no two atoms are bonded.
     """
     stiffness, points = positive("stiffness", stiffness), points_of(atoms)
     tree = scipy.spatial.KDTree(points)
@@ -70,8 +65,7 @@ def harmonic_bonds(atoms: Atoms, stiffness: float, *, reach: float | None = None
 def _calculator(
     function: Callable[[Array], tuple[float, Array]], substrate: Substrate | None = None
 ) -> Any:
-    """The ASE calculator of a function that gives the energy of atoms at points (n, 3), and the forces on them, shape
-    (n, 3). Its `periods` (2, 2) change no energy; None without substrate."""
+    """The ASE calculator of a function from points (n, 3) to the energy of atoms there and the forces on each."""
     from ase.calculators.calculator import Calculator, all_changes
 
     class OfPositions(Calculator):

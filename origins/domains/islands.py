@@ -24,10 +24,8 @@ _MOST_ATOMS = 100_000_000
 def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> Atoms:
     """n_i n_j atoms of a triangular lattice in n_j close-packed rows of n_i (paper, Sec. VI C).
 
-    Atom (i, j) is at x = (i + j/2) a, y = j h, h = a sqrt(3)/2, with j = 0, ..., n_j - 1 and
-    i = -(j//2), ..., -(j//2) + n_i - 1, j//2 rounded down: odd rows are shifted by a/2 against even ones. (With the
-    fraction -j/2 the lattice would be rectangular, with (-j)//2 the island would be the mirror image.)
-
+    Atom (i, j) is at x = (i + j/2) a, y = j a sqrt(3)/2, with j = 0, ..., n_j - 1 and i = -(j//2), ...,
+    -(j//2) + n_i - 1, j//2 rounded down: odd rows are shifted by a/2 against even ones.
     lattice_constant is a length above zero, n_i and n_j are whole numbers of at least 1, else InputError.
     """
     return _rows(lattice_constant, n_i, n_j, "triangular")
@@ -50,9 +48,7 @@ def rectangular_island(
     lattice_constant: float, width: float, height: float, *, lattice: str = "triangular"
 ) -> Atoms:
     """The atoms within width x height (lengths, at least zero) about one atom, close-packed rows along the width.
-
-    lattice is "triangular" or "square". Raises InputError for other values and above 10^8 atoms.
-    """
+    lattice is "triangular" or "square". Raises InputError for other values and above 10^8 atoms."""
     half = 0.5 * non_negative("width", width), 0.5 * non_negative("height", height)
     x, y = _lattice(lattice_constant, lattice, *half)
     return _cut(x, y, np.maximum(abs(x) - half[0], abs(y) - half[1]), lattice_constant)
@@ -61,10 +57,8 @@ def rectangular_island(
 def hexagonal_island(
     lattice_constant: float, radius: float, *, lattice: str = "triangular"
 ) -> Atoms:
-    """The atoms within a regular hexagon about one atom, its corners at `radius` (a length), one of them along x.
-
-    On the triangular lattice radius = n lattice_constant gives 3n(n + 1) + 1 atoms. Otherwise as rectangular_island.
-    """
+    """The atoms within a regular hexagon about one atom, its corners at `radius` (a length), one of them along x: on
+    the triangular lattice 3n(n + 1) + 1 for radius = n lattice_constant. Otherwise as rectangular_island."""
     flat, radius = 0.5 * sqrt(3.0), non_negative("radius", radius)
     x, y = _lattice(lattice_constant, lattice, radius, radius)
     beyond = np.maximum(abs(y), flat * abs(x) + 0.5 * abs(y)) - flat * radius
@@ -102,27 +96,23 @@ def irregular_island(
     waves = generator.standard_normal((2, m.size)) / m / np.sqrt((1.0 / m**2).sum())
     offset = generator.random(2)
     reach = radius * float(np.exp(roughness * np.hypot(*waves).sum()))
-    x, y = _lattice(lattice_constant, lattice, reach, reach, offset)
+    x, y = _lattice(lattice_constant, lattice, reach, reach)
+    x = x + offset[0] * lattice_constant
+    y = y + offset[1] * lattice_constant * LATTICES[lattice][1]
     phase, distance = np.arctan2(y, x)[..., None] * m, np.hypot(x, y)
     swell = np.cos(phase) @ waves[0] + np.sin(phase) @ waves[1]
     beyond = distance - radius * np.exp(roughness * swell)
     return _cut(x, y, np.where(distance == distance.min(), 0.0, beyond), lattice_constant)
 
 
-def _lattice(
-    a: float,
-    lattice: str,
-    width: float,
-    height: float,
-    offset: Array | tuple[float, float] = (0.0, 0.0),
-) -> tuple[Array, Array]:
-    """x and y of a lattice, shifted by `offset` of its periods, at least within `width` and `height` of the middle."""
+def _lattice(a: float, lattice: str, width: float, height: float) -> tuple[Array, Array]:
+    """x and y of a lattice, at least within `width` and `height`, and a period more, of an atom in the middle."""
     shift, row = LATTICES[one_of("lattice", lattice, tuple(LATTICES))]
     columns, rows = width / positive("lattice_constant", a) + 2.0, height / (row * a) + 2.0
     if not 4.0 * columns * rows <= _MOST_ATOMS:
         refuse("lattice_constant", a, f"gives more than {_MOST_ATOMS} atoms; take a smaller island")
     j, i = np.mgrid[1 - ceil(rows) : ceil(rows), -ceil(columns) : ceil(columns)]
-    return (i + shift * (j % 2) + offset[0]) * a, (j + offset[1]) * row * a
+    return (i + shift * (j % 2)) * a, j * row * a
 
 
 def _cut(x: Array, y: Array, beyond: Array, lattice_constant: float) -> Atoms:

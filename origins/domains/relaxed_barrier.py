@@ -1,8 +1,4 @@
-"""The barrier of an island on any ASE calculator: its energy over the cell, all else relaxed, as a Fourier series.
-
-Where the closed form of a rigid island (triangular_barrier) or the exact search on a Fourier substrate (barrier)
-is valid, this gives the same number; for other calculators and for flexible islands it is the only method.
-"""
+"""The barrier of an island on any ASE calculator: its energy over the cell, all else relaxed, as a Fourier series."""
 
 from __future__ import annotations
 
@@ -120,8 +116,8 @@ class _MovingIsland:
         return np.broadcast_to(np.append(np.asarray(share) @ self.periods, 0.0), self.rest.shape)
 
     def permitted(self, shifts: Array, centred: bool = False) -> Array:
-        """The part of shifts, or forces, (N_a, 3) that the island's motion permits; `centred`: with its centre kept
-        along x and y."""
+        """The part of shifts, or forces, (N_a, 3) that the island's motion permits; `centred`: keeping x, y of its
+        centre."""
         out = shifts.reshape(self.rest.shape) * [1.0, 1.0, 0.0 if self.planar else 1.0]
         middle = out.mean(axis=0)
         out = middle + 0.0 * out if self.rigid else out - (out * self._turn).sum() * self._turn

@@ -49,11 +49,8 @@ class Substrate:
 
     @cached_property
     def cell(self) -> Array:
-        """The two shortest translations that do not change V, as rows, lengths.
-
-        Raises InputError where all wavevectors are parallel (V then repeats in one direction only) and where they
-        are not whole multiples of two of them (V then never repeats).
-        """
+        """The two shortest translations that do not change V, as rows, lengths. Raises InputError where all wavevectors
+        are parallel and where they are not whole multiples of two of them, so that V never repeats."""
         if self.rank == 1:
             refuse("wavevectors", self.wavevectors, "are all parallel: there is no cell")
         # the dual of the two shortest wavevectors are the two shortest translations, in the other order
@@ -61,10 +58,7 @@ class Substrate:
 
     @cached_property
     def indices(self) -> npt.NDArray[np.int64]:
-        """Whole numbers of shape (n, 2): G_n = indices @ reciprocal basis, the basis being that of `cell`.
-
-        Raises InputError where `cell` does.
-        """
+        """Whole numbers (n, 2): G_n = indices @ reciprocal basis, that of `cell`; raises InputError as `cell` does."""
         return np.rint(self.wavevectors @ self.cell.T / (2.0 * pi)).astype(np.int64)
 
 
@@ -75,9 +69,7 @@ def fourier_substrate(
 
     wavevectors are the G_n, shape (n, 2), per length: equal and opposite ones are combined, G = 0 is added to the
     constant. coefficients are the c_n, real or complex, shape (n,), energies: c_n = A gives A cos(G_n·r), c_n = -1j*A
-    gives A sin(G_n·r). constant is an energy.
-
-    Raises InputError for other shapes, values that are not finite, and where V is constant.
+    gives A sin(G_n·r). Raises InputError for other shapes, values that are not finite, and where V is constant.
     """
     G = vectors(wavevectors)
     try:
@@ -123,10 +115,8 @@ def checked_substrate(substrate: Substrate | None) -> Substrate:
 
 
 def square_substrate(amplitude: float = 1.0, period: float = 2.0 * pi) -> Substrate:
-    """V = amplitude [sin(2 pi x/period) + sin(2 pi y/period)] (paper, Sec. VI C).
-
-    amplitude is an energy, period a length; both above zero, else InputError.
-    """
+    """V = amplitude [sin(2 pi x/period) + sin(2 pi y/period)] (paper, Sec. VI C); amplitude, an energy, and period, a
+    length, are above zero, else InputError."""
     amplitude, q = positive("amplitude", amplitude), 2.0 * pi / positive("period", period)
     return fourier_substrate([[q, 0.0], [0.0, q]], [-1j * amplitude, -1j * amplitude])
 

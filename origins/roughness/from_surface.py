@@ -26,13 +26,8 @@ def from_topography(
 ) -> Thresholds:
     """Thresholds of a measured surface pressed against a flat (paper, Sec. VI A and B), in metres.
 
-    heights : array of shape (n_x, n_y), NaN where missing, or a SurfaceTopography topography: heights of the surface
-        (of two rough ones, their sum) in metres.
-    pixel_size : float or (dx, dy), metres; left out for a topography object, which is converted by its unit.
-    detrend, periodic, step : as in spectral_moments.
-    options : all other arguments of from_moments.
-
-    Returns thresholds and raises InputError as from_moments does.
+    heights, pixel_size, detrend, periodic, step : as in spectral_moments; of two rough surfaces the sum of heights.
+    options : all other arguments of from_moments. Returns thresholds and raises InputError as it does.
     """
     moments = spectral_moments(heights, pixel_size, detrend=detrend, periodic=periodic, step=step)
     return from_moments(moments, **options)
@@ -134,10 +129,8 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
 
 
 def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
-    """Persson's stresses on patches of one area: P(s) ~ exp[-(s-p)²/D²] - exp[-(s+p)²/D²] (paper, Eq. PcPersson).
-
-    D = E* h'_rms/2^(1/2) = E* m2^(1/2); the norm of P(s) is erf(p/D), the real over the nominal area of contact.
-    """
+    """Persson's stresses on patches of one area: P(s) ~ exp[-(s-p)²/D²] - exp[-(s+p)²/D²] (paper, Eq. PcPersson), with
+    D = E* m2^(1/2); the norm of P(s) is erf(p/D), the real over the nominal area of contact."""
     material, pressure = fields["material"], fields["pressure"]
     width = float(material.contact_modulus * np.sqrt(fields["moments"].m2))
     if fields["law"] == "strength":
@@ -161,9 +154,7 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
 
 def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Thresholds:
     """Thresholds and interface of contacts whose load (N) and area (m²) are powers of `size`, a random variable.
-
-    InputError where the material lacks a constant, or k grows as fast as f_s or faster, so that x_s does not rise.
-    """
+    InputError where the material lacks a constant, or k grows as fast as f_s or faster, so that x_s does not rise."""
     law, material, moments = fields["law"], fields["material"], fields["moments"]
     of_area = law == "strength"
     strength = material.needed("shear_strength" if of_area else "local_friction", f'law = "{law}"')

@@ -2,8 +2,7 @@
 
 A summit of height h under a flat at h0 < h is compressed by delta = h - h0 and has the area pi r delta. An elastic one
 carries (4/3) E* r^(1/2) delta^(3/2) (Hertz; the paper's Eq. GW1 prints 4 pi/3), a plastic one pi r delta H (Eq. GW2,
-hardness times area). The two loads are equal at one compression, and so are the areas: load and threshold are
-continuous there, but the threshold as a function of delta has a kink and P_c has a jump.
+hardness times area). Where both loads are equal, the threshold as a function of delta has a kink and P_c has a jump.
 """
 
 import numpy as np
@@ -24,8 +23,8 @@ class Summits:
     """The summits that a surface's moments imply, and the load in N of one as a law of its compression in m.
 
     z, in sigma_h, is the height of the flat above the summits' mean plane. Exponential heights have mean and standard
-    deviation sigma_h, begin at the plane h = 0, and give thresholds that do not depend on the load (paper, Eqs. GW3
-    and GW4). Raises InputError for other names, and for a regime that needs the hardness where the material has none.
+    deviation sigma_h, and begin at the plane h = 0. Raises InputError for other names, and for a regime that needs the
+    hardness where the material has none.
     """
 
     def __init__(
@@ -118,8 +117,8 @@ def pressure_of_separation(
 ) -> float:
     """Nominal pressure in Pa that holds the flat at `separation`, in m above the summits' mean plane.
 
-    moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does,
-    for a flat below h = 0 under exponential heights, and for one so high that the pressure underflows.
+    moments, material, regime, height_law : as in from_moments. Raises InputError as it does, for a flat below h = 0
+    under exponential heights, and for one so high that the pressure underflows.
     """
     summits = Summits(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std

@@ -102,7 +102,8 @@ def spectral_moments(
 
     Both axes are averaged over the same points: those whose differences along both contain no missing point.
 
-    heights, pixel_size : as in as_topography, metres, or a topography object with its own unit.
+    heights : metres, shape (n_x, n_y), NaN or masked where missing; or a SurfaceTopography topography, with its unit.
+    pixel_size : metres, one number or (dx, dy); left out for a topography object, which has it.
     detrend : least-squares trend removed first, "curvature", "tilt" or "centre".
     step : neighbours are `step` pixels apart. m0 is the same.
     periodic : whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
@@ -149,16 +150,13 @@ def moments_of_spectrum(
 ) -> SpectralMoments:
     """Profile moments m0, m2, m4 of an isotropic surface from its power spectrum (paper, Eq. PcPersson2).
 
-    Between two points the spectrum is the power law through both, integrated exactly; beyond the first and the last
-    it is zero. h'_rms² = 2 m2 and m4 depend mostly on the largest wavevectors: state where the spectrum was cut.
+    Between two points the spectrum is the power law through both, integrated exactly; elsewhere it is zero.
 
-    wavevectors : q = 2 pi/wavelength in 1/m, shape (n,), n >= 2, rising, above zero.
-    power : C(q), shape (n,), above zero; leave empty bins out.
+    wavevectors, power : q = 2 pi/wavelength in 1/m, shape (n,), n >= 2, rising, and C(q), shape (n,); all above zero.
     convention : "isotropic", in m⁴: C(q) = ∫ d²x <h(x)h(0)> e^(-iqx), the paper's, so that <h²> = ∫ q C dq/(2 pi);
         then m2 = ∫ q³ C dq/(4 pi), which is the paper's R, and m4 = (3/8) ∫ q⁵ C dq/(2 pi). Spectra with the factor
         1/(2 pi)² in their definition, like Persson's, must be multiplied by (2 pi)².
         "profile", in m³: C(q) = ∫ dx <h(x)h(0)> e^(-iqx) of line scans, so that m_n = ∫_0 q^n C dq/pi.
-
     Raises InputError for arrays that are not these.
     """
     q, c = positive_array("wavevectors", wavevectors), positive_array("power", power)
