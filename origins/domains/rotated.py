@@ -98,7 +98,11 @@ def domains(
     else:
         a = positive("lattice_constant", lattice_constant, "such as 2.5, for triangular islands")
         if mean_atoms is None:
-            pairs = _pairs(sizes)
+            given = vectors(sizes, "sizes", "[[10, 9]]")
+            if (given % 1.0).any() or given.min() < 1.0 or given.prod(axis=1).max() > _MOST_ATOMS:
+                rule = f"must be pairs of whole numbers, {_MOST_ATOMS:g} atoms at most"
+                refuse("sizes", sizes, rule)
+            pairs = given.astype(int).tolist()
         else:
             pairs, kinds = _decaying(mean_atoms, quantiles)
         made = [Island.triangular(substrate, a, *pair) for pair in pairs]
@@ -147,14 +151,6 @@ def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
         rule = f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0'
         refuse(needed, None, rule)
     return positive(needed, given[needed])
-
-
-def _pairs(sizes: Any) -> list[list[int]]:
-    """(n_i, n_j) of each size; InputError for other values."""
-    pairs = vectors(sizes, "sizes", "[[10, 9]]")
-    if (pairs % 1.0).any() or pairs.min() < 1.0 or pairs.prod(axis=1).max() > _MOST_ATOMS:
-        refuse("sizes", sizes, f"must be pairs of whole numbers, {_MOST_ATOMS:g} atoms at most")
-    return pairs.astype(int).tolist()
 
 
 def _decaying(mean_atoms: object, quantiles: Array) -> tuple[list[list[int]], Whole]:
