@@ -80,10 +80,8 @@ class SpectralMoments:
 
 
 def moments_of_summits(radius: float, std: float, density: float) -> SpectralMoments:
-    """The isotropic Gaussian surface whose summits have this radius (m), height spread (m) and density (1/m²).
-
-    By McCool's relations, inverted. Raises InputError for values not above zero.
-    """
+    """The isotropic Gaussian surface whose summits have this radius (m), height spread (m) and density (1/m²), by
+    McCool's relations. Raises InputError for values not above zero."""
     m4 = np.pi * (0.375 / positive("radius", radius)) ** 2
     m2 = float(m4 / (6.0 * np.pi * np.sqrt(3.0) * positive("density", density)))
     m0 = positive("std", std) ** 2 + _BANDWIDTH_LIMIT * m2 * m2 / m4
@@ -118,11 +116,10 @@ def spectral_moments(
     if min(shape) < 2 * step + 1:
         refuse("step", step, f"the scan of {shape} points needs 2 step + 1 along each axis")
     h = detrended(surface.heights, detrend)
-    wide = np.pad(h, step, mode="wrap") if periodic else np.pad(h, step, constant_values=np.nan)
-    inner, after, before = slice(step, -step), slice(2 * step, None), slice(None, -2 * step)
-    ahead = np.stack([wide[after, inner], wide[inner, after]])
-    behind = np.stack([wide[before, inner], wide[inner, before]])
-    both = (ahead - h, ahead - 2.0 * h + behind)
+    # what is beyond the ends of a scan is missing, too
+    wide = h if periodic else np.pad(h, (0, step), constant_values=np.nan)
+    behind, ahead = (np.stack([np.roll(wide, by, axis) for axis in (0, 1)]) for by in (step, -step))
+    both = (ahead - wide, ahead - 2.0 * wide + behind)
     # a point counts only where both axes have a difference
     slopes, curvatures = (d[:, np.isfinite(d).all(axis=0)] for d in both)
     missing = float(np.isnan(h).mean())

@@ -95,7 +95,7 @@ def self_affine_surface(
     the seed: the rms slope, from the sum over modes of |a_q|² q², is `rms_slope` exactly. The power spectrum is
     ~ q^(-2-2H) between 2 pi/long_cutoff and 2 pi/short_cutoff, constant below and zero above.
 
-    shape, pixel_size : numbers of points along both axes, at least 4; their distance, one number or (dx, dy).
+    shape, pixel_size : number of points, at least 4, and their distance along both axes: one number or a pair.
     hurst, rms_slope : the Hurst exponent H, 0 to 1; root mean square slope of the surface, above zero.
     seed : of the phases, at least 0.
     long_cutoff, short_cutoff : wavelengths; left out, the extreme ones that the grid resolves in every direction.
@@ -103,9 +103,7 @@ def self_affine_surface(
     Returns heights of `shape`, with mean zero. Raises InputError for values outside these, for a short_cutoff below two
     pixels, where no mode remains, and for a shape that needs, at 40 bytes a point, more than the machine's memory.
     """
-    if not isinstance(shape, tuple | list) or len(shape) != 2:
-        refuse("shape", shape, "must be a pair of whole numbers, such as [256, 256]")
-    n_x, n_y = whole("shape[0]", shape[0], 4), whole("shape[1]", shape[1], 4)
+    n_x, n_y = (whole("shape", number, 4) for number in pair("shape", shape))
     needed = 40 * n_x * n_y  # bytes; 36 a point were measured
     pages = ("SC_PHYS_PAGES", "SC_PAGE_SIZE")
     total = math.prod(map(os.sysconf, pages)) if hasattr(os, "sysconf") else np.inf
