@@ -70,9 +70,8 @@ def domains(
 
     Returns thresholds as from_samples makes them of x_s, with their sampling error, and with `.domains`, a
     DomainSamples. One or two rigid islands on two waves, at any angle and without a temperature, have no sampling
-    error: P_c comes from b(angle) itself, and K* is infinite (docs/islands.md).
-
-    Raises InputError for other values, for a substrate that varies in one direction only, and where no island resists.
+    error: P_c comes from b(angle) itself, and K* is infinite (docs/islands.md). Raises InputError for other values, for
+    a substrate that varies in one direction only, and where no island resists.
     """
     substrate = checked_substrate(substrate)
     if substrate.rank == 1:
@@ -172,10 +171,8 @@ def _drawn(
     generator: np.random.Generator,
     comm: Any,
 ) -> Array:
-    """Barrier (0 where there is none) and angle of each sample, shape (2, samples), the same bits on every rank.
-
-    Sample i is the island kinds[i]. The ranks of the communicator `comm` share the work.
-    """
+    """Barrier (0 where there is none) and angle of each sample, shape (2, samples), the same bits on every rank of
+    `comm`, which share the work. Sample i is the island kinds[i]."""
     uniform, counts = generator.random((2, kinds.size)), [0] * len(islands)
     if temperature is not None and listed is None:
         counts = [island.angles_needed(temperature) for island in islands]
@@ -207,11 +204,8 @@ def _drawn(
 class DomainSamples:
     """The islands from which thresholds of rotated domains were computed.
 
-    barriers : epsilon_a, energies, shape (samples,); 0 for islands that slide freely.
-    angles : radians, shape (samples,).
-    n_atoms : N_a, shape (samples,).
-    period : a_s, the shortest period of the substrate, a length.
-    mean_stiffness : <k> over the islands that resist, force per length.
+    barriers, angles, n_atoms : epsilon_a, energies, 0 for islands that slide freely; radians; N_a; shape (samples,).
+    period, mean_stiffness : a_s, the substrate's shortest period, a length; <k> of those that resist, force per length.
     """
 
     barriers: Array

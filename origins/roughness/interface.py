@@ -22,11 +22,8 @@ class Material:
     shear_modulus : G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II, App. A).
     density, sound_velocity : rho in kg/m³ and the transverse sound velocity c in m/s, another way to give G = rho c².
     hardness : H in Pa, about 3 Y: the mean pressure of a plastic contact.
-    shear_strength : tau in Pa, f_s = tau A.
-    force_coefficient : c in Pa, f_s = c x_s² (the paper's law); G²/tau where f_s = tau A, k = G A^(1/2).
-    contact_stiffness : or k in N/m as a PowerLaw of A in m²: sound_stiffness, mindlin_stiffness, column_stiffness, or
-        your own (docs/rough-surfaces.md compares them).
-
+    shear_strength, force_coefficient : tau in Pa, f_s = tau A; c in Pa, f_s = c x_s² (the paper's law).
+    contact_stiffness : or k in N/m as a PowerLaw of A in m² (docs/rough-surfaces.md compares four).
     Raises InputError for a value not within 1e-20 to 1e20, and where k is given in two ways or only half of one.
     """
 
