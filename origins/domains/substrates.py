@@ -93,7 +93,7 @@ def fourier_substrate(
 
 
 def vectors(
-    value: npt.ArrayLike, name: str = "wavevectors", such: str = "[[1.0, 0.0], [0.0, 1.0]]"
+    value: object, name: str = "wavevectors", such: str = "[[1.0, 0.0], [0.0, 1.0]]"
 ) -> Array:
     """`value` as an array of shape (n, 2), n >= 1; unless they are finite, InputError says what to write, `such`."""
     try:
