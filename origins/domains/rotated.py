@@ -99,8 +99,7 @@ def domains(
         if mean_atoms is None:
             given = vectors(sizes, "sizes", "[[10, 9]]")
             if (given % 1.0).any() or given.min() < 1.0 or given.prod(axis=1).max() > _MOST_ATOMS:
-                rule = f"must be pairs of whole numbers, {_MOST_ATOMS:g} atoms at most"
-                refuse("sizes", sizes, rule)
+                refuse("sizes", sizes, f"must be whole numbers, {_MOST_ATOMS:g} atoms at most")
             pairs = given.astype(int).tolist()
         else:
             pairs, kinds = _decaying(mean_atoms, quantiles)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from origins.errors import InputError, between, one_of, positive, refuse
+from origins.errors import InputError, between, one_of, refuse
 from origins.roughness.greenwood_williamson import Summits
 from origins.roughness.interface import Interface, Material
 from origins.roughness.moments import SpectralMoments, spectral_moments
@@ -69,7 +69,7 @@ def from_moments(
     if law == "paper" and material.contact_stiffness is not None:
         raise InputError('material.contact_stiffness: law = "paper" has k = c x_s; leave it out')
     fields = {"model": model, "law": law, "material": material, "moments": moments}
-    fields["pressure"] = positive("pressure", pressure)
+    fields["pressure"] = between("pressure", pressure, 1e-200, 1e200, "it is in Pa")
     if one_of("model", model, ("gw", "persson")) == "gw":
         if patch_area is not None:
             refuse("patch_area", patch_area, 'model = "gw" counts its own contacts; leave it out')
@@ -110,9 +110,8 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
     if material.hardness is not None:
         limit = material.critical_compression(summits.radius)
         plastic = 1.0 if regime == "plastic" else float(summits.compressions(z).sf(limit))
-        by_hertz = z
-        if regime != "elastic":
-            by_hertz = Summits(moments, material, "elastic", height_law).separation(pressure)
+        elastic = Summits(moments, material, "elastic", height_law)
+        by_hertz = z if regime == "elastic" else elastic.separation(pressure)
         of_hertz = float(summits.compressions(by_hertz).sf(limit))
     return _joined(
         summits.compressions(z),

@@ -8,7 +8,7 @@ hardness times area). Where both loads are equal, the threshold as a function of
 import numpy as np
 import scipy
 
-from origins.errors import between, finite, one_of, positive, refuse
+from origins.errors import between, finite, one_of, refuse
 from origins.roughness.interface import Material
 from origins.roughness.moments import SpectralMoments
 from origins.thresholds.families import Weibull
@@ -102,7 +102,7 @@ def separation_of_pressure(
     moments, material, regime, height_law : as in from_moments. Raises InputError as from_moments does.
     """
     summits = Summits(moments, material, regime, height_law)
-    z = summits.separation(positive("pressure", pressure))
+    z = summits.separation(between("pressure", pressure, 1e-200, 1e200, "it is in Pa"))
     summits.check(z, "pressure", pressure, "lower it")
     return float(z * summits.std)
 

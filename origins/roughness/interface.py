@@ -138,8 +138,7 @@ class Interface:
     plastic_fraction : gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime
         "mixed"; all of them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
     hertz_plastic_fraction : the same if all contacts were elastic under this pressure, whatever the regime.
-    separation : gw only: height of the flat above the summits' mean plane, m; below zero where it lies beneath.
-    patch_area : persson only: area of one contact, m².
+    separation, patch_area : height of the flat above the summits' mean plane, m, gw; area of one contact, m², persson.
     """
 
     model: str
