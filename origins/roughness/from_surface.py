@@ -113,18 +113,12 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
         elastic = Summits(moments, material, "elastic", height_law)
         by_hertz = z if regime == "elastic" else elastic.separation(pressure)
         of_hertz = float(summits.compressions(by_hertz).sf(limit))
-    return _joined(
-        summits.compressions(z),
-        summits.load,
-        straight(np.pi * summits.radius, 1.0),
-        **fields,
-        area_fraction=summits.area_fraction(z),
-        contact_density=summits.contact_density(z),
-        plastic_fraction=plastic,
-        hertz_plastic_fraction=of_hertz,
-        regime=regime,
-        separation=float(z * summits.std),
-    )
+    fields |= {"regime": regime, "separation": float(z * summits.std)}
+    fields |= {"plastic_fraction": plastic, "hertz_plastic_fraction": of_hertz}
+    fields["area_fraction"] = summits.area_fraction(z)
+    fields["contact_density"] = summits.contact_density(z)
+    area = straight(np.pi * summits.radius, 1.0)
+    return _joined(summits.compressions(z), summits.load, area, fields)
 
 
 def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
@@ -138,22 +132,15 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
     roots = persson(centre=float(np.sqrt(pressure)), width=float(np.sqrt(width)))
     plastic = None if material.hardness is None else float(roots.sf(np.sqrt(material.hardness)))
     area_fraction = float(scipy.special.erf(pressure / width))
-    return _joined(
-        roots,
-        straight(patch_area, 2.0),
-        straight(patch_area, 0.0),
-        **fields,
-        area_fraction=area_fraction,
-        contact_density=area_fraction / patch_area,
-        plastic_fraction=plastic,
-        hertz_plastic_fraction=plastic,
-        patch_area=patch_area,
-    )
+    fields |= {"area_fraction": area_fraction, "contact_density": area_fraction / patch_area}
+    fields |= {"plastic_fraction": plastic, "hertz_plastic_fraction": plastic}
+    fields["patch_area"] = patch_area
+    return _joined(roots, straight(patch_area, 2.0), straight(patch_area, 0.0), fields)
 
 
-def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Thresholds:
-    """Thresholds and interface of contacts whose load (N) and area (m²) are powers of `size`, a random variable.
-    InputError where the material lacks a constant, or k grows as fast as f_s or faster, so that x_s does not rise."""
+def _joined(size: Thresholds, load: Bend, area: Bend, fields: dict[str, Any]) -> Thresholds:
+    """Thresholds and interface, of known `fields`, of contacts whose load (N) and area (m²) are powers of `size`, a
+    random variable. InputError where the material lacks a constant, or k grows as fast as f_s or faster."""
     law, material, moments = fields["law"], fields["material"], fields["moments"]
     of_area = law == "strength"
     strength = material.needed("shear_strength" if of_area else "local_friction", f'law = "{law}"')
@@ -171,21 +158,18 @@ def _joined(size: Thresholds, load: Bend, area: Bend, **fields: Any) -> Threshol
             raise InputError(f"material.contact_stiffness: k ~ A^{given.exponent:g} {rule}")
         thresholds = Powered(size, stretch)
         stiffness = each.coefficient * size._moment(each.exponent)
-    density, carried = fields["contact_density"], fields["area_fraction" if of_area else "pressure"]
     psi = None
     if material.hardness is not None:
         shape = float(np.sqrt(moments.summit_std / moments.summit_radius))
         psi = 3.0 * material.contact_modulus / material.hardness * shape
-    kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
+    fields |= {"plasticity_index": psi, "force_law": force.against(thresholds.power)}
+    fields |= {"mean_threshold": thresholds.mean(), "mean_stiffness": stiffness}
     radius = area.times(np.pi**-0.5, 0.5)
-    thresholds.interface = Interface(
-        **fields,
-        mean_radius=radius.coefficient * size._moment(radius.exponent),
-        mean_threshold=thresholds.mean(),
-        mean_stiffness=stiffness,
-        mean_force_threshold=strength * carried / density,
-        friction_coefficient=density * stiffness * kinetic / fields["pressure"],
-        force_law=force.against(thresholds.power),
-        plasticity_index=psi,
-    )
+    fields["mean_radius"] = radius.coefficient * size._moment(radius.exponent)
+    density, pressure = fields["contact_density"], fields["pressure"]
+    carried = fields["area_fraction"] if of_area else pressure
+    fields["mean_force_threshold"] = strength * carried / density
+    kinetic = thresholds.moment(2) / (2.0 * thresholds.mean())
+    fields["friction_coefficient"] = density * stiffness * kinetic / pressure
+    thresholds.interface = Interface(**fields)
     return thresholds

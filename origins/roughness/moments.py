@@ -128,18 +128,11 @@ def spectral_moments(
         rule = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils, less than half"
         refuse("heights", h, f"{rule}; fill them in or cut out a part that is whole")
     dx, dy = surface.pixel_size
-    sizes = np.array([step * dx, step * dy])
-    m2, m4 = (slopes**2).mean(axis=1) / sizes**2, (curvatures**2).mean(axis=1) / sizes**4
-    return SpectralMoments(
-        m0=float(np.nanmean(h**2)),
-        m2_axes=(float(m2[0]), float(m2[1])),
-        m4_axes=(float(m4[0]), float(m4[1])),
-        step=step,
-        pixel_size=(step * dx, step * dy),
-        missing_fraction=missing,
-        used_fraction=used,
-        size=(shape[0] * dx, shape[1] * dy),
-    )
+    apart, size = (step * dx, step * dy), (shape[0] * dx, shape[1] * dy)
+    m2 = ((slopes**2).mean(axis=1) / np.square(apart)).tolist()
+    m4 = ((curvatures**2).mean(axis=1) / np.square(apart) ** 2).tolist()
+    m0 = float(np.nanmean(h**2))
+    return SpectralMoments(m0, tuple(m2), tuple(m4), step, apart, missing, used, size)
 
 
 def moments_of_spectrum(
