@@ -83,8 +83,7 @@ class GrainGrowth:
 
     def pinned_fraction(self, time: npt.ArrayLike) -> Array:
         """Fraction of the grains at `time` that span the film; 0 up to tau_m."""
-        with np.errstate(divide="ignore"):
-            q = np.minimum(1.0 / self.excess(self._times(time)), 1e300)
+        q = 1.0 / np.maximum(self.excess(self._times(time)), 1e-300)
         return np.exp(-hazard_beyond(np.atleast_1d(q))).reshape(q.shape)[()]
 
     def pinning_number(self, time: npt.ArrayLike) -> Array:

@@ -206,8 +206,7 @@ class Interface:
         plastic, by_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
         uneven = np.sqrt(np.divide(max(moments.m2_axes), min(moments.m2_axes)))
         # without a scan, or without patches, there are no cautions about their size
-        pixel = moments.pixel_size or (0.0, 0.0)
-        size = (moments.size if moments.pixel_size else None) or (0.0, np.inf)
+        pixel, size = moments.pixel_size or (0.0, 0.0), moments.size or (0.0, np.inf)
         point, scan = pixel[0] * pixel[1], size[0] * size[1] or np.inf
         patch, in_scan = self.patch_area or point, self.contact_density * scan
         alone = "neighbours are hardly independent, and in full contact none stands alone"
