@@ -70,7 +70,7 @@ class _Landscapes(NamedTuple):
         for _ in range(400 if down else 20):
             part, here = self.of(moving), t[:, moving]
             step = trust[moving] * part.newton_step(here, down)
-            up = down & (part.energy(here + step) > part.energy(here) + 1e-15)
+            up = down and part.energy(here + step) > part.energy(here) + 1e-15
             t[:, moving] += np.where(up, 0.0, step)
             trust[moving] = np.where(up, 0.25 * trust[moving], np.minimum(2.0 * trust[moving], 1.0))
             last[:, moving] = step
