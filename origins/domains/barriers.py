@@ -21,7 +21,7 @@ from origins.domains.islands import Atoms, positions_of
 from origins.domains.lowest_saddle import Complex, lowest_saddles
 from origins.domains.relaxed_barrier import relaxed_barrier
 from origins.domains.substrates import Substrate, checked_substrate, vectors
-from origins.errors import finite_array, positive, refuse, whole
+from origins.errors import InputError, finite_array, positive, refuse, whole
 from origins.thresholds.law import Array
 
 SQUARE = np.eye(2)  # wavevectors of sin x + sin y
@@ -127,8 +127,8 @@ class Island(NamedTuple):
         per_radian = max(4.0, 2.0 * np.sqrt(self.largest_energy / temperature))
         count, most = 2.0 * np.pi * self.phase_slope * per_radian, 4_000_000
         if not count <= most:
-            rule = f"needs {count:.2g} angles, more than {most}; list angles, such as [0.0, 0.1]"
-            refuse("temperature", temperature, rule)
+            fault = f"needs {count:.2g} angles, more than {most}"
+            raise InputError(f"temperature: {fault}; list angles, such as [0.0, 0.1], or heat more")
         return max(64, round(count))
 
 
