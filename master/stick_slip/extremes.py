@@ -83,8 +83,6 @@ def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
     # with heat contacts break long before they reach the longest stretch; a limit below a tenth of the mean
     # threshold would make the march's tolerance finer than rounding
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
-    # some lives know their error only after they were evaluated for the stretches of the start
-    life.left(contacts.start, motion.history(motion.times[None, 1:], np.zeros((1, 1))))
     known = life.error + (0.0 if life.quick else float(travel.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
     finest = max(FINEST, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
