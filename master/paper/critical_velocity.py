@@ -70,14 +70,15 @@ def critical_velocity(
     exact = contacts.ageing.closure == "exact"
 
     @cache
-    def fall(velocity: float) -> Largest:
+    def fall(log_velocity: float) -> Largest:
         """The steepest -F'(X) at one speed: K* where each contact's own threshold diffuses."""
+        velocity = float(np.exp(log_velocity))
         if exact:
             return extremes(contacts, velocity, 0.1 * CLOSE).fall
         return _printed_fall(contacts, velocity, 1)
 
     def excess(log_velocity: float) -> float:
-        return fall(float(np.exp(log_velocity))).value - spring
+        return fall(log_velocity).value - spring
 
     ends = np.log([slowest, fastest])
     slow, fast = (excess(end) for end in ends)
@@ -87,7 +88,7 @@ def critical_velocity(
         raise InputError(f"slowest, fastest: -F' is at most {found}; {rule}")
     root = brentq(excess, *ends, xtol=CLOSE)
     slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
-    steepest = fall(float(np.exp(root)))
+    steepest = fall(root)
     if not exact:  # finer steps move v_c by little
         finer = _printed_fall(contacts, float(np.exp(root)), 2)
         steepest = finer._replace(error=abs(finer.value - steepest.value))

@@ -143,8 +143,7 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
     not overlap, only the first is followed, which is the sharpest."""
     life, contacts = travel.life, travel.contacts
     low, high = contacts.start.span
-    again = 0.0 if contacts.reforming is None else max(contacts.reforming.law.span[1], 0.0)
-    if life.reach - low < 2.0 * life.quiet - high - again:
+    if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):
         # F is followed for 0.01 mean thresholds beyond the last break of the first generation
         return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
