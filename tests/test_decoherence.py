@@ -47,7 +47,7 @@ LATE = {
     "jumps": Contacts(origins.rectangular(0.5, 1.5), origins.gaussian_start(0.0, 0.1)),
     "tail alone": Contacts(stats.gamma(3.0)),
     "exact value and width": Contacts(
-        origins.mixture([NARROW, origins.identical(0.8)], [0.7, 0.3])
+        origins.mixture([NARROW, origins.identical(0.8)], [0.7, 0.3]), delay=origins.Delay(0.28)
     ),
     "warm": Contacts(NARROW, thermal=Thermal("stiff", 0.1)),
     "warm, paper's": Contacts(NARROW, thermal=HOT),

@@ -9,7 +9,6 @@ before the drop and less in it, and v_c is larger; `master.solve` with a spring 
 
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 
@@ -71,14 +70,15 @@ def critical_velocity(
     exact = contacts.ageing.closure == "exact"
 
     @cache
-    def fall(velocity: float, finer: bool = False) -> Largest:
+    def fall(log_velocity: float) -> Largest:
         """The steepest -F'(X) at one speed: K* where each contact's own threshold diffuses."""
+        velocity = float(np.exp(log_velocity))
         if exact:
             return extremes(contacts, velocity, 0.1 * CLOSE).fall
-        return _printed_fall(contacts, velocity, finer)
+        return _printed_fall(contacts, velocity, 1)
 
     def excess(log_velocity: float) -> float:
-        return fall(float(np.exp(log_velocity))).value - spring
+        return fall(log_velocity).value - spring
 
     ends = np.log([slowest, fastest])
     slow, fast = (excess(end) for end in ends)
@@ -88,14 +88,17 @@ def critical_velocity(
         raise InputError(f"slowest, fastest: -F' is at most {found}; {rule}")
     root = brentq(excess, *ends, xtol=CLOSE)
     slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
-    finer = fall(float(np.exp(root)), finer=True)  # moves v_c by little
-    velocity = float(np.exp(root + (finer.value - spring) / slope))
-    error = velocity * (finer.error / abs(slope) + CLOSE)
-    return CriticalVelocity(velocity, error, finer.position)
+    steepest = fall(root)
+    if not exact:  # finer steps move v_c by little
+        finer = _printed_fall(contacts, float(np.exp(root)), 2)
+        steepest = finer._replace(error=abs(finer.value - steepest.value))
+    velocity = float(np.exp(root + (steepest.value - spring) / slope))
+    error = velocity * (steepest.error / abs(slope) + CLOSE)
+    return CriticalVelocity(velocity, error, steepest.position)
 
 
-def _printed_fall(contacts: Contacts, velocity: float, finer: bool) -> Largest:
-    """Where all contacts have one P_c: the first fall of (Q15), extrapolated in h²."""
+def _printed_fall(contacts: Contacts, velocity: float, parts: int) -> Largest:
+    """Where all contacts have one P_c: the first fall of (Q15), extrapolated in h² from two steps."""
     from scipy.interpolate import make_interp_spline
 
     from master.paper.q15_transient import narrowest, paper_transient
@@ -105,18 +108,14 @@ def _printed_fall(contacts: Contacts, velocity: float, finer: bool) -> Largest:
     # by then nearly all contacts have broken, fresh or aged
     end = max(float(law.isf(1e-3)) for law in (contacts.thresholds, contacts.ageing.final))
     path = np.arange(0.0, end - min(contacts.start.span[0], 0.0) + 3.0 * step, step)
-    forces = [paper_transient(contacts, path, step, velocity).force]
-    rises = np.diff(forces[0]) > 0.0
-    begin = int(np.argmin(rises))
-    if rises[begin]:
+    coarse, fine = (
+        paper_transient(contacts, path, step / n, velocity).force for n in (parts, 2 * parts)
+    )
+    slope = make_interp_spline(path, (4.0 * fine - coarse) / 3.0, k=5).derivative()
+    x = np.linspace(0.0, path[-1], 100 * path.size)
+    down = -slope(x)
+    begin = int(np.argmax(down > 0.0))
+    if not down[begin] > 0.0:
         raise InputError("contacts: the force never falls; there is no stick-slip at any spring")
-    end_of_fall = begin + int(np.argmax(np.append(rises[begin:], True)))
-    path = path[: max(end_of_fall, 6) + 1]  # a spline of degree 5 takes six points
-    for parts in (2, 4)[: 1 + finer]:
-        forces.append(paper_transient(contacts, path, step / parts, velocity).force)
-    x, falls = np.linspace(path[begin], path[end_of_fall], 100 * path.size), []
-    for coarse, fine in pairwise(forces):
-        better = (4.0 * fine - coarse[: path.size]) / 3.0
-        down = -make_interp_spline(path, better, k=5).derivative()(x)
-        falls.append(Largest(float(down.max()), np.nan, float(x[down.argmax()])))
-    return falls[-1]._replace(error=abs(falls[-1].value - falls[0].value))
+    first = down[begin : begin + int(np.argmin(np.append(down[begin:], 0.0) > 0.0))]
+    return Largest(float(first.max()), np.nan, float(x[begin + first.argmax()]))

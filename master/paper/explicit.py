@@ -1,10 +1,10 @@
 """(Q2), (Q3), (Q4): the paper's explicit step of Q(x;X) on a grid. First order in the step.
 
 It is kept as the plain twin of `master.solve`. All stretches are multiples of the step dX. In one step all contacts
-move on by dX, a fraction a(x) of those now at x breaks, and the broken contacts re-form at x = 0. The fraction is taken
-from Q after the shift. Taken before it, as (Q2) and (Q3) literally say, cells become negative and the solution
-diverges. A contact that breaks within a step should stretch again by up to dX before the step ends; here it does not.
-So where breaks are spread smoothly, every generation is dX/2 late.
+move on by dX, a fraction a(x) of those now at x breaks, and the broken contacts re-form at x = 0. The fraction is
+taken from Q after the shift: taken before it, as (Q2) and (Q3) literally say, cells become negative and the solution
+diverges. A contact that breaks within a step should stretch again by up to dX before the step ends; here it does not,
+so that where breaks are spread smoothly every generation is dX/2 late.
 
 Backward motion (App. C) is forward motion with P_b(x) = P(-x): breaking depends on x alone. A contact that was pulled
 to 0.9 and back to -0.5 is treated as if its threshold could be 0.6. So after a turn this differs from the discrete
@@ -62,9 +62,9 @@ def explicit(
     Parameters
     ----------
     contacts : Contacts
-        Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to
-        P(x); a delay, rounded to whole steps. As in the paper, a contact that starts at x < 0 breaks
-        by P(x) from x = 0 on, although its threshold is known to exceed |x|.
+        Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to P(x); a delay,
+        rounded to whole steps. As in the paper, a contact that starts at x < 0 breaks by P(x) from x = 0 on, although
+        its threshold is known to exceed |x|.
     path : array of shape (n,)
         Slider positions X >= 0 that never turn back (lengths); any spacing.
     step : float
@@ -75,9 +75,9 @@ def explicit(
     velocity : float
         v (length per time); only temperature and delay depend on it.
 
-    Raises InputError for a path as in `master.solve`; for a step that needs more than 4,194,304 nodes
-    or steps; for an unknown `breaking`; for temperature with closure "exact", where the rate is no
-    function of x alone; for other laws; and for "printed" with exact thresholds, which have no P(x).
+    Raises InputError for a path as in `master.solve`; for a step that needs more than 4,194,304 nodes or steps; for an
+    unknown `breaking`; for temperature with closure "exact", where the rate is no function of x alone; for other laws;
+    and for "printed" with exact thresholds, which have no P(x).
     """
     check_contacts(contacts, "master.paper.explicit", ("thermal", "delay"))
     thermal = contacts.thermal
@@ -98,8 +98,8 @@ def explicit_loop(
     contacts : Contacts
         Thresholds and starting stretches.
     path : array of shape (n,)
-        Slider positions X (lengths) from X = 0 on, straight between points, of either sign. Turning
-        points are moved to the nearest multiple of `step`.
+        Slider positions X (lengths) from X = 0 on, straight between points, of either sign. Turning points are moved to
+        the nearest multiple of `step`.
     step, breaking
         As in `explicit`.
 
@@ -119,14 +119,11 @@ def _stepped(
     travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
     # the grid covers the largest |x| of all but 1e-18 of the contacts
     first = min(max(abs(end) for end in start.span), law.support()[1])
-    last = first + float(np.ptp(np.append(path, 0.0)))
-    reach = max(min(last, float(law.isf(1e-18 * float(law.sf(first))))), first)
+    reach = max(min(first + float(np.ptp(np.append(path, 0.0))), float(law.isf(1e-18))), first)
     longest = max(float(travel[-1]), 2.0 * reach)
     if longest / step > MOST_NODES:
-        rule = (
-            f"needs more than {MOST_NODES:,} steps or nodes; write step={longest / 1e4:.3g} or so"
-        )
-        refuse("step", step, rule)
+        example = f"write step={longest / 1e4:.3g} or so"
+        refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
     zero = 1 + int(np.ceil(reach / step))  # the index of x = 0
     x: Array = step * np.arange(-zero, zero + 1, dtype=float)
     fraction = broken_fraction(contacts, x, step, breaking, velocity)
@@ -188,8 +185,7 @@ def broken_fraction(
         if breaking == "survival":
             return np.where(before > -np.inf, -np.expm1(here - before - by_heat), 1.0)
         if law.atoms[0].size:
-            refuse(
-                "breaking", breaking, 'P(x) does not exist at exact thresholds; write "survival"'
-            )
+            rule = 'P(x) does not exist at exact thresholds; write "survival"'
+            refuse("breaking", breaking, rule)
         hazard = np.where(x > 0.0, np.exp(law.logpdf(x) - here), 0.0)
     return np.where(here > -np.inf, np.minimum(hazard * step + by_heat, 1.0), 1.0)

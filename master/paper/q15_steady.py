@@ -61,8 +61,8 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
 
     check_contacts(contacts, PRINTED, ("ageing",))
     assert contacts.ageing is not None
-    contacts.ageing.check_fresh(contacts.thresholds)
     fresh, final = contacts.thresholds, contacts.ageing.final
+    contacts.ageing.check_fresh(fresh)
     grids = [_edges(fresh, final, halvings) for halvings in range(5)]
     diffusion = contacts.ageing.rate / velocity
     known, tables = zip(*(_solve(fresh, final, diffusion, edges) for edges in grids), strict=True)

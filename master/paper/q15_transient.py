@@ -13,7 +13,7 @@ either its mass or its sign is wrong, and the answer depends on which; both defe
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -137,7 +137,7 @@ def paper_transient(
         outrun = min(outrun, float(at[-1]))
         message = f"from X = {len(numbers) * step:g} on contacts stand where no thresholds are left"
     # between steps the force is a spline of a degree above the order of the steps
-    spline = make_interp_spline(at, force, k=5 if at.size > 5 else min(1, at.size - 1))
+    spline = make_interp_spline(at, force, k=min(5, at.size - 1))
     return AgeingTransient(
         path=kept,
         force=np.asarray(spline(kept)),
@@ -163,21 +163,21 @@ def solve_q15(
     began, end = time.perf_counter(), float(drive.path[-1])
     step = 0.5 * narrowest(contacts)  # coarser steps do not resolve the laws
     fine = paper_transient(contacts, drive.path, step, drive.velocity)
-    better, error, stuck = np.empty(0), np.inf, False
+    better, error, stuck = fine.force, np.inf, False
     while error > tolerance and not stuck and CELLS * fine.edges.size * end / step <= 2.5e7:
         step, coarse, worse = 0.5 * step, fine, better
         fine = paper_transient(contacts, drive.path, step, drive.velocity)
         better = (4.0 * fine.force - coarse.force) / 3.0
-        if worse.size:
-            change = 2.0 * float(np.abs(better - worse).max()) / contacts.mean_threshold
-            # where contacts have outrun P_c, finer steps may not reduce the error
-            stuck, error = fine.outrun < end and change > 0.5 * error, change
-            progress(error)
+        change = 2.0 * float(np.abs(better - worse).max()) / contacts.mean_threshold
+        # where contacts have outrun P_c, finer steps may not reduce the error
+        stuck, error = fine.outrun < end and change > 0.5 * error, change
+        progress(error)
     reason = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
     success, message = outcome(contacts, error, tolerance, reason)
     message, run_time = f"{message}; {fine.message}", time.perf_counter() - began
-    told: dict[str, Any] = {"success": success, "message": message, "run_time": run_time}
-    return replace(fine, force=better, force_error=error, **told)
+    return replace(
+        fine, force=better, force_error=error, success=success, message=message, run_time=run_time
+    )
 
 
 class _State:

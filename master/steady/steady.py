@@ -10,6 +10,7 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.lives.make import steady_life
 from master.outcome import WELL, judged
+from master.renewal.rule import Pieces
 from master.steady.travel import Travel
 from origins import Contacts, Thresholds
 from origins.contacts import LAWS, check_contacts
@@ -113,17 +114,16 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
 def _held(travel: Travel, x: Array) -> Array:
     """Share of all contacts that hold at stretches x (n,) after their birth, averaged over births."""
     life, births = travel.life, travel.born
+    if births.is_single:
+        way = x[:, None] - births.mean()
+        return np.asarray((way >= 0.0) * travel.scaled(np.maximum(way, 0.0))[0])[:, 0]
     low, high = np.clip(births.span, -life.reach, life.reach)
-    at = x[:, None]
-    born, weights = np.full((x.size, 1, 1), births.mean()), (at >= low)[..., None] * 1.0
-    if not births.is_single:
-        # twelve panels, and edges where the survival bends
-        even = np.linspace(low, high, 13)
-        fixed = np.concatenate([even, births.breakpoints, np.zeros(1), life.bends, -life.bends])
-        cuts = np.append(np.tile(fixed, (x.size, 1)), -np.abs(at), axis=1)
-        cuts = np.sort(np.clip(cuts, low, np.clip(at, low, high)), axis=1)
-        born, weights = gauss(cuts[:, :-1], cuts[:, 1:])
-        weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
-    way, rows = np.maximum(at[..., None] - born, 0.0), (-1, born.shape[-1])
-    held = travel.scaled(way.reshape(rows), born.reshape(rows))[0].reshape(born.shape)
-    return np.asarray((weights * held).sum(axis=(1, 2)))
+    # twelve panels, and edges where the survival bends
+    even = np.linspace(low, high, 13)
+    fixed = np.concatenate([even, births.breakpoints, np.zeros(1), life.bends, -life.bends])
+    cuts = np.append(np.tile(fixed, (x.size, 1)), -np.abs(x)[:, None], axis=1)
+    pieces = Pieces.between(np.clip(cuts, low, np.clip(x, low, high)[:, None]))
+    born, weights = gauss(pieces.low, pieces.high)
+    weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
+    held = travel.scaled(x[pieces.owner, None] - born, born)[0]
+    return np.asarray(np.bincount(pieces.owner, (weights * held).sum(axis=1), x.size), float)

@@ -83,8 +83,6 @@ def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
     # with heat contacts break long before they reach the longest stretch; a limit below a tenth of the mean
     # threshold would make the march's tolerance finer than rounding
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
-    # some lives know their error only after they were evaluated for the stretches of the start
-    life.left(contacts.start, motion.history(motion.times[None, 1:], np.zeros((1, 1))))
     known = life.error + (0.0 if life.quick else float(travel.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
     finest = max(FINEST, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
@@ -145,8 +143,7 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
     not overlap, only the first is followed, which is the sharpest."""
     life, contacts = travel.life, travel.contacts
     low, high = contacts.start.span
-    again = 0.0 if contacts.reforming is None else max(contacts.reforming.law.span[1], 0.0)
-    if life.reach - low < 2.0 * life.quiet - high - again:
+    if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):
         # F is followed for 0.01 mean thresholds beyond the last break of the first generation
         return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end

@@ -51,10 +51,9 @@ class Values(NamedTuple):
     conserved_error: Array
     slope: Complex
 
-    def root_error(self, s: Complex) -> Array:
-        """Error of s (per length) where it is a root: the residual and the error of D over |dD/ds|."""
-        off = np.abs(self.conserved) + self.conserved_error
-        return off / np.abs(self.slope) + np.spacing(np.abs(s))
+    def root_error(self) -> Array:
+        """Error of s (per length) where s is a root: the residual and the error of D over |dD/ds|."""
+        return (np.abs(self.conserved) + self.conserved_error) / np.abs(self.slope)
 
 
 class _Nodes(NamedTuple):
@@ -135,10 +134,9 @@ class Transform:
         transforms, off = np.empty((3, s.size), dtype=complex), np.empty((2, s.size))
         with np.errstate(over="ignore", invalid="ignore"):
             for i, number in enumerate(s):
-                size, phase = np.exp(-number.real * way), number.imag * way
-                wave = size * np.stack([np.cos(phase), -np.sin(phase)])
-                transforms[:, i] = sums @ wave.T @ [1, 1j]
-                off[:, i] = (errors + ROUND_OFF * abs(number) * rounded) @ size
+                wave = np.exp(-number * way)
+                transforms[:, i] = sums @ wave
+                off[:, i] = (errors + ROUND_OFF * abs(number) * rounded) @ np.abs(wave)
             held, held_slope, force = transforms
             waited, out = np.exp(-s * self.wait), -np.expm1(-s * self.wait) / s
             conserved = held * waited + out
@@ -170,7 +168,7 @@ def crowding_rate(travel: Travel) -> float:
     from scipy.optimize import brentq  # takes 0.1 s, which few laws need
 
     logs = np.log(shares)
-    ends = 0.0, -float(logs.max()) / float(ways.min())
+    ends = 0.0, -2.0 * float(logs.max()) / float(ways.min())
     return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))
 
 
@@ -190,7 +188,7 @@ def decoherence_length(travel: Travel) -> tuple[float, float]:
     transform = Transform(travel, deepest_wave(travel, rate))
     roots, searched = leading_roots(transform, 1)
     if roots.size:
-        decay, error = -float(roots[0].real), float(transform(roots[:1]).root_error(roots[:1])[0])
+        decay, error = -float(roots[0].real), float(transform(roots[:1]).root_error()[0])
         # with a very long delay the decay may be smaller than its rounding error
         return (1.0 / decay, error / decay**2) if error < decay else (1.0 / error, np.inf)
     if searched > 0.95 * NEAR * rate:  # an undetected root may lie from there to the rate
@@ -208,24 +206,21 @@ def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
     at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate (0: everywhere)."""
     roots, searched, deepest = np.empty(0, dtype=complex), 0.0, transform.deepest
     decay = min(0.5 / transform.travel.cycle, deepest)
-    while True:
-        # if far more roots are right of a line than asked for, the next line is nearer
-        most = 4 * count + 50 if decay > 1.2 * searched > 0.0 else np.inf
-        found, number = _right(transform, decay, roots, most)
-        if found.size < number:
-            if decay < max(1.05 * searched, 1e-3 * transform.deepest):
-                return roots, searched
+    while roots.size < count and searched <= 0.99 * deepest:
+        found, number = _right(transform, decay, roots)
+        if found.size >= number:
+            roots, searched = found[found.real > -decay], decay
+            decay = min(2.0 * decay, deepest)
+        elif decay < max(1.05 * searched, 1e-3 * transform.deepest):
+            break
+        else:
             deepest, decay = decay, float(np.sqrt(searched * decay)) or 0.5 * decay
-            continue
-        roots, searched = found[found.real > -decay], decay
-        if roots.size >= count or decay > 0.99 * deepest:
-            return roots, searched
-        decay = min((4.0 if 2 * roots.size + 1 < count else 2.0) * decay, deepest)
+    return roots, searched
 
 
-def _right(transform: Transform, decay: float, some: Complex, most: float) -> tuple[Complex, float]:
+def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, float]:
     """Roots right of the line Re s = -decay, or hardly left of it, and how many are right of it: inf where
-    D is too inaccurate, or they are more than `most`; `some` are known."""
+    D is too inaccurate; `some` are known."""
     travel, s = transform.travel, np.array([complex(-decay)])
     end = transform(s)
     if not end.conserved_error[0] * decay < 1e-3:
@@ -249,8 +244,6 @@ def _right(transform: Transform, decay: float, some: Complex, most: float) -> tu
     size = size[:-1] + share * np.diff(size)
     # where w crosses the real axis beyond 1, it has turned once around 1, which a root does
     number = float(np.sign(turn)[real & (size > 0.0)].sum())
-    if number > most:
-        return some, np.inf
     starts = (s[:-1] + 1j * step * share)[real & (size > -0.02)]
     return _newton(transform, np.append(some, starts), decay, step), number
 

@@ -133,7 +133,7 @@ def decoherence_spectrum(
     if not (start.is_single and start.span == travel.born.span):
         way = Travel(contacts, travel.life, velocity, born=start)
         of_start = Transform(way, -float(s.real.min(initial=0.0)))
-    root_error = transform(s).root_error(s)
+    root_error = transform(s).root_error()
     beside = np.append(s, s + root_error)
     values, first = transform(beside), of_start(beside)
     late = np.exp(-beside * wait) * (1.0 / beside - first.held)
