@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import Blocks, State, Whole, is_measured
+from eq_model.blocks import Blocks, State, Whole
 from eq_model.draws.tables import DEEPEST
 from eq_model.lattice import STIFFNESS_UNIT, TIE, WholeDrive, durations, whole_drive
 from eq_model.result import BINS, chosen_points, histogram, make_edges
@@ -97,7 +97,7 @@ class Engine:
         from eq_model.draws.streams import make_stream
         from eq_model.lanes import follow
 
-        count, measured = blocks.size(block) if block >= 0 else 0, is_measured(block)
+        count, measured = blocks.size(block) if block >= 0 else 0, blocks.is_measured(block)
         counts = np.zeros((self._points.size, 2, BINS), np.uint32)
         work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)
         _, kinds, bins, columns = self._shape

@@ -51,7 +51,7 @@ class EnsembleResult:
     path : the path, shape (n,), lengths.
     force : mean force over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
     force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
-        In large ensembles the variance is that of the first 4 blocks, and of every eighth of the others. Where breaks
+        In large ensembles the variance is that of the first 32,768, and of every eighth block. Where breaks
         are too rare to be seen, as before the first ones, it is at least what one break more or less would make.
         It does not include events expected far less than once in the whole ensemble; one such event would change
         the force by one contact's stretch divided by the number of contacts.
