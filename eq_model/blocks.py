@@ -33,10 +33,10 @@ class Blocks(NamedTuple):
 
     def before(self, block: int) -> int:
         """Contacts of all blocks before this one."""
-        return min(block * self.each, self.total)
+        return min(max(block, 0) * self.each, self.total)
 
     def size(self, block: int) -> int:
-        """Number of contacts of a block."""
+        """Number of contacts of a block; 0 for block -1."""
         return self.before(block + 1) - self.before(block)
 
     def is_measured(self, block: int) -> bool:
@@ -53,12 +53,6 @@ class Blocks(NamedTuple):
         while several and ends[0] > 1:
             ends.insert(0, (ends[0] + 1) // 2)
         return [range(begin, end) for begin, end in pairwise([0, *ends])]
-
-
-def make_blocks(n_contacts: int, n_replicas: int, seconds: float) -> Blocks:
-    """Blocks for contacts that take about `seconds` each: of at most 0.25 s, after which a run can be stopped."""
-    slow = max(int(0.25 / max(seconds, 1e-12)), 1)
-    return Blocks(n_contacts * n_replicas, min(slow, n_contacts, BLOCK))
 
 
 def joined(done: list[range]) -> list[range]:
@@ -145,16 +139,6 @@ def _stacked(*tables: Array) -> Array:
 def rank_and_size(comm: Any) -> tuple[int, int]:
     """Rank and size of a communicator; None is a lone process."""
     return (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
-
-
-def in_turn(comm: Any, work: Any) -> None:
-    """Call `work` on rank 0 first, then on the others together: they find on disk what rank 0 compiled."""
-    first = rank_and_size(comm)[0] == 0
-    if first:
-        work()
-    list(meeting(comm))
-    if not first:
-        work()
 
 
 def meeting(comm: Any) -> Iterator[None]:

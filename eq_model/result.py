@@ -154,29 +154,6 @@ class CoupledResult(EnsembleResult):
     __repr__ = brief
 
 
-def fields_of(rows: Array, slips: Array) -> dict[str, Any]:
-    """Fields of a CoupledResult from the replicas' rows and the table of all slips."""
-    slips = slips.reshape(-1, 8)
-    rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in (rows, slips))
-    # a row: its replica's number, breaks, X_T = F(0)/K, avalanches by class; then X, F and the share that holds
-    numbers, avalanches, curves = np.split(rows, [3, 3 + SIZES], axis=1)
-    curves = curves.reshape(len(rows), 3, -1)
-    fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
-    for k, name in enumerate(("position", "force", "holding")):
-        table = curves[:, k]
-        scatter = table.std(axis=0, ddof=1) if len(rows) > 1 else np.full(table.shape[1], np.inf)
-        fields |= {name: table.mean(axis=0), f"{name}_standard_error": scatter / np.sqrt(len(rows))}
-    columns: list[Any] = list(slips.T)
-    for whole in (0, 1, 7):
-        columns[whole] = columns[whole].astype(np.int64)
-    return fields | {
-        "slips": CoupledSlips(*columns),
-        "avalanches": avalanches.astype(np.int64),
-        "balance": float(numbers[:, 2].mean()),
-        "step_error": np.zeros(curves.shape[2]),
-    }
-
-
 def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     """Indices of points of a path of this size, checked; raises InputError, named histograms."""
     points = np.atleast_1d(np.asarray(histograms, None if np.size(histograms) else np.intp))
