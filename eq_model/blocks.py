@@ -20,7 +20,8 @@ from origins.thresholds.law import Array
 
 Whole = npt.NDArray[np.int64]
 
-BLOCK = 1 << 16  # most contacts of a block: whole sums over one must fit 63 bits
+# most contacts of a block: enough that its beginning and end take little time, and few for its sums to fit 63 bits
+BLOCK = 1 << 15
 _NO_ROWS = np.zeros((0, 0))  # a single one, which messages between ranks contain once
 
 
@@ -32,15 +33,19 @@ class Blocks(NamedTuple):
 
     def before(self, block: int) -> int:
         """Contacts of all blocks before this one."""
-        return min(block * self.each, self.total)
+        return min(max(block, 0) * self.each, self.total)
 
     def size(self, block: int) -> int:
-        """Number of contacts of a block."""
+        """Number of contacts of a block; 0 for block -1."""
         return self.before(block + 1) - self.before(block)
+
+    def is_measured(self, block: int) -> bool:
+        """Whether a block is measured for the variance: those of the first 2^15 contacts, and every eighth."""
+        return self.before(block) < BLOCK or block % 8 == 0
 
     def measured(self, done: list[range]) -> int:
         """Contacts in those of these blocks that are measured for the variance."""
-        return sum(self.size(block) for part in done for block in part if is_measured(block))
+        return sum(self.size(block) for part in done for block in part if self.is_measured(block))
 
     def rounds(self, several: bool) -> list[range]:
         """Rounds of blocks, each as many as all before it; a single round of all unless `several`."""
@@ -48,21 +53,6 @@ class Blocks(NamedTuple):
         while several and ends[0] > 1:
             ends.insert(0, (ends[0] + 1) // 2)
         return [range(begin, end) for begin, end in pairwise([0, *ends])]
-
-
-def make_blocks(n_contacts: int, n_replicas: int, seconds: float) -> Blocks:
-    """Blocks for contacts that take about `seconds` each: of at most 0.25 s, after which a run can be stopped.
-
-    There are at least 256 blocks for threads and ranks, unless they would be smaller than 2^14 contacts, and at least
-    one for each replica.
-    """
-    total, slow = n_contacts * n_replicas, max(int(0.25 / max(seconds, 1e-12)), 1)
-    return Blocks(total, min(slow, n_contacts, max(total // 256, 1 << 14), BLOCK))
-
-
-def is_measured(block: int) -> bool:
-    """Whether a block's contacts are measured for the variance: the first 4, and every eighth."""
-    return block < 4 or block % 8 == 0
 
 
 def joined(done: list[range]) -> list[range]:
@@ -149,16 +139,6 @@ def _stacked(*tables: Array) -> Array:
 def rank_and_size(comm: Any) -> tuple[int, int]:
     """Rank and size of a communicator; None is a lone process."""
     return (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
-
-
-def in_turn(comm: Any, work: Any) -> None:
-    """Call `work` on rank 0 first, then on the others together: they find on disk what rank 0 compiled."""
-    first = rank_and_size(comm)[0] == 0
-    if first:
-        work()
-    list(meeting(comm))
-    if not first:
-        work()
 
 
 def meeting(comm: Any) -> Iterator[None]:

@@ -225,15 +225,14 @@ def _from_rest(law, n, x, log_amounts, first):  # type: ignore[no-untyped-def]
         first[i] = whole(np.floor(far * (1.0 / law.unit) + 0.5))
 
 
-def _in_row(law, n, x, first, rows, legs, work):  # type: ignore[no-untyped-def]
+def _in_row(law, n, x, first, lanes, work):  # type: ignore[no-untyped-def]
     """Set `first`, the stretches in the directions of their legs at which n contacts break if the legs go on."""
-    others, log_amounts = work.linked, rows.log_amount
+    legs, log_amounts = lanes.leg, lanes.log_amount
     for i in range(unsigned(n)):
-        others |= rows.stretch[i] != 0
-        log_amounts[i] = real(rows.log_exposure[i]) * LEVEL_UNIT - law.log_slow[unsigned(legs[i])]
+        log_amounts[i] = real(lanes.log_exposure[i]) * LEVEL_UNIT - law.log_slow[unsigned(legs[i])]
     _from_rest(law, n, x, log_amounts, first)
-    for i in range(n if others else 0):
-        r = -rows.stretch[i] if work.way.directions[legs[i]] < 0 else rows.stretch[i]
+    for i in range(n if work.linked or not work.again.relaxed else 0):
+        r = -lanes.stretch[i] if work.way.directions[legs[i]] < 0 else lanes.stretch[i]
         if r != 0 or work.linked:
             threshold, k = real(x[i]) * law.unit, real(x[i]) / work.mean if work.linked else 1.0
             goal = _integral(law, r, threshold, k) + np.exp(log_amounts[i])
@@ -272,6 +271,6 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
 
 BREAKS |= {Cold: _at_threshold, Warm: _by_rate}
 AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: real(contact.threshold))
-# breaks_in_row(law, n, x, first, rows, legs, work): the stretches `first` at which contacts break in steady motion, or
-# their thresholds x under laws that do not give them
+# breaks_in_row(law, n, x, first, lanes, work): the stretches `first` at which contacts break in steady motion, or their
+# thresholds x under laws that do not give them
 breaks_in_row = by_law(lambda law: _in_row if law is Warm else lambda law, n, x, *rest: x)

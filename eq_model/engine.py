@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import Blocks, State, Whole, is_measured
+from eq_model.blocks import BLOCK, Blocks, State, Whole
 from eq_model.draws.tables import DEEPEST
 from eq_model.lattice import STIFFNESS_UNIT, TIE, WholeDrive, durations, whole_drive
 from eq_model.result import BINS, chosen_points, histogram, make_edges
@@ -25,16 +25,16 @@ class Moments(NamedTuple):
 
 
 class Engine:
-    """Follows the blocks of one ensemble; `seconds`: estimated time for one contact."""
+    """Follows the blocks of one ensemble; `nothing`: the state of no blocks."""
 
     MOST = 1 << 37  # largest number of contacts of all replicas
     # with ageing, one in so many contacts is followed once more in steps so many times longer, to estimate their error
     COARSER = 8
 
     def __init__(
-        self, contacts: Contacts, drive: Drive, seed: int, histograms: npt.ArrayLike, total: int
+        self, contacts: Contacts, drive: Drive, blocks: Blocks, seed: int, histograms: npt.ArrayLike
     ) -> None:
-        """Choose unit, bins and law; InputError for contacts and drives that cannot be followed."""
+        """Choose unit, bins, law and smaller blocks; InputError for contacts and drives that cannot be followed."""
         check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
         if contacts.each_by_itself() is not contacts:
             name = "thermal" if getattr(contacts.thermal, "closure", "") == "paper" else "ageing"
@@ -46,7 +46,7 @@ class Engine:
         from eq_model.draws.births import births_of, exposures
         from eq_model.lanes import Forward
 
-        self.contacts, self._seed, self._total, self._drive = contacts, seed, total, drive
+        self.contacts, self._seed, self._drive = contacts, seed, drive
         # the same law all along the path: without laws nothing depends on time
         steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
         forward, scale = drive.forward and steady, contacts.mean_threshold
@@ -57,7 +57,9 @@ class Engine:
         exact = contacts.thresholds.atoms[0].size > 0
         way = whole_drive(course, scale, 2.0 * reach.longest * stiffest, exact)
         law = law_of(contacts, way, TIE * exact)
-        self.seconds = seconds_of(contacts, drive, law)
+        # a block takes at most 0.25 s, after which a run can be stopped
+        slow = max(int(0.25 / max(seconds_of(contacts, drive, law), 1e-12)), 1)
+        self.blocks = blocks._replace(each=min(slow, blocks.each, BLOCK))
         # the points of histograms, in the order of the clock
         self._points = points = chosen_points(histograms, drive.path.size)
         self._order = np.argsort(way.bin_of_point[points], kind="stable")
@@ -85,19 +87,16 @@ class Engine:
         )
         # of sums: limbs; kinds (all, measured, with ageing coarser steps); bins; columns of count_event
         self._shape = 2, 2 + (contacts.ageing is not None), way.bin_ends.size, 6 if linked else 3
+        kind = np.uint32 if blocks.total < 1 << 32 else np.uint64
+        counts = np.zeros((points.size, 2, BINS), kind)
+        self.nothing = State(np.zeros(self._shape, np.int64), counts)
 
-    def nothing(self) -> State:
-        """The state of no blocks."""
-        kind = np.uint32 if self._total < 1 << 32 else np.uint64
-        counts = np.zeros((self._points.size, 2, BINS), kind)
-        return State(np.zeros(self._shape, np.int64), counts)
-
-    def follow(self, blocks: Blocks, block: int) -> State:
+    def follow(self, block: int) -> State:
         """Follow a block of contacts to the drive's end; -1 only compiles."""
         from eq_model.draws.streams import make_stream
         from eq_model.lanes import follow
 
-        count, measured = blocks.size(block) if block >= 0 else 0, is_measured(block)
+        count, measured = self.blocks.size(block), self.blocks.is_measured(block)
         counts = np.zeros((self._points.size, 2, BINS), np.uint32)
         work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)
         _, kinds, bins, columns = self._shape
@@ -110,10 +109,10 @@ class Engine:
         found = np.stack([sums, sums * measured, coarse][:kinds])[:, :-1]
         return State(np.stack([found >> 32, found & 0xFFFFFFFF]), counts, breaks=int(breaks))
 
-    def fields(self, blocks: Blocks, state: State) -> dict[str, Any]:
+    def fields(self, state: State) -> dict[str, Any]:
         """Fields of the result."""
         contacts, path, n = self.contacts, self._drive.path, state.contacts
-        measured, sums = blocks.measured(state.done), state.sums
+        measured, sums = self.blocks.measured(state.done), state.sums
         found, variance = self._moments(n, sums[:, 0]), np.full(path.size, np.inf)
         if measured > 1:
             variance = self._with_unseen(self._moments(measured, sums[:, 1]).variance, n)
@@ -125,7 +124,7 @@ class Engine:
         return {
             "force": found.force,
             "force_standard_error": np.sqrt(variance / n),
-            "step_error": self._step_error(blocks, state.done, sums),
+            "step_error": self._step_error(state.done, sums),
             "holding": found.holding,
             "holding_standard_error": np.sqrt(varies / n),
             "histograms": [histogram(k, float(path[k]), self._edges, own, n) for k, own in counts],
@@ -182,15 +181,15 @@ class Engine:
         rounding = self._work.way.unit**2 / self._work.way.square  # of squares of stretches
         return np.maximum(np.where(seen < rounding, 0.0, seen), stretch**2 * share)
 
-    def _step_error(self, blocks: Blocks, done: list[range], sums: Whole) -> Array:
+    def _step_error(self, done: list[range], sums: Whole) -> Array:
         """Bound on the error of the force by the inner steps of ageing, at the points (a length); 0 without ageing.
 
         It assumes that the error is proportional to the step, while it grows faster.
         """
         if sums.shape[1] == 2:
             return np.zeros(self._drive.path.size)
-        n = blocks.measured(done)
-        some = sum(-(-blocks.size(block) // self.COARSER) for part in done for block in part)
+        n = self.blocks.measured(done)
+        some = sum(-(-self.blocks.size(block) // self.COARSER) for part in done for block in part)
         if not some or not n:
             return np.full(self._drive.path.size, np.inf)
         fine, coarse = self._moments(n, sums[:, 1]), self._moments(some, sums[:, 2])

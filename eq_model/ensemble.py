@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from functools import partial, reduce
+from functools import reduce
 from time import perf_counter
 from typing import Any
 from zlib import crc32
@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import Blocks, State, in_turn, make_blocks, meeting, rank_and_size, share
+from eq_model.blocks import Blocks, State, meeting, rank_and_size, share
 from eq_model.coupled.ensemble import Replicas
 from eq_model.engine import Engine
 from eq_model.result import CoupledResult, EnsembleResult
@@ -85,23 +85,27 @@ class Ensemble:
             if coupled and value is not None and np.size(value):
                 rule = "is of independent contacts; leave it out with a spring, and give n_replicas"
                 refuse(name, value, rule)
+        replicas = Blocks(self.total, each)
         self._work: Engine | Replicas
         if coupled:
-            self._work = Replicas(contacts, self.drive, each, seed, slip_fraction)
-            self.blocks = Blocks(self.total, each)
+            self._work = Replicas(contacts, self.drive, replicas, seed, slip_fraction)
         else:
-            self._work = Engine(contacts, self.drive, seed, histograms, self.total)
-            self.blocks = make_blocks(each, self._replicas, self._work.seconds)
+            self._work = Engine(contacts, self.drive, replicas, seed, histograms)
+        self.blocks = self._work.blocks
         points = self.drive.path, () if self.drive.time is None else self.drive.time
         course = crc32(np.concatenate(points).tobytes()) + 1
-        nothing = replace(self._work.nothing(), run_time=self.clock() - started, course=course)
+        nothing = replace(self._work.nothing, run_time=self.clock() - started, course=course)
         started = self.clock()
-        in_turn(comm, lambda: self._work.follow(self.blocks, -1))
+        first = rank_and_size(comm)[0] == 0
+        if first:
+            self._work.follow(-1)
+        list(meeting(comm))
+        if not first:  # the other ranks find on disk what rank 0 compiled
+            self._work.follow(-1)
         self.compile_time = self.clock() - started
         found = list(earlier)
         self._before = [part for state in found for part in state.done]
         # the earlier states are added on one rank only
-        first = rank_and_size(comm)[0] == 0
         self.state = reduce(State.joined, found, nothing) if first else nothing
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
@@ -134,12 +138,11 @@ class Ensemble:
 
     def _each(self, blocks: Sequence[int]) -> Iterator[tuple[int, State]]:
         """Follow the blocks, several at once with threads; yields them in order."""
-        follow = partial(self._work.follow, self.blocks)
         at_once = 8 * self._threads  # few, so that wall time and `stop` are heeded
         with ThreadPoolExecutor(self._threads) as pool:
             for first in range(0, len(blocks), at_once):
                 some = blocks[first : first + at_once]
-                results = map(follow, some) if self._threads == 1 else pool.map(follow, some)
+                results = (map if self._threads == 1 else pool.map)(self._work.follow, some)
                 yield from zip(some, results, strict=True)
 
     def stop(self) -> None:
@@ -184,7 +187,7 @@ class Ensemble:
         if not joined.contacts:
             rule = "no block of contacts is finished yet; iterate over it first, or give it more"
             raise InputError(f"ensemble: {rule} wall_time")
-        fields = self._work.fields(self.blocks, joined)
+        fields = self._work.fields(joined)
         waited = self.clock() - started
         found = (CoupledResult if "slips" in fields else EnsembleResult)(
             path=self.drive.path,

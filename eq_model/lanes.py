@@ -47,43 +47,38 @@ class Forward(NamedTuple):
 
 
 class Lanes(NamedTuple):
-    """The contact of each lane, all of shape (LANES,)."""
+    """Arrays of one block: the contact of each lane, what one row of draws gave it, and scratch; of shape (LANES,)."""
 
+    number: Whole  # index in the block; the lane's next contact is LANES further
+    initial: Whole  # 1 for a contact of the start that has not broken
     moment: Whole  # of the drive's clock, at which it forms; beyond the end in a lane without further contacts
     leg: Whole
-    initial: Whole  # 1 for a contact of the start that has not broken
-    number: Whole  # index in the block; the lane's next contact is LANES further
     drawn: Whole  # number of words that the laws have drawn in the lane
-
-
-class Rows(NamedTuple):
-    """What one row of draws gave each lane, and scratch, all of shape (LANES,)."""
-
     threshold: Whole
     stretch: Whole  # at which the contact forms
     log_exposure: Whole
     first: Whole  # where its rate breaks it if the leg goes on, as contact.breaks_in_row has it
     square: Whole  # the slider at the end of the break's bin; then the change of the sum of squares by the break
-    bins: npt.NDArray[np.int32]
     log_amount: Array  # ln of the integral of the rate over the way to the break
+    bins: npt.NDArray[np.int32]
 
 
-def _advance_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
-    """Move n contacts forward to their breaks, by a law for rows. Returns the number of breaks."""
+def _advance_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
+    """Move n contacts forward to their breaks, by a law for lanes. Returns the number of breaks."""
     way, breaks, end, many = work.way, whole(0), work.way.end, work.way.bin_ends.size
-    moment, bins, square = lanes.moment, rows.bins, rows.square
-    x = breaks_in_row(law.law, n, rows.threshold, rows.first, rows, lanes.leg, work)
+    moment, bins, square = lanes.moment, lanes.bins, lanes.square
+    x = breaks_in_row(law.law, n, lanes.threshold, lanes.first, lanes, work)
     # from here on, the slider's position at which the contact is relaxed
     for i in range(unsigned(0 if work.again.relaxed else n)):
-        moment[i] -= rows.stretch[i]
+        moment[i] -= lanes.stretch[i]
         lanes.initial[i] = whole(moment[i] + x[i] > end)
     for i in range(n if counts.shape[0] or not way.even else 0):
-        born, broken = moment[i] + rows.stretch[i], moment[i] + x[i]
+        born, broken = moment[i] + lanes.stretch[i], moment[i] + x[i]
         bins[i] = np.int32(many if broken > end else bin_of(broken, way))
         square[i] = way.bin_positions[min(bins[i], many - 1)]
         if born <= end:
             for k in range(way.before[bin_of(born, way)], way.before[bins[i]]):
-                look_at(k, moment[i], real(rows.threshold[i]), way, counts)
+                look_at(k, moment[i], real(lanes.threshold[i]), way, counts)
     for i in range(unsigned(n)):
         broken = moment[i] + x[i]
         over = broken > end
@@ -106,16 +101,16 @@ def _advance_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignor
     return breaks
 
 
-def _follow_row(law, n, rows, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
+def _follow_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one life in each of n lanes, by any law. Returns the number of breaks."""
     breaks, way = whole(0), work.way
-    first = breaks_in_row(law, n, rows.threshold, rows.first, rows, lanes.leg, work)
+    first = breaks_in_row(law, n, lanes.threshold, lanes.first, lanes, work)
     for i in range(unsigned(n)):
         number = lanes.number[i]
         if number >= count:
             continue
         clock, leg, initial, drawn = lanes.moment[i], lanes.leg[i], lanes.initial[i], lanes.drawn[i]
-        x, r, e = rows.threshold[i], rows.stretch[i], real(rows.log_exposure[i]) * LEVEL_UNIT
+        x, r, e = lanes.threshold[i], lanes.stretch[i], real(lanes.log_exposure[i]) * LEVEL_UNIT
         k = real(x) / work.mean if work.linked else 1.0
         contact = Contact(
             clock, leg, r, x, e, first[i], k, initial == 0, number % LANES, drawn, work.stream
@@ -161,23 +156,24 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
     first = first[: count if starts.drawn else 1]
     if work.forward:  # rows count no births
         for stretch in first:
-            count_event(whole(1), 1.0, -stretch, 0, work, sums)
-        sums[0] *= 1 if starts.drawn else count
-    now, log_amount = np.zeros((8, LANES), whole), np.zeros(LANES)
-    lanes = Lanes(now[0], now[1], np.ones(LANES, whole), np.arange(LANES), now[2])
-    rows = Rows(now[3], now[4], now[5], now[6], now[7], np.zeros(LANES, np.int32), log_amount)
+            count_event(whole(1) if starts.drawn else count, 1.0, -stretch, 0, work, sums)
+    # allocated in the kernel, which then knows that they do not overlap
+    m, log_amount, bins = np.zeros((10, LANES), whole), np.zeros(LANES), np.zeros(LANES, np.int32)
+    for i in range(LANES):
+        m[0, i], m[1, i] = i, 1
+    lanes = Lanes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], log_amount, bins)
     n, turn, breaks = min(LANES, count), whole(0), whole(0)
     while lanes.number.min() < count:
         for row in range(whole(4)):
             if not again.relaxed:
-                draw_stretches(n, row, turn, stream, again, scratch, rows.stretch)
+                draw_stretches(n, row, turn, stream, again, scratch, lanes.stretch)
                 for i in range(unsigned(n)):
                     start = first[unsigned(min(lanes.number[i], first.size - 1))]
-                    rows.stretch[i] = start if lanes.initial[i] else rows.stretch[i]
-            draw_thresholds(n, row, turn, stream, again, scratch, rows.stretch, rows.threshold)
+                    lanes.stretch[i] = start if lanes.initial[i] else lanes.stretch[i]
+            draw_thresholds(n, row, turn, stream, again, scratch, lanes.stretch, lanes.threshold)
             if work.needs_exposure:
-                words, e = scratch.exposures, rows.log_exposure
+                words, e = scratch.exposures, lanes.log_exposure
                 draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, e)
-            breaks += _row(work.law, n, rows, count, work, lanes, sums, counts)
+            breaks += _row(work.law, n, count, work, lanes, sums, counts)
         turn += 1
     return breaks

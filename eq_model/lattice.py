@@ -52,7 +52,7 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
 
     scale : the mean threshold; reach : the largest force of a contact over <k>, a length; exact : whether
     thresholds have exact values, so that breaks fall on points.
-    Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^21 times.
+    Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^22 times.
     """
     legs, clock = _legs(drive, scale)
     shortest, bins = scale * 2.0**-20, 1024  # of a cell; second moments need short bins

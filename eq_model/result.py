@@ -51,7 +51,7 @@ class EnsembleResult:
     path : the path, shape (n,), lengths.
     force : mean force over all contacts and replicas at each X, shape (n,), a length (force per N_c <k>).
     force_standard_error : of that mean, from the variance between contacts, shape (n,), a length; inf for one contact.
-        In large ensembles the variance is that of the first 4 blocks, and of every eighth of the others. Where breaks
+        In large ensembles the variance is that of the first 32,768, and of every eighth block. Where breaks
         are too rare to be seen, as before the first ones, it is at least what one break more or less would make.
         It does not include events expected far less than once in the whole ensemble; one such event would change
         the force by one contact's stretch divided by the number of contacts.
@@ -152,29 +152,6 @@ class CoupledResult(EnsembleResult):
     balance: float
 
     __repr__ = brief
-
-
-def fields_of(rows: Array, slips: Array) -> dict[str, Any]:
-    """Fields of a CoupledResult from the replicas' rows and the table of all slips."""
-    slips = slips.reshape(-1, 8)
-    rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in (rows, slips))
-    # a row: its replica's number, breaks, X_T = F(0)/K, avalanches by class; then X, F and the share that holds
-    numbers, avalanches, curves = np.split(rows, [3, 3 + SIZES], axis=1)
-    curves = curves.reshape(len(rows), 3, -1)
-    fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
-    for k, name in enumerate(("position", "force", "holding")):
-        table = curves[:, k]
-        scatter = table.std(axis=0, ddof=1) if len(rows) > 1 else np.full(table.shape[1], np.inf)
-        fields |= {name: table.mean(axis=0), f"{name}_standard_error": scatter / np.sqrt(len(rows))}
-    columns: list[Any] = list(slips.T)
-    for whole in (0, 1, 7):
-        columns[whole] = columns[whole].astype(np.int64)
-    return fields | {
-        "slips": CoupledSlips(*columns),
-        "avalanches": avalanches.astype(np.int64),
-        "balance": float(numbers[:, 2].mean()),
-        "step_error": np.zeros(curves.shape[2]),
-    }
 
 
 def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:

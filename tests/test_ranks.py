@@ -231,7 +231,7 @@ class Counted:
 def test_calls_and_bytes_are_as_documented(tmp_path: Path) -> None:
     """In docs/clusters.md; forty times the contacts take as many. A tolerance takes a meeting for each doubling."""
     told = []
-    for contacts, more in ((100 << 14, {}), (1000 << 16, {}), (64 << 14, {"tolerance": 1e-9})):
+    for contacts, more in ((100 << 15, {}), (2000 << 16, {}), (64 << 15, {"tolerance": 1e-9})):
         comm, eq = Counted(100), {"contacts": contacts, "replicas": 1, **more}
         toolkit.run(
             scene(drive={"to": 5.0, "points": 51}, master=None, eq=eq),

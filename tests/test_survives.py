@@ -14,9 +14,9 @@ import pytest
 from scenes import said, scene, write
 
 import toolkit
+from eq_model.blocks import BLOCK
 from origins.errors import InputError
 
-BLOCK = 1 << 14
 CONTACTS = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 0.1}}
 EQ = {"contacts": 29 * BLOCK, "replicas": 1, "seed": 5, "histograms": [2.0]}
 SCENE = scene(contacts=CONTACTS, drive={"to": 2.0, "points": 11}, master=None, eq=EQ)

@@ -6,7 +6,7 @@ import numpy as np
 
 from eq_model.blocks import Blocks, State
 from eq_model.engine import Reach
-from eq_model.result import SIZES, fields_of
+from eq_model.result import SIZES, CoupledSlips
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse
@@ -14,14 +14,19 @@ from origins.thresholds.law import Array
 
 
 class Replicas:
-    """Follows replicas of `n` contacts on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
+    """Follows replicas, a block each, on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
     them (None: 0.2)."""
 
     MOST = 1 << 31  # largest number of contacts of a replica
-    seconds = 0.0
+    nothing = State()
 
     def __init__(
-        self, contacts: Contacts, drive: Drive, n: int, seed: int, slip_fraction: float | None
+        self,
+        contacts: Contacts,
+        drive: Drive,
+        blocks: Blocks,
+        seed: int,
+        slip_fraction: float | None,
     ) -> None:
         """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
         from eq_model.coupled.queue_kernel import bucket_bits
@@ -33,7 +38,8 @@ class Replicas:
         share = 0.2 if slip_fraction is None else positive("slip_fraction", slip_fraction)
         if share > 1.0:
             refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
-        self._contacts, self._drive, self._n, self._seed = contacts, drive, n, seed
+        self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
+        self._n = n = blocks.each
         self.slip_fraction, self._unit = share, unit_of(contacts)
         self._births = births_of(contacts, self._unit)
         law, mean = contacts.thresholds, contacts.mean_threshold
@@ -45,15 +51,35 @@ class Replicas:
             most = 2.0 ** (25 + self._shift) * self._unit
             refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for {n} coupled contacts")
 
-    def nothing(self) -> State:
-        """The state of no replicas."""
-        return State()
-
-    def fields(self, blocks: Blocks, state: State) -> dict[str, Any]:
+    def fields(self, state: State) -> dict[str, Any]:
         """Fields of the result."""
-        return {**fields_of(state.rows, state.slips), "slip_fraction": self.slip_fraction}
+        tables = state.rows, state.slips.reshape(-1, 8)
+        rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in tables)
+        # a row: its replica's number, breaks, X_T = F(0)/K, avalanches by class; then X, F and the share that holds
+        numbers, avalanches, curves = np.split(rows, [3, 3 + SIZES], axis=1)
+        curves = curves.reshape(len(rows), 3, -1)
+        fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
+        for k, name in enumerate(("position", "force", "holding")):
+            table = curves[:, k]
+            scatter = (
+                table.std(axis=0, ddof=1) if len(rows) > 1 else np.full(table.shape[1], np.inf)
+            )
+            fields |= {
+                name: table.mean(axis=0),
+                f"{name}_standard_error": scatter / np.sqrt(len(rows)),
+            }
+        columns: list[Any] = list(slips.T)
+        for whole in (0, 1, 7):
+            columns[whole] = columns[whole].astype(np.int64)
+        return fields | {
+            "slips": CoupledSlips(*columns),
+            "avalanches": avalanches.astype(np.int64),
+            "balance": float(numbers[:, 2].mean()),
+            "step_error": np.zeros(curves.shape[2]),
+            "slip_fraction": self.slip_fraction,
+        }
 
-    def follow(self, blocks: Blocks, replica: int) -> State:
+    def follow(self, replica: int) -> State:
         """Follow a replica while its slider is pulled to the end of the path; -1 only compiles.
 
         Raises InputError where contacts would break while the drive moves back to its first point.
@@ -64,9 +90,9 @@ class Replicas:
 
         if replica < 0:
             # kernels are the same for all laws and rules
-            few = Replicas(Contacts(identical(1.0)), Drive([3.0], spring=1.0), 2, 0, 1.0)
-            few.follow(blocks, 0)
-            return self.nothing()
+            few = Contacts(identical(1.0)), Drive([3.0], spring=1.0), Blocks(2, 2)
+            Replicas(*few, seed=0, slip_fraction=1.0).follow(0)
+            return self.nothing
         n, unit, stream = self._n, self._unit, make_stream(self._seed, replica)
         linked = self._contacts.stiffness == "linked"
         mean = self._contacts.mean_threshold / unit if linked else 0.0

@@ -5,6 +5,7 @@ dX_T/dX = (K + k)/K. While the slider sticks, X_T rises to the next break. In an
 and the slider moves to where K (X_T - X) = F again, or to the next break if that comes first.
 """
 
+from math import frexp
 from typing import NamedTuple
 
 import numpy as np
@@ -156,13 +157,11 @@ def _store_points(s, pull, b, load, level, time):  # type: ignore[no-untyped-def
 @inlined
 def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
     """End an avalanche with the slider at `after`, where the spring balances; returns its number of breaks."""
-    size, last, kind = s.broken, pull.avalanche, 0
+    size, last = s.broken, pull.avalanche
     last[0], last[2], last[4] = s.pulled, after, s.pulled - pull.spring * after
     last[5], s.broken = size, 0
     if size < pull.slip:
-        while size >> (kind + 1):
-            kind += 1
-        pull.avalanches[kind] += 1
+        pull.avalanches[frexp(size)[1] - 1] += 1  # by the number of its bits
     return size
 
 

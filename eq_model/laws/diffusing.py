@@ -158,9 +158,9 @@ def _steepness(x, y, law):  # type: ignore[no-untyped-def]
 def _step(y, x, speed, longest, law):  # type: ignore[no-untyped-def]
     """The time of the next step, at most `longest`; the stretch x >= 0 grows with `speed`."""
     if law.normal:
-        # the time in which the threshold cannot come down to the stretch: it diffuses by less than 8 standard
-        # deviations, and one above the mean may drift down to that
-        gap, spread = max(min(y, law.mean) - x, 0.0), 8.0 * np.sqrt(2.0 * law.diffusion)
+        # the time in which the threshold hardly comes down to the stretch, once in 2e7 steps, so that the error of a
+        # long step does not matter: by 5.5 standard deviations of its diffusion; one above the mean may drift to that
+        gap, spread = max(min(y, law.mean) - x, 0.0), 5.5 * np.sqrt(2.0 * law.diffusion)
         root = 2.0 * gap / (spread + np.sqrt(spread * spread + 4.0 * speed * gap))
         time = max(law.longest, root * root)
     else:  # drifts are steep near 0: a step's standard deviation is at most 0.2 of the way there

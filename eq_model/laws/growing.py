@@ -9,15 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import bare, real, unsigned, whole
+from eq_model.compiling import bare, inlined, real, whole
 from eq_model.contact import AGED, BREAKS, Break, most, rate_at
 from eq_model.draws.streams import STEPS, uniform, words_at
 from eq_model.lattice import WholeDrive
 from origins.grains.contact import GrainContact
-from origins.thresholds.law import Array
-
-LOG_EXCESS = np.linspace(-20.0, 5.0, 8193)  # ln of hazards: lines between them are exact to 1e-7
-_nodes, _weights = (tuple(part.tolist()) for part in np.polynomial.legendre.leggauss(10))
 
 
 class Growing(NamedTuple):
@@ -26,8 +22,6 @@ class Growing(NamedTuple):
     first: float  # tau_m
     root: float  # B^(1/2), per unit
     age: float  # since pinning, of the contacts at X = 0
-    steady: float  # tau_m per unit of the clock, of the motion that `meets` is for
-    meets: Array  # (LOG_EXCESS.size,): see `_meetings`
     warm: bool  # whether contacts also break at a rate
     rates: Any
     unit: float  # a length
@@ -36,67 +30,55 @@ class Growing(NamedTuple):
 def make_growing(grains: GrainContact, way: WholeDrive, *heat: Any) -> Growing:
     """The growth of these contacts on a drive; heat : the last three fields of Growing."""
     first, root = grains.growth.first_pinning_time, float(np.sqrt(grains.growth.B)) * way.unit
-    longest = (np.diff(way.begins) * (way.directions != 0)).argmax()
-    steady, age = float(way.paces[longest]) / first, (grains.age or 0.0) / first - 1.0
-    return Growing(first, root, age, steady, _meetings(grains, root / max(steady, 1e-300)), *heat)
+    return Growing(first, root, (grains.age or 0.0) / first - 1.0, *heat)
 
 
-def _meetings(grains: GrainContact, speed: float) -> Array:
-    """ln of the age, in tau_m, at which contacts that pin in steady motion meet their thresholds.
-
-    speed : in units of 1/(B^(1/2) tau_m). Contacts hold if their hazard exceeds (9/2) speed²: here by e^LOG_EXCESS.
-    """
-    from scipy.interpolate import CubicSpline
-
-    if not 1e-6 < speed < 5.0:  # contacts hold longer than ages in the table, or none holds
-        return np.full(LOG_EXCESS.size, np.nan)
-    some, low, high = LOG_EXCESS[::16], np.full(513, -60.0), np.full(513, 60.0)
-    for _ in range(56):  # to the last bit
-        age = np.exp(middle := 0.5 * (low + high))
-        stretch, excess = speed * age / np.sqrt(grains.growth.B), np.expm1(np.log1p(age) / 3.0)
-        holds = grains.hazard_at(stretch, excess) < 4.5 * speed**2 + np.exp(some)
-        low, high = np.where(holds, middle, low), np.where(holds, high, middle)
-    return np.asarray(CubicSpline(some, low)(LOG_EXCESS))
+@inlined
+def _density(y, free):  # type: ignore[no-untyped-def]
+    """The derivative of psi; free = 1 - y."""
+    return 3.0 * y * y / ((2.0 + y) * free * free)
 
 
 @bare
 def _beyond(q, first, free):  # type: ignore[no-untyped-def]
     """psi(y) - psi(first) of Lifshitz and Slyozov's law, q = 1/(1 - y) - 1/(1 - first), free = 1 - first."""
     gap = free * (q * free / (1.0 + q * free))
-    if first + gap < 0.4:  # the closed form would cancel
-        total = 0.0
-        for k in range(len(_nodes)):
-            y = first + gap * (0.5 + 0.5 * _nodes[k])
-            total += _weights[k] * 1.5 * y * y / ((2.0 + y) * (1.0 - y) ** 2)
-        return gap * total
+    y = first + gap
+    if y < 1e-4:  # the closed form would cancel
+        return 0.5 * gap * (first * first + first * y + y * y)
     return q - 5.0 / 3.0 * np.log1p(q * free) + 4.0 / 3.0 * np.log1p(gap / (2.0 + first))
 
 
 @bare
-def hazard(stretch, age, root):  # type: ignore[no-untyped-def]
+def hazard(stretch, age, pace, root):  # type: ignore[no-untyped-def]
     """-ln of the fraction of contacts that pinned together and whose thresholds exceed the stretch >= 0 at an age.
 
-    root : B^(1/2), per unit of length.
+    With it its slope, by a unit of the stretch in which the age grows by `pace`. root : B^(1/2), per unit of length.
     """
     s = root * stretch
-    over = s * (s / (1.0 + np.hypot(1.0, s)))
+    place = np.sqrt(1.0 + s * s)
+    over = s * (s / (1.0 + place))
     if over == 0.0:
-        return 0.0
-    excess = np.expm1(np.log1p(age) / 3.0)
+        return 0.0, 0.0
+    largest = np.cbrt(1.0 + age)
+    excess = age / (1.0 + largest + largest * largest)
     left = excess - over
     if left <= 0.0:
-        return np.inf
-    largest = 1.0 + excess
-    return _beyond(over / excess * (largest / left), 1.0 / largest, excess / largest)
+        return np.inf, np.inf
+    first, free, growth = 1.0 / largest, excess / largest, pace / (3.0 * (1.0 + age))
+    y = 1.0 - left / largest
+    rise = _density(y, left / largest) * (root * s / (place * largest) - y * growth)
+    rise += _density(first, free) * first * growth
+    return _beyond(over / excess * (largest / left), first, free), rise
 
 
 @bare
 def quantile(goal, age, root):  # type: ignore[no-untyped-def]
     """Threshold, at an age, of the contact with the hazard `goal`."""
-    excess = np.expm1(np.log1p(age) / 3.0)
-    if excess <= 0.0 or goal <= 0.0:
+    if age <= 0.0 or goal <= 0.0:
         return 0.0
-    largest = 1.0 + excess
+    largest = np.cbrt(1.0 + age)
+    excess = age / (1.0 + largest + largest * largest)
     first, free = 1.0 / largest, excess / largest
     q = np.cbrt(2.0 * goal) + goal + 5.0 / 3.0 * np.log1p(goal)
     q = min(q, goal * (2.0 + first) / (3.0 * first * first))
@@ -116,34 +98,26 @@ def quantile(goal, age, root):  # type: ignore[no-untyped-def]
 def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
     """Ticks after which a contact reaches its threshold, which is not met at 0 ticks; infinite if not by `room`.
 
-    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. False position, with
-    the weight of an end halved each time that it stays (Illinois).
+    In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Newton's method, for
+    hazard^(-1/2), which is nearly straight; by halves and doubles where that leaves the bracket.
     """
-    low, high, below, above, at, last = 0.0, room, -0.5, 0.5, room, 0.0
+    low, high, at = 0.0, np.inf, min(0.5 * np.sqrt(pace / root) / root, room)
     for _ in range(200):
-        off = 0.5 - goal / (goal + hazard(near + at, age + at * pace, root))
-        if off < 0.0:
+        reached, slope = hazard(near + at, age + at * pace, pace, root)
+        if reached < goal:
             if at == room:
                 return np.inf
-            low, below, above = at, off, 0.5 * above if last < 0.0 else above
+            low = at
         else:
-            high, above, below = at, off, 0.5 * below if last > 0.0 else below
-        then, last = (low * above - high * below) / (above - below), off
-        if abs(then - at) <= max(1e-6 * at, 0.25):  # the error is far below the last step
+            high = at
+        then = at + 2.0 * (1.0 - np.sqrt(reached / goal)) * reached / slope
+        if not low < then < high:
+            then = 0.5 * (low + min(high, 4.0 * at))
+        then = min(then, room)
+        if abs(then - at) <= max(1e-3 * at, 0.25):  # the error is below 1e-6
             return then
         at = then
     return at
-
-
-@bare
-def _from_pinning(over, pace, law):  # type: ignore[no-untyped-def]
-    """Ticks until a contact that pins in steady motion meets its threshold, by the table; NaN outside of it."""
-    place = (np.log(over) - LOG_EXCESS[0]) / (LOG_EXCESS[1] - LOG_EXCESS[0])
-    if abs(pace - law.steady) > 1e-9 * pace or not 0.0 <= place < LOG_EXCESS.size - 1:
-        return np.nan
-    k = unsigned(place)
-    rise = law.meets[k + unsigned(1)] - law.meets[k]
-    return np.exp(law.meets[k] + (place - real(k)) * rise) / pace
 
 
 @bare
@@ -151,7 +125,7 @@ def _pinned(contact, law):  # type: ignore[no-untyped-def]
     """Age and hazard of a contact that forms: its exposure, or in the start that of its threshold."""
     if contact.fresh:
         return 0.0, np.exp(contact.log_exposure)
-    return law.age, hazard(real(contact.threshold), law.age, law.root)
+    return law.age, hazard(real(contact.threshold), law.age, 0.0, law.root)[0]
 
 
 def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
@@ -182,9 +156,7 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
         if d != 0 and not outward:
             room = min(room, abs(x))
         elif d != 0:
-            ticks = _from_pinning(goal - lost, pace, law) if pins else np.nan
-            if np.isnan(ticks):
-                ticks = _meeting(near, pace, real(room), age, goal, law.root)
+            ticks = _meeting(near, pace, real(room), age, goal, law.root)
         meets = ticks <= room
         if meets:
             room = min(whole(ticks + 0.5), room)
