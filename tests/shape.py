@@ -32,8 +32,8 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 7863, 200, 139),
-    "eq_model": Room(2200, 3225, 60, 35),
+    "master": Room(7500, 7848, 200, 139),
+    "eq_model": Room(2200, 3181, 60, 34),
     "origins": Room(4500, 5766, 120, 68),
     "toolkit": Room(4000, 3991, 100, 64),
 }
