@@ -139,14 +139,14 @@ class Move:
         past, march, reach = self.past, self._march, self.contacts.life.reach
         lists = march.begin, march.width, march.force, march.wrong
         begin, width, force, wrong = (np.array(values[self._first :]) for values in lists)
-        begin, rough = begin - past.end, wrong * reach
+        begin -= past.end
         # a drop by more than this share of the contacts, well above rounding, makes a slip
         times = [one.time for one in march.lumps if one.time > past.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
-        error = past.error + np.maximum.accumulate(rough) + rounding
-        drops, force_along = np.array(times) - past.end, self.direction * force
-        return LoadCurve(begin, width, force_along, rough, error, drops, self.contacts.spring)
+        error = past.error + np.maximum.accumulate(wrong) * reach + rounding
+        drops, series = np.array(times) - past.end, self.direction * force @ rule.TO_LEGENDRE.T
+        return LoadCurve(begin, width, series, error, drops, self.contacts.spring)
 
     def stopped(self, y: float, error: float) -> Past:
         """The history after the travel y; `error` is that of the force due to it."""
