@@ -17,8 +17,6 @@ Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
-# Laws by which what contacts do depends on the slider's speed.
-RATES = frozenset({"thermal", "ageing", "grains"})
 
 
 @dataclass(frozen=True)
@@ -31,9 +29,9 @@ class Regime:
     reason : str
         In words.
     critical_spring, critical_spring_error : float
-        K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive:
-        at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where
-        the start is forgotten.
+        K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive
+        does at most: at T = 0 a stiffer spring slips only after a turn. It is not that of steady
+        sliding, where the start is forgotten.
     stiffness_ratio : float
         K/K*.
     slips : int
@@ -56,13 +54,11 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     """Judge the slips along the drive's path."""
     spring, slips = float(drive.spring or 0.0), found.slips
     count, trend = slips.drive.size, _trend(slips.drop)
-    motion, speed = drive_motion(drive, found.balance), drive.velocity
-    if motion is not None and motion.speeds.any():
-        lasts = np.diff(motion.times)[motion.speeds != 0.0]
-        speed = float(np.abs(np.diff(motion.positions)).sum() / lasts.sum())
-    critical, error, _ = extremes(contacts, speed, tolerance).fall
+    motion = drive_motion(drive, found.balance)
+    fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
+    critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance).fall
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
-    if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
+    if count and spring >= critical and not drive.forward:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
     if found.force.size < drive.path.size or not np.isfinite(found.error):
@@ -85,19 +81,18 @@ def _by_slips(
     contacts: Contacts, drive: Drive, found: Followed, trend: float | None
 ) -> tuple[Verdict, str]:
     """Whether the slips up to the end of the path continue or fade."""
-    spring, path, slips = float(drive.spring or 0.0), drive.path, found.slips
+    spring, slips = float(drive.spring or 0.0), found.slips
     drops, count = np.abs(slips.drop), slips.drive.size
     counted = f"{count} slips up to the end of the path"
     if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
-    way = np.abs(np.diff(path, prepend=path[0])).cumsum()
-    silent = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])
+    silent = abs(float(drive.path[-1] - slips.drive[-1]))
     first = (spring + 1.0) / spring * _oldest(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     # slips are over if the last is this many times the longest period ago
     if silent > 1.5 * longest:
-        periods = f"then none for {silent / longest:.3g} times the longest period"
-        return "decaying transient", f"{count} slips, {periods}"
+        told = f"{count} slips, then none for {silent / longest:.3g} times the longest period"
+        return "decaying transient", told
     if count < FEWEST:
         return "undecided", f"{counted} are too few to tell; lengthen it"
     if trend is not None and trend < -STEADY:
@@ -106,8 +101,7 @@ def _by_slips(
     last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
     if trend is not None or last >= (1.0 - STEADY) * before:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {last:.3g}"
-    fewer = f"the largest of the last third is {last:.3g}, that of the later two {before:.3g}"
-    return "undecided", f"{counted}, whose drops go up and down; {fewer}: lengthen it"
+    return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 
 
 def _oldest(contacts: Contacts, drive: Drive, found: Followed) -> float:
@@ -134,7 +128,8 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
         return ""
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
-    if motion is None or not moving.size or not RATES.intersection(contacts.laws):
+    creeps = ages or "thermal" in contacts.laws
+    if motion is None or not moving.size or not creeps:
         return ", and K < K*: it ends before the first slip"
     times, place = drive.arrival_times(found.balance), np.append(0.0, found.position)
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
@@ -147,7 +142,7 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
     force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks
     loads = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])
-    if force[-1] - force[-2:][0] > loads and force[-1] > force[:-1].max():
+    if force[-1] > force[:-1].max(initial=0.0) + loads:
         return ", where the force still rises as high as never before; lengthen it"
     return ""
 
