@@ -37,19 +37,8 @@ def solve(
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's
-    own scheme is master.paper.explicit, and docs/equations.md derives one from the other.
-    The files that do the work on a rigid slider, in the order in which they begin:
-
-    `solve` checks what is asked, and `rigid` puts the pieces together: `motion.motion` is X(t);
-    `lives.make` chooses the life of the contacts' laws, `lives.life` gives survival and force of
-    contacts born together; `renewal.births` says what is born, `renewal.edges` finds where panels end;
-    `renewal.march` solves the equation on one panel after the other, with what earlier births
-    contribute: `renewal.kernels` those on the present leg of the path, `renewal.past` those on the
-    legs before and the contacts of the start; `renewal.rule` holds a panel's nodes and polynomials,
-    and `outcome` says whether the tolerance was met.
-
-    Under a spring, soft.solution follows the same march from slip to slip, or soft.in_time steps in
-    time where the contacts' laws depend on time.
+    own scheme is master.paper.explicit. docs/equations.md derives one from the other, and names the
+    files that do the work, in the order in which they begin.
 
     Parameters
     ----------
