@@ -1,25 +1,21 @@
 """The master equation for a rigid or a soft slider, along any path."""
 
-from __future__ import annotations
-
 import time as clock
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from master.lives.make import life_of
 from master.outcome import Progress, unheard
+from master.paper.q15_transient import AgeingTransient, solve_q15
 from master.rigid import motion_of, solve_rigid
+from master.soft.in_time.refining import solve_stiff
+from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
-
-if TYPE_CHECKING:
-    from master.paper.q15_transient import AgeingTransient
-    from master.soft.solution import SoftSolution
 
 
 def solve(
@@ -88,8 +84,6 @@ def solve(
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        from master.paper.q15_transient import solve_q15
-
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed; write velocity=")
@@ -97,11 +91,7 @@ def solve(
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            from master.soft.in_time.refining import solve_stiff
-
             return solve_stiff(contacts, drive, tolerance, progress, wall_time)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)
-    from master.soft.solution import solve_soft
-
     return solve_soft(contacts, drive, tolerance, progress, until)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
-from master.soft.regime import Regime, regime
-from master.soft.slips import Slips
+from master.soft.in_time.refining import balance_of, refined
+from master.soft.regime import Regime, Slips, regime
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
@@ -93,8 +93,6 @@ def solve_soft(
         refuse("slip", rule, must)
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
-        from master.soft.in_time.refining import balance_of, refined
-
         balance = balance_of(contacts, drive)
         found = refined(contacts, drive, balance, tolerance, progress, until)
     else:
