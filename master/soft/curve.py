@@ -159,12 +159,12 @@ class SlipBegin(NamedTuple):
 
     @property
     def misplaced(self) -> float:
-        """Error of the travel due to that of F' (a length); 0 where contacts break together."""
-        if (self.curve.drops == self.travel).any():
-            return 0.0
-        curve, panel = self.curve, int(self.curve.panel(self.travel))
+        """Error of the travel due to that of F' (a length); 0 where F' jumps, or contacts break together."""
+        curve, y = self.curve, self.travel
+        panel = int(curve.panel(y))
         begin, width = curve.begin[panel], curve.width[panel]
         # Bernstein's and Markov's inequalities: the slope of a polynomial's error, of this degree
-        inside = (self.travel - begin) * (begin + width - self.travel)
-        steep = rule.DEGREE / np.sqrt(max(inside, (0.5 * width / rule.DEGREE) ** 2))
-        return float(steep * self.error / curve.bend(self.travel))
+        inside = max((y - begin) * (begin + width - y), (0.5 * width / rule.DEGREE) ** 2)
+        steep = self.error * rule.DEGREE / np.sqrt(inside)
+        jumps = (curve.drops == y).any() or curve.slope(y) > 10.0 * steep
+        return 0.0 if jumps else float(steep / curve.bend(y))

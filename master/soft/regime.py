@@ -137,7 +137,7 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance).fall
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
-    if count and spring >= critical and not drive.forward:
+    if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
     if found.force.size < drive.path.size or not np.isfinite(found.error):
