@@ -127,14 +127,6 @@ class Move:
                 self._ahead *= 2.0
                 self._plan(self._march, self._march.reached, self._march.reached)
             self.contacts.nodes += (len(self._march.begin) - before) * rule.DEGREE
-        return self._curve()
-
-    def _advance(self) -> bool:
-        """Solve some more panels; False at the end of the plan."""
-        return next(self._runs, self) is not self
-
-    def _curve(self) -> LoadCurve:
-        """The load along the move, as far as it is solved."""
         loaded, march, reach = self.loaded, self._march, self.contacts.life.reach
         lists = march.begin, march.width, march.force, march.wrong
         begin, width, force, wrong = (np.array(values[self._first :]) for values in lists)
@@ -146,6 +138,10 @@ class Move:
         error = loaded.error + np.maximum.accumulate(wrong) * reach + rounding
         drops, series = np.array(times) - loaded.end, self.direction * force @ rule.TO_LEGENDRE.T
         return LoadCurve(begin, width, series, error, drops, self.contacts.spring)
+
+    def _advance(self) -> bool:
+        """Solve some more panels; False at the end of the plan."""
+        return next(self._runs, self) is not self
 
     def stopped(self, y: float, error: float) -> LoadingHistory:
         """The history after the travel y; `error` is that of the force due to it."""

@@ -170,8 +170,8 @@ def _by_slips(
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     # slips are over if the last is this many times the longest period ago
     if silent > 1.5 * longest:
-        told = f"{count} slips, then none for {silent / longest:.3g} times the longest period"
-        return "decaying transient", told
+        over = f"then none for {silent / longest:.3g} times the longest period"
+        return "decaying transient", f"{count} slips, {over}"
     if count < FEWEST:
         return "undecided", f"{counted} are too few to tell; lengthen it"
     if trend is not None and trend < -STEADY:
@@ -207,8 +207,7 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
         return ""
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
-    creeps = ages or "thermal" in contacts.laws
-    if motion is None or not moving.size or not creeps:
+    if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):
         return ", and K < K*: it ends before the first slip"
     times, place = drive.arrival_times(found.balance), np.append(0.0, found.position)
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
