@@ -33,8 +33,10 @@ def solve(
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's
-    own scheme is master.paper.explicit. docs/equations.md derives one from the other, and names the
-    files that do the work, in the order in which they begin.
+    own scheme is master.paper.explicit. The files that do the work on a rigid slider, in the order in
+    which they begin, are `solve`, `rigid`, `motion.motion`, `lives.make`, `lives.life`,
+    `renewal.births`, `renewal.edges`, `renewal.march`, `renewal.kernels`, `renewal.past`,
+    `renewal.rule` and `outcome`; docs/equations.md says what each does, and derives the equation.
 
     Parameters
     ----------
