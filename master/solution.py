@@ -33,9 +33,32 @@ class StretchDistribution:
     _time: float = field(repr=False)
 
     def density(self, x: npt.ArrayLike) -> Array:
-        """Q(x;X) per length at stretches x (lengths), without the deltas; same shape as x."""
-        at = np.asarray(x, dtype=float)
-        return _density(self._march, self._time, at.ravel()).reshape(at.shape)[()]
+        """Q(x;X) per length at stretches x (lengths), without the deltas; same shape as x.
+
+        A contact born at s, at the stretch r, has the stretch x = r + X(t) - X(s), so that births at the rate dJ/ds
+        (that of the breaks one delay before) contribute the density E(t, s) (dJ/ds) / |dX/ds| at x.
+        """
+        shape, x = np.shape(x), np.ravel(np.asarray(x, dtype=float))
+        march, t = self._march, self._time
+        motion, life, law, delay = march.motion, march.life, march.births.law, march.births.delay
+        now, start = float(motion.at(np.array(t))), march.lumps[0].law
+        at, out = np.full((1, 1), t), np.zeros(x.size)
+        if not start.is_single:
+            inside = np.flatnonzero(np.abs(x - now) < life.reach)
+            origin, history = x[inside] - now, motion.history(at, np.zeros((inside.size, 1)))
+            out[inside] = start.pdf(origin) * life.left(origin[:, None], history)[0, :, 0]
+        slopes = march.breaks @ rule.SLOPES.T / march.width[:, None]
+        for leg in np.flatnonzero(motion.speeds):
+            first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
+            speed = float(motion.speeds[leg])
+            s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
+            here = np.flatnonzero((s > first) & (s <= last))
+            panel = np.maximum(np.searchsorted(march.begin, s[here] - delay) - 1, 0)
+            share = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
+            rate = rule.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0]
+            held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
+            out[here] += held * rate / abs(speed)
+        return out.reshape(shape)[()]
 
 
 @dataclass(frozen=True)
@@ -135,35 +158,6 @@ class Solution:
             told = f"is passed on legs {several}; say which, as in leg={legs[0]}"
             refuse("position", position, told)
         return float(times[0])
-
-
-def _density(march: March, t: float, x: Array) -> Array:
-    """Density of stretches x, shape (n,), at the time t; re-forming at one stretch r.
-
-    A contact born at s has the stretch x = r + X(t) - X(s), so that births at the rate dJ/ds (that of
-    the breaks one delay before) contribute the density E(t, s) (dJ/ds) / |dX/ds| at x.
-    """
-    motion, life, law, delay = march.motion, march.life, march.births.law, march.births.delay
-    now, start = float(motion.at(np.array(t))), march.lumps[0].law
-    at, out = np.full((1, 1), t), np.zeros(x.size)
-    if not start.is_single:
-        origin, (low, high) = x - now, start.span
-        inside = np.flatnonzero((np.abs(origin) < life.reach) & (origin > low) & (origin < high))
-        history = motion.history(at, np.zeros((inside.size, 1)))
-        held = life.left(origin[inside, None], history)[0, :, 0]
-        out[inside] = start.pdf(origin[inside]) * held
-    slopes = march.breaks @ rule.SLOPES.T / march.width[:, None]
-    for leg in np.flatnonzero(motion.speeds):
-        first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
-        speed = float(motion.speeds[leg])
-        s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
-        here = np.flatnonzero((s > first) & (s <= last))
-        panel = np.maximum(np.searchsorted(march.begin, s[here] - delay) - 1, 0)
-        share = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
-        rate = rule.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0]
-        held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
-        out[here] += held * rate / abs(speed)
-    return out
 
 
 def _deltas(march: March, t: float) -> dict[float, float]:

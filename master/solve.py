@@ -1,25 +1,21 @@
 """The master equation for a rigid or a soft slider, along any path."""
 
-from __future__ import annotations
-
 import time as clock
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from master.lives.make import life_of
 from master.outcome import Progress, unheard
+from master.paper.q15_transient import AgeingTransient, solve_q15
 from master.rigid import motion_of, solve_rigid
+from master.soft.in_time.refining import solve_stiff
+from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
-
-if TYPE_CHECKING:
-    from master.paper.q15_transient import AgeingTransient
-    from master.soft.solution import SoftSolution
 
 
 def solve(
@@ -37,19 +33,10 @@ def solve(
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's
-    own scheme is master.paper.explicit, and docs/equations.md derives one from the other.
-    The files that do the work on a rigid slider, in the order in which they begin:
-
-    `solve` checks what is asked, and `rigid` puts the pieces together: `motion.motion` is X(t);
-    `lives.make` chooses the life of the contacts' laws, `lives.life` gives survival and force of
-    contacts born together; `renewal.births` says what is born, `renewal.edges` finds where panels end;
-    `renewal.march` solves the equation on one panel after the other, with what earlier births
-    contribute: `renewal.kernels` those on the present leg of the path, `renewal.past` those on the
-    legs before and the contacts of the start; `renewal.rule` holds a panel's nodes and polynomials,
-    and `outcome` says whether the tolerance was met.
-
-    Under a spring, soft.solution follows the same march from slip to slip, or soft.in_time steps in
-    time where the contacts' laws depend on time.
+    own scheme is master.paper.explicit. The files that do the work on a rigid slider, in the order in
+    which they begin, are `solve`, `rigid`, `motion.motion`, `lives.make`, `lives.life`,
+    `renewal.births`, `renewal.edges`, `renewal.march`, `renewal.kernels`, `renewal.past`,
+    `renewal.rule` and `outcome`; docs/equations.md says what each does, and derives the equation.
 
     Parameters
     ----------
@@ -99,8 +86,6 @@ def solve(
     until = np.inf if wall_time is None else clock.monotonic() + wall_time
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        from master.paper.q15_transient import solve_q15
-
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed; write velocity=")
@@ -108,11 +93,7 @@ def solve(
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            from master.soft.in_time.refining import solve_stiff
-
             return solve_stiff(contacts, drive, tolerance, progress, wall_time)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)
-    from master.soft.solution import solve_soft
-
     return solve_soft(contacts, drive, tolerance, progress, until)

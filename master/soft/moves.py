@@ -54,7 +54,7 @@ class ColdContacts:
 
 
 @dataclass(frozen=True)
-class Past:
+class LoadingHistory:
     """The history before a straight move of the slider.
 
     start : stretches at its beginning
@@ -78,16 +78,16 @@ class Past:
 class Move:
     """Contacts while the slider moves in one direction, +1 or -1, and broken contacts re-form."""
 
-    def __init__(self, contacts: ColdContacts, direction: int, past: Past) -> None:
-        self.contacts, self.direction, self.past = contacts, direction, past
+    def __init__(self, contacts: ColdContacts, direction: int, loaded: LoadingHistory) -> None:
+        self.contacts, self.direction, self.loaded = contacts, direction, loaded
         # plan 2 mean thresholds ahead first: most sliders slip before
-        self._moments, self._ahead = past.moments, 2.0 * contacts.unit
-        self._plan(past.march, past.cut, past.end)
+        self._moments, self._ahead = loaded.moments, 2.0 * contacts.unit
+        self._plan(loaded.march, loaded.cut, loaded.end)
         self._first = len(self._march.begin)
 
     def at(self, y: Array | float) -> Any:
         """X after the travel y, relative to where the history began (lengths)."""
-        return self.past.places[-1] + self.direction * y
+        return self.loaded.places[-1] + self.direction * y
 
     def slip_begins(self, after: float, target: float) -> SlipBegin:
         """The first slip after a travel, if it begins before the load reaches the target."""
@@ -117,7 +117,7 @@ class Move:
 
     def reach(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
-        while len(self._march.begin) == self._first or self._march.reached < self.past.end + y:
+        while len(self._march.begin) == self._first or self._march.reached < self.loaded.end + y:
             # following a lump over one run of panels costs as much as 15 pieces of integrals
             self._march.births.work += 15 * len(self._march.lumps)
             if self._march.births.work > MOST_WORK:
@@ -125,42 +125,37 @@ class Move:
             before = len(self._march.begin)
             if not self._advance():
                 self._ahead *= 2.0
-                reached = self._march.reached
-                self._plan(self._march, reached, reached)
-            self.contacts.nodes += max(len(self._march.begin) - before, 0) * rule.DEGREE
-        return self._curve()
+                self._plan(self._march, self._march.reached, self._march.reached)
+            self.contacts.nodes += (len(self._march.begin) - before) * rule.DEGREE
+        loaded, march, reach = self.loaded, self._march, self.contacts.life.reach
+        lists = march.begin, march.width, march.force, march.wrong
+        begin, width, force, wrong = (np.array(values[self._first :]) for values in lists)
+        begin -= loaded.end
+        # a drop by more than this share of the contacts, well above rounding, makes a slip
+        times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
+        # round-off of the force grows with the distance travelled
+        rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
+        error = loaded.error + np.maximum.accumulate(wrong) * reach + rounding
+        drops, series = np.array(times) - loaded.end, self.direction * force @ rule.TO_LEGENDRE.T
+        return LoadCurve(begin, width, series, error, drops, self.contacts.spring)
 
     def _advance(self) -> bool:
         """Solve some more panels; False at the end of the plan."""
         return next(self._runs, self) is not self
 
-    def _curve(self) -> LoadCurve:
-        """The load along the move, as far as it is solved."""
-        past, march, reach = self.past, self._march, self.contacts.life.reach
-        lists = march.begin, march.width, march.force, march.wrong
-        begin, width, force, wrong = (np.array(values[self._first :]) for values in lists)
-        begin, rough = begin - past.end, wrong * reach
-        # a drop by more than this share of the contacts, well above rounding, makes a slip
-        times = [one.time for one in march.lumps if one.time > past.end and one.weight > 1e-13]
-        # round-off of the force grows with the distance travelled
-        rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
-        error = past.error + np.maximum.accumulate(rough) + rounding
-        drops, force_along = np.array(times) - past.end, self.direction * force
-        return LoadCurve(begin, width, force_along, rough, error, drops, self.contacts.spring)
-
-    def stopped(self, y: float, error: float) -> Past:
+    def stopped(self, y: float, error: float) -> LoadingHistory:
         """The history after the travel y; `error` is that of the force due to it."""
         y = max(y, STILL * self.contacts.life.grain)
-        end, places = self.past.end + y, (*self.past.places, self.at(y))
+        end, places = self.loaded.end + y, (*self.loaded.places, self.at(y))
         met = tuple(moment for moment in self._moments if moment.time < end)
         moments = (*met, Moment(end, SMOOTHER))
-        return Past(self.past.start, self._march, end, end, places, moments, error)
+        return LoadingHistory(self.loaded.start, self._march, end, end, places, moments, error)
 
     def _plan(self, march: March | None, cut_at: float, since: float) -> None:
         """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
-        contacts, end, start = self.contacts, since - self.past.end + self._ahead, self.past.start
+        contacts, end, start = self.contacts, since - self.loaded.end, self.loaded.start
         life, again, tolerance = contacts.life, contacts.formed_again, contacts.tolerance
-        motion = Motion.along(np.array([*self.past.places, self.at(end)]))
+        motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
         births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
             march = March(births, start, np.empty(0), tolerance, WIDE * life.grain, life.reach)
@@ -170,9 +165,7 @@ class Move:
                 march.hold(cut_at, since)
         plan = edges(births, start, tolerance, since, self._moments)
         if plan.too_many_jumps:
-            raise StoppedError(
-                "stopped as exact thresholds break together more often than can be followed"
-            )
+            raise StoppedError("stopped as exact thresholds break too often to be followed")
         self._moments, march.edges = tuple(plan.moments), plan.times
         self._march, self._runs = march, march.runs()
 
@@ -183,7 +176,7 @@ class MoveWithoutBirths(Move):
     def _advance(self) -> bool:
         """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
         march, grain, tolerance = self._march, self.contacts.life.grain, self.contacts.tolerance
-        begin = max(march.reached, self.past.end)
+        begin = max(march.reached, self.loaded.end)
         later = march.edges[march.edges > begin + STILL * grain]
         if not later.size:
             return False
@@ -200,11 +193,11 @@ class MoveWithoutBirths(Move):
 
     def holding(self, y: float) -> float:
         """Share of the contacts that hold after the travel y."""
-        at = np.full((1, TARGETS.size), self.past.end + y)
+        at = np.full((1, TARGETS.size), self.loaded.end + y)
         return float(self._march.known(at)[0, 0, 0])
 
-    def formed_again(self, y: float, error: float) -> Past:
+    def formed_again(self, y: float, error: float) -> LoadingHistory:
         """The history when the slip ends after the travel y, and broken contacts re-form."""
-        past = self.stopped(y, error)
-        met = (*self.past.moments, Moment(past.end, 1.0))
-        return replace(past, cut=self.past.end, moments=met)
+        loaded = self.stopped(y, error)
+        met = (*self.loaded.moments, Moment(loaded.end, 1.0))
+        return replace(loaded, cut=self.loaded.end, moments=met)

@@ -1,14 +1,15 @@
-"""The regime of a soft slider: smooth sliding, stick-slip, or slips that die out."""
+"""What is found for a soft slider: its slips, and the regime, smooth, stick-slip or slips that die out."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from master.motion.motion import drive_motion
-from master.soft.slips import Followed
+from master.outcome import outcome
 from master.stick_slip.extremes import extremes
 from origins import Contacts
+from origins.brief import brief
 from origins.drive import Drive
 from origins.thresholds.law import Array
 
@@ -17,8 +18,84 @@ Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
-# Laws by which what contacts do depends on the slider's speed.
-RATES = frozenset({"thermal", "ageing", "grains"})
+
+
+@dataclass(frozen=True)
+class Slips:
+    """Slips in the order in which they happen; arrays of shape (n,).
+
+    Attributes
+    ----------
+    drive : array
+        X_T (lengths).
+    before, after : array
+        X at the beginning and at the end (lengths).
+    force_before, force_after : array
+        F/(N_c <k>) (lengths).
+    drive_error : float
+        Estimate from above of the error of `drive` (a length). The error of `before` is larger, as F + K X is
+        flat where a slip begins.
+    """
+
+    drive: Array
+    before: Array
+    after: Array
+    force_before: Array
+    force_after: Array
+    drive_error: float
+
+    __repr__ = brief
+
+    @property
+    def drop(self) -> Array:
+        """Drop of the force (lengths), which is K times the slip of X."""
+        return self.force_before - self.force_after
+
+    @property
+    def period(self) -> float | None:
+        """Distance of X_T between the last two slips (a length), with an error of 2 `drive_error`.
+
+        None for fewer than two slips.
+        """
+        return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
+
+
+class Followed(NamedTuple):
+    """Results for a slider as far as it was followed; lengths, and `error` in mean thresholds.
+
+    balance, nodes : see SoftSolution
+    position, force, holding : arrays of shape (k,), at the first k points of the path
+    error, holding_error : estimates from above, of force and load at slips, and of the share that holds
+    stopped_because : why the path was not followed to its end, or steps were not halved further
+    """
+
+    balance: float
+    position: Array
+    force: Array
+    holding: Array
+    slips: Slips
+    error: float
+    nodes: int
+    holding_error: float = 0.0
+    stopped_because: str = ""
+
+    @property
+    def largest_error(self) -> float:
+        """The error by which the solution is judged."""
+        return max(self.error, self.holding_error)
+
+    def outcome(
+        self, contacts: Contacts, drive: Drive, tolerance: float, place: str
+    ) -> tuple[bool, str]:
+        """Success and message; `place` is the symbol of the path's positions."""
+        solved = self.force.size
+        if solved == drive.path.size:
+            error = self.largest_error
+            above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
+            reason = self.stopped_because or f"{above}; shorten the path or loosen the tolerance"
+            return outcome(contacts, error, tolerance, reason)
+        last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
+        return False, f"{self.stopped_because}: the path is cut at {last}"
 
 
 @dataclass(frozen=True)
@@ -31,9 +108,9 @@ class Regime:
     reason : str
         In words.
     critical_spring, critical_spring_error : float
-        K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive:
-        at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where
-        the start is forgotten.
+        K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive
+        does at most: at T = 0 a stiffer spring slips only after a turn. It is not that of steady
+        sliding, where the start is forgotten.
     stiffness_ratio : float
         K/K*.
     slips : int
@@ -56,11 +133,9 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
     """Judge the slips along the drive's path."""
     spring, slips = float(drive.spring or 0.0), found.slips
     count, trend = slips.drive.size, _trend(slips.drop)
-    motion, speed = drive_motion(drive, found.balance), drive.velocity
-    if motion is not None and motion.speeds.any():
-        lasts = np.diff(motion.times)[motion.speeds != 0.0]
-        speed = float(np.abs(np.diff(motion.positions)).sum() / lasts.sum())
-    critical, error, _ = extremes(contacts, speed, tolerance).fall
+    motion = drive_motion(drive, found.balance)
+    fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
+    critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance).fall
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"
@@ -85,19 +160,18 @@ def _by_slips(
     contacts: Contacts, drive: Drive, found: Followed, trend: float | None
 ) -> tuple[Verdict, str]:
     """Whether the slips up to the end of the path continue or fade."""
-    spring, path, slips = float(drive.spring or 0.0), drive.path, found.slips
+    spring, slips = float(drive.spring or 0.0), found.slips
     drops, count = np.abs(slips.drop), slips.drive.size
     counted = f"{count} slips up to the end of the path"
     if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
-    way = np.abs(np.diff(path, prepend=path[0])).cumsum()
-    silent = float(way[-1] - way[np.abs(path - slips.drive[-1]).argmin()])
+    silent = abs(float(drive.path[-1] - slips.drive[-1]))
     first = (spring + 1.0) / spring * _oldest(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     # slips are over if the last is this many times the longest period ago
     if silent > 1.5 * longest:
-        periods = f"then none for {silent / longest:.3g} times the longest period"
-        return "decaying transient", f"{count} slips, {periods}"
+        over = f"then none for {silent / longest:.3g} times the longest period"
+        return "decaying transient", f"{count} slips, {over}"
     if count < FEWEST:
         return "undecided", f"{counted} are too few to tell; lengthen it"
     if trend is not None and trend < -STEADY:
@@ -106,8 +180,7 @@ def _by_slips(
     last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
     if trend is not None or last >= (1.0 - STEADY) * before:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {last:.3g}"
-    fewer = f"the largest of the last third is {last:.3g}, that of the later two {before:.3g}"
-    return "undecided", f"{counted}, whose drops go up and down; {fewer}: lengthen it"
+    return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 
 
 def _oldest(contacts: Contacts, drive: Drive, found: Followed) -> float:
@@ -134,7 +207,7 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
         return ""
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
-    if motion is None or not moving.size or not RATES.intersection(contacts.laws):
+    if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):
         return ", and K < K*: it ends before the first slip"
     times, place = drive.arrival_times(found.balance), np.append(0.0, found.position)
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
@@ -147,7 +220,7 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
     force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks
     loads = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])
-    if force[-1] - force[-2:][0] > loads and force[-1] > force[:-1].max():
+    if force[-1] > force[:-1].max(initial=0.0) + loads:
         return ", where the force still rises as high as never before; lengthen it"
     return ""
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
-from master.soft.regime import Regime, regime
-from master.soft.slips import Slips
+from master.soft.in_time.refining import balance_of, refined
+from master.soft.regime import Regime, Slips, regime
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
@@ -73,28 +73,18 @@ def solve_soft(
 ) -> SoftSolution:
     """Force while the drive X_T moves along its path and pulls the slider by its spring.
 
-    until : reading of time.monotonic() at which to stop
-
-    The caller checks the arguments. A slider is followed in steps of time where its contacts' laws
-    depend on time, and where contacts re-form stretched backward and the drive turns, since each
-    then comes back to its largest |x| at a different X. Rates, delay and holds run on the drive's
-    clock; a contact that breaks in a slip is out for the delay, if there is one, under every rule
-    but "reset".
-
-    Raises InputError for re-forming elsewhere than at x = 0 under "reform-after", and with a delay
-    under "instant"; where a drive in time does not begin at the balance; where a path takes too
-    many steps.
+    A slider is followed in steps of time where its contacts' laws depend on time, and where contacts
+    re-form stretched backward and the drive turns, since each then comes back to its largest |x| at
+    a different X. Raises InputError where contacts that form again elsewhere than at x = 0 would be
+    out in a slip; where a drive in time does not begin at the balance; for too many steps.
     """
-    began, again = time.perf_counter(), contacts.reforming
-    rule = drive.slip
+    began, again, rule = time.perf_counter(), contacts.reforming, drive.slip
     out = rule == "reform-after" or (contacts.delay is not None and rule == "instant")
     if again is not None and out:
         must = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
         refuse("slip", rule, must)
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
-        from master.soft.in_time.refining import balance_of, refined
-
         balance = balance_of(contacts, drive)
         found = refined(contacts, drive, balance, tolerance, progress, until)
     else:

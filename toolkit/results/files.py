@@ -243,8 +243,7 @@ def _read_interface(group: Any) -> dict[str, Number]:
 def _read_master(group: Any) -> SolvedRecord:
     if "position" not in group:
         return _read(group, SolvedRecord)
-    from master.soft.regime import Regime
-    from master.soft.slips import Slips
+    from master.soft.regime import Regime, Slips
 
     slips = _read(group, Slips, "slip_")
     regime = _read(group, Regime, slips=int(slips.drive.size), trend=group.attrs.get("trend"))

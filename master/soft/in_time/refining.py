@@ -19,7 +19,7 @@ from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.memory import MeanRateMemory, Memory
 from master.soft.in_time.slider import Slider, read
-from master.soft.slips import Followed, Slips
+from master.soft.regime import Followed, Slips
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
