@@ -32,6 +32,9 @@ def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -
     assert slips.drive.size == known.drive.size >= 1
     assert np.abs(slips.drive - known.drive).max() <= slips.drive_error
     assert np.abs(slips.force_after - known.force_after).max() <= solved.force_error
+    few = np.array([known.drive[0] - 1e-3, 4.0])  # one of them beside a slip
+    exact = master.solve(Contacts(WIDE), few, 1e-8, spring=0.3, slip=rule)
+    held_to_claim(never, few, 1e-3, exact, spring=0.3, slip=rule)
 
 
 # Fig. A06

@@ -97,19 +97,27 @@ def extrapolated(
     levels: list[Slider], contacts: Contacts, drive: Drive, balance: float, asked: Array
 ) -> Followed:
     """The answer at times (n,) of three levels with as many slips; of fewer, with an infinite error."""
-    unit, spring, n = contacts.mean_threshold, float(drive.spring or 0.0), asked.size
-    path, cohorts, error, of_holding = drive.path[:n], levels[-1].contacts, np.inf, np.inf
-    slips = [np.array(one.slips).reshape(-1, 3).T for one in levels]
+    unit, spring, path = (
+        contacts.mean_threshold,
+        float(drive.spring or 0.0),
+        drive.path[: asked.size],
+    )
+    cohorts, error, of_holding = levels[-1].contacts, np.inf, np.inf
+    slips = [np.array(one.slips).reshape(-1, 4).T for one in levels]
+    moments = [rows[0] for rows in slips]
+    # a path of few points would hardly tell the error: 64 others tell it, too
+    asked = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), 65))
+    n = asked.size
     read_out = [
-        np.append(read(one.sections, asked) / [[unit], [1.0]], rows / unit)
+        np.append(read(one.sections, asked) / [[unit], [1.0]], rows[1:] / unit)
         for one, rows in zip(levels, slips, strict=True)
     ]
     answer = read_out[-1]
     if len(levels) == 3:
         before, last = np.diff(read_out, axis=0)
-        # points that the change of a slip moves across it are left out
-        crossed = [_beside(path, *pair) for pair in pairwise(rows[0] / spring for rows in slips)]
-        told = np.append(np.tile(~(crossed[0] | crossed[1]), 2), np.ones(slips[0].size, dtype=bool))
+        # points that the change of a slip moves across it tell no error: there F is as near as K X_T
+        beside = np.any([_beside(asked, *pair) for pair in pairwise(moments)], axis=0)
+        told = np.append(np.tile(~beside, 2), np.ones(last.size - 2 * n, dtype=bool))
         changes = np.abs([last, last + (last - before) / 3.0]) * told
         # three times the last change, as changes fall irregularly where births jump or P_c bends, and
         # by a half where thresholds grow; once with ageing, where errors fall faster
@@ -117,11 +125,16 @@ def extrapolated(
         parts = np.delete(changes, np.s_[n : 2 * n], axis=1), changes[:, n : 2 * n]
         error, of_holding = (safety * float(part.max(axis=1, initial=0.0).min()) for part in parts)
         answer = answer + np.where(told, last / 3.0, 0.0)
+        if beside.any():  # they are read where they are as far from the slip as on steps of 0
+            shift = (moments[2] - moments[1]) / 3.0
+            nearest = np.abs(asked[beside, None] - moments[2] - shift).argmin(axis=1)
+            there = read(levels[2].sections, asked[beside] - shift[nearest])
+            answer[: 2 * n].reshape(2, n)[:, beside] = there / [[unit], [1.0]]
     # round-off of the force grows with the number of steps
     stiff = spring if slips[-1].size else min(spring, 1.0)
     rounding = 1e-13 * (1.0 + cohorts.steps) * (1.0 + stiff)
     error = max(error + cohorts.memory.error + rounding, cohorts.unresolved / unit)
-    force, holding = answer[: 2 * n].reshape(2, n)
+    force, holding = answer[: 2 * n].reshape(2, n)[:, : path.size]
     load, above, below = answer[2 * n :].reshape(3, -1) * unit
     drives, off = load / spring, error * unit / spring
     return Followed(
@@ -136,9 +149,9 @@ def extrapolated(
     )
 
 
-def _beside(path: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
-    """Points of the path that the change of a slip moves across it, or nearly so."""
-    apart, crossed = path[:, None] - now, (path[:, None] < now) != (path[:, None] < before)
+def _beside(times: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
+    """Times that the change of a slip's time moves across it, or nearly so."""
+    apart, crossed = times[:, None] - now, (times[:, None] < now) != (times[:, None] < before)
     return np.asarray(((np.abs(apart) <= np.abs(now - before)) | crossed).any(axis=1))
 
 

@@ -29,7 +29,7 @@ class Slider:
     contacts : all at X = 0; StoppedError says how far their steps came
     motion : of the drive; None where it does not move
     sections : list of lists of Node, one for each smooth section
-    slips : list of arrays of shape (3,), K X_T, F before and after (lengths), which the spring balances
+    slips : list of arrays of shape (4,), time, K X_T, F before and after (lengths), which the spring balances
     """
 
     def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
@@ -85,7 +85,7 @@ class Slider:
             contacts.place = drive - contacts.force / self._spring
         else:
             self._slip_to_balance(rule == "reform-after" or contacts.delay > 0.0)
-        self.slips.append(np.array([self._spring * drive, force, contacts.force]))
+        self.slips.append(np.array([contacts.now, self._spring * drive, force, contacts.force]))
 
     def _slip_to_balance(self, out: bool) -> None:
         """Move the slider to the first balance; with `out`, broken contacts stay out until then."""
