@@ -32,10 +32,10 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 7848, 200, 139),
+    "master": Room(7500, 7771, 200, 137),
     "eq_model": Room(2200, 3181, 60, 34),
     "origins": Room(4500, 5766, 120, 68),
-    "toolkit": Room(4000, 3991, 100, 64),
+    "toolkit": Room(4000, 3990, 100, 64),
 }
 Graph = dict[str, set[str]]
 
