@@ -233,10 +233,5 @@ def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
     if not isinstance(law, Sampled):
         return law
     size = max(round(law.effective_samples), 2)
-    q, cells = generator.random(size), 1 << 12  # of equal weight
-    if size > cells:
-        # in all but the two outermost cells the median replaces the samples: fewer quantiles to find
-        medians = (np.floor(q * cells) + 0.5) / cells
-        q = np.where(np.abs(q - 0.5) < 0.5 - 1.0 / cells, medians, q)
-    q, counts = np.unique(q, return_counts=True)
-    return Sampled(law.ppf(q), counts / size, size, float(size), known=law.atoms[0])
+    x = law.rvs(size, generator)
+    return Sampled(np.sort(x), np.full(size, 1.0 / size), size, float(size), known=law.atoms[0])

@@ -112,10 +112,8 @@ class Mixture(Thresholds):
         return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))
 
     def _log_sum(self, values: list[Array]) -> Array:
-        highest = np.maximum.reduce(values)
-        level = np.where(np.isfinite(highest), highest, 0.0)
-        with np.errstate(divide="ignore"):
-            return level + np.log(self._sum([np.exp(value - level) for value in values]))
+        log_weights = np.log(self.weights)
+        return np.logaddexp.reduce([w + v for w, v in zip(log_weights, values, strict=True)])
 
     def _pdf(self, x: Array) -> Array:
         return self._sum([c.pdf(x) for c in self.components])
@@ -131,6 +129,11 @@ class Mixture(Thresholds):
 
     def _logsf(self, x: Array) -> Array:
         return self._log_sum([c.logsf(x) for c in self.components])
+
+    def _quantiles(self, below: Array, above: Array) -> Array:
+        if len(self.components) == 1:  # as of samples, whose own are quicker
+            return self.components[0]._quantiles(below, above)
+        return super()._quantiles(below, above)
 
     def _moment(self, n: float, centre: float = 0.0) -> float:
         return float(self.weights @ [c._moment(n, centre) for c in self.components])
