@@ -19,7 +19,6 @@ from bisect import bisect_left
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import KroghInterpolator
 
 from master.lives.averages import StretchRule, stretch_rule
 from master.outcome import StoppedError
@@ -107,14 +106,14 @@ class Cohorts:
         self.holding, self.force = (held_force @ strands.share).tolist()
         self._started = x.size
         self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
-        # ends of steps with the breaks up to there, in sections between bends; and the births
-        self._began, self._sections, self._born = self.now, [[(self.now, 0.0)]], 0.0
+        # ends of steps with the breaks up to there; and the births
+        self._broken, self._born = [(self.now, 0.0)], 0.0
         self.pending: dict[float, float] = {}
 
     @property
     def breaks(self) -> float:
         """Breaks per contact since t = 0."""
-        return self._sections[-1][-1][1]
+        return self._broken[-1][1]
 
     def trial(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """A trial step by `travel` until `now`; where `frozen`, without births."""
@@ -144,16 +143,14 @@ class Cohorts:
         if not self.delay:
             return 1.0, 0.0
         # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
-        at, last = now - self.delay - 1e-13 * (now - self._began), self.now
-        if at <= self._began:
+        began, last = self._broken[0][0], self.now
+        at = now - self.delay - 1e-13 * (now - began)
+        if at <= began:
             return 0.0, 0.0
         if at <= last:
-            # a cubic through the nodes beside, across none at which breaks bend
-            nodes = next(part for part in self._sections if part[-1][0] >= at)
-            cell = bisect_left(nodes, (at,))
-            begin = max(min(cell - 2, len(nodes) - 4), 0)
-            times, breaks = zip(*nodes[begin : begin + 4], strict=True)
-            return 0.0, float(KroghInterpolator(times, breaks)(at))
+            cell = bisect_left(self._broken, (at,))
+            (before, less), (after, more) = self._broken[cell - 1 : cell + 1]
+            return 0.0, less + (more - less) * (at - before) / (after - before)
         share = (at - last) / (now - last)
         return share, (1.0 - share) * self.breaks
 
@@ -187,12 +184,8 @@ class Cohorts:
         alive[-many:] = True
         self._started = int(np.count_nonzero(alive[: self._started]))
         self.strands = Strands(*(part[alive] for part in strands))
-        self._sections[-1].append((self.now, trial.breaks))
+        self._broken.append((self.now, trial.breaks))
         self._born = trial.births
-
-    def bend(self) -> None:
-        """The speed and the rate of breaks may jump at this moment."""
-        self._sections.append(self._sections[-1][-1:])
 
     def repeat_later(self, at: float, weight: float = 0.0) -> None:
         """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
