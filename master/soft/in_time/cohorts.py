@@ -106,8 +106,8 @@ class Cohorts:
         self.holding, self.force = (held_force @ strands.share).tolist()
         self._started = x.size
         self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
-        # ends of steps with the breaks up to there; and the births
-        self._broken, self._born = [(self.now, 0.0)], 0.0
+        # ends of steps, one delay later, with the breaks up to there; and the births
+        self._broken, self._born = [(self.now + self.delay, 0.0)], 0.0
         self.pending: dict[float, float] = {}
 
     @property
@@ -142,17 +142,16 @@ class Cohorts:
         """Births up to a later moment, as a linear function of the breaks B up to then: (slope, rest)."""
         if not self.delay:
             return 1.0, 0.0
-        # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
-        began, last = self._broken[0][0], self.now
-        at = now - self.delay - 1e-13 * (now - began)
-        if at <= began:
+        # contacts that break together, in a slip, are born by born_now, and not yet in the step up to then
+        cell = bisect_left(self._broken, (now,))
+        if cell == 0:
             return 0.0, 0.0
-        if at <= last:
-            cell = bisect_left(self._broken, (at,))
-            (before, less), (after, more) = self._broken[cell - 1 : cell + 1]
-            return 0.0, less + (more - less) * (at - before) / (after - before)
-        share = (at - last) / (now - last)
-        return share, (1.0 - share) * self.breaks
+        before, less = self._broken[cell - 1]
+        if cell == len(self._broken):
+            share = (now - before) / (now - self.now)
+            return share, (1.0 - share) * less
+        after, more = self._broken[cell]
+        return 0.0, less + (more - less) * (now - before) / (after - before)
 
     def take(self, trial: Trial) -> None:
         """Take the step."""
@@ -184,7 +183,7 @@ class Cohorts:
         alive[-many:] = True
         self._started = int(np.count_nonzero(alive[: self._started]))
         self.strands = Strands(*(part[alive] for part in strands))
-        self._broken.append((self.now, trial.breaks))
+        self._broken.append((self.now + self.delay, trial.breaks))
         self._born = trial.births
 
     def repeat_later(self, at: float, weight: float = 0.0) -> None:

@@ -63,13 +63,14 @@ class Slider:
         self.sections.append(nodes)
         slip = None
         while slip is None and contacts.now < end:
-            takes, trial = steps.step(self._size)
-            slip = steps.up_to_slip(takes, trial, self._size)
+            size = self._size * steps.finer
+            takes, trial = steps.step(size)
+            slip = steps.up_to_slip(takes, trial, size)
             trial = slip or trial
             if trial.travel or trial.now > contacts.now:
-                size = max(steps.size(trial), 0.0)
+                done = nodes[-1].size + max(steps.size(trial), 0.0)
                 contacts.take(trial)
-                nodes.append(self._node(nodes[-1].size + size))
+                nodes.append(self._node(done))
         return slip is not None
 
     def _node(self, size: float) -> Node:
