@@ -76,7 +76,7 @@ class Cohorts:
     """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
     place, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the share that holds
-    unit : mean threshold (a length)
+    unit : mean threshold (a length); breaks : per contact since t = 0
     pending : times at which births bend, and the shares of the contacts, possibly 0, born at once there
     steps, work : number of steps taken so far, and of operations in them
     unresolved : bound on the force (a length) of contacts whose share that holds steps do not resolve
@@ -101,19 +101,11 @@ class Cohorts:
 
     def _begin(self, start: StretchRule, record: Array) -> None:
         x = start.stretch
-        strands = Strands(x, np.abs(x), start.weight, record)
-        held_force = self.memory.share_and_force(strands.record, x, strands.furthest)
-        self.holding, self.force = (held_force @ strands.share).tolist()
-        self._started = x.size
-        self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
-        # ends of steps, one delay later, with the breaks up to there; and the births
-        self._broken, self._born = [(self.now + self.delay, 0.0)], 0.0
+        self._started, self.strands = x.size, Strands(x, np.abs(x), start.weight, record)
+        self._add_cohort(0.0)
+        # ends of steps, one delay later, with the breaks up to there
+        self._broken, self.breaks, self._born = [(self.now + self.delay, 0.0)], 0.0, 0.0
         self.pending: dict[float, float] = {}
-
-    @property
-    def breaks(self) -> float:
-        """Breaks per contact since t = 0."""
-        return self._broken[-1][1]
 
     def trial(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """A trial step by `travel` until `now`; where `frozen`, without births."""
@@ -184,7 +176,7 @@ class Cohorts:
         self._started = int(np.count_nonzero(alive[: self._started]))
         self.strands = Strands(*(part[alive] for part in strands))
         self._broken.append((self.now + self.delay, trial.breaks))
-        self._born = trial.births
+        self.breaks, self._born = trial.breaks, trial.births
 
     def repeat_later(self, at: float, weight: float = 0.0) -> None:
         """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
@@ -195,13 +187,14 @@ class Cohorts:
         """Let all contacts that are due be born."""
         weight = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
         if weight > 0.0:
-            at = self.strands.share.size
-            self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
-            new = Strands(*(part[at:] for part in self.strands))
-            held_force = self.memory.share_and_force(new.record, new.stretch, new.furthest)
-            held, force = (held_force @ new.share).tolist()
-            self.holding, self.force = self.holding + held, self.force + force
+            self._add_cohort(weight)
             self._born += weight
+
+    def _add_cohort(self, weight: float) -> None:
+        """Add a cohort of this share of the contacts, born at one moment on a slider at rest."""
+        self.strands = new = self.strands.and_born(self.memory, self._births, weight, 0.0)
+        held_force = self.memory.share_and_force(new.record, new.stretch, new.furthest)
+        self.holding, self.force = (held_force @ new.share).tolist()
 
 
 def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:
