@@ -44,15 +44,12 @@ class AgeingMemory(Memory):
         self.scales = Scales(2.0 * cells.width, shortest, cells.heat_rate)
 
     def start(self, stretch: Array) -> Array:
-        """See Memory."""
         return self._cells.fresh(stretch)
 
     def advance(self, record: Array, leg: Leg) -> Array:
-        """See Memory."""
         return self._cells.stepped(record, leg.begin, leg.end, leg.duration)
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
-        """See Memory."""
         held = record.sum(axis=1)
         return np.stack([held, stretch * held])
 
@@ -85,7 +82,6 @@ class GrainMemory(Memory):
             self.scales = self.scales._replace(rate=contacts.thermal.rates.scale)
 
     def start(self, stretch: Array) -> Array:
-        """See Memory."""
         record = np.zeros((stretch.size, self.width))
         record[:, PINNED_FOR] = self._start_since
         excess = self._grains.growth.excess_after(record[:, PINNED_FOR])
@@ -118,6 +114,5 @@ class GrainMemory(Memory):
         return out
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
-        """See Memory."""
         passed = np.maximum(record[:, LARGEST_HAZARD] - record[:, BIRTH_HAZARD], 0.0)
         return self._summed(record[:, RATE_INTEGRAL:], stretch, np.sqrt(passed), np.exp(-passed))

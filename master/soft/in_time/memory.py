@@ -158,11 +158,9 @@ class MeanRateMemory(Memory):
         self.scales = self.scales._replace(rate=float(self._life.rate(np.zeros(1))[0]))
 
     def start(self, stretch: Array) -> Array:
-        """See Memory."""
         return np.stack([np.ones(stretch.size), np.abs(stretch)], axis=1)
 
     def advance(self, record: Array, leg: Leg) -> Array:
-        """See Memory."""
         life, (share, born) = self._life, record.T
         ends, middle = np.abs([leg.begin, leg.end]), 0.5 * np.abs(leg.begin + leg.end)
         mean = (life.rate(ends).sum(axis=0) + 4.0 * life.rate(middle)) / 6.0
@@ -170,7 +168,6 @@ class MeanRateMemory(Memory):
         return np.stack([share * np.exp(-mean * leg.duration), born], axis=1)
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
-        """See Memory."""
         return np.stack([record[:, 0], stretch * record[:, 0]])
 
 

@@ -61,16 +61,16 @@ class Slider:
         """Take steps until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
-        contacts.bend()
         slip = None
         while slip is None and contacts.now < end:
-            takes, trial = steps.step(self._size)
-            slip = steps.up_to_slip(takes, trial, self._size)
+            size = self._size * steps.finer
+            takes, trial = steps.step(size)
+            slip = steps.up_to_slip(takes, trial, size)
             trial = slip or trial
             if trial.travel or trial.now > contacts.now:
-                size = max(steps.size(trial), 0.0)
+                done = nodes[-1].size + max(steps.size(trial), 0.0)
                 contacts.take(trial)
-                nodes.append(self._node(nodes[-1].size + size))
+                nodes.append(self._node(done))
         return slip is not None
 
     def _node(self, size: float) -> Node:
@@ -94,7 +94,6 @@ class Slider:
         least = 0.5 * scales.length
         # without births only the end has to be found, in small steps so that none is missed
         size = steps.sign * (0.06 * scales.length if out else self._size * steps.length)
-        contacts.bend()
         begin, broken, travel = contacts.place, contacts.breaks, 0.0
 
         def imbalance(way: float) -> float:
@@ -113,7 +112,6 @@ class Slider:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(imbalance, low, travel + size, xtol=1e-15 * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now, out))
-        contacts.bend()
         if out:
             contacts.repeat_later(contacts.now, contacts.breaks - broken)
             contacts.born_now()

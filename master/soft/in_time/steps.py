@@ -12,14 +12,15 @@ from scipy.optimize import minimize_scalar
 from scipy.special import wrightomega
 
 from master.motion.motion import Motion
+from master.soft.in_time.changing import AgeingMemory
 from master.soft.in_time.cohorts import Cohorts, Trial
 
 # A step on the coarsest level, as a share of the length over which births change.
 COARSEST = 0.5
 # Weight of the drive's travel in the size of a step, relative to the slider's, which matters more.
 LESS = 0.25
-# Accuracy of a step's balance, and of the beginning of a slip where X_T is flat, as shares of the step.
-CLOSE, CLOSE_TO_SLIP = 1e-9, 1e-6
+# Accuracy of the beginning of a slip, where X_T is flat, as a share of the step.
+CLOSE_TO_SLIP = 1e-6
 
 
 class StepCount:
@@ -59,11 +60,15 @@ class Steps:
     spring : K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
     sign : direction in which the spring pulls: travels and imbalances are counted along it
+    finer : size of the next step over that far from slips
     """
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
         self._contacts, self._spring, self._drive = contacts, spring, drive
         self.length, self.sign = COARSEST * contacts.memory.scales.length, 1.0
+        self._ages = isinstance(contacts.memory, AgeingMemory)
+        # accuracy of a step's balance, as a share of the step; answers for contacts that age have errors above 1e-7
+        self._close = 1e-7 if self._ages else 1e-9
         # guess of how fast the imbalance grows with the uniform steps of time
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
 
@@ -75,8 +80,8 @@ class Steps:
         even = LESS * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
         even = even + scales.rate / COARSEST if speed else 0.0
         self._count = StepCount(self._contacts.now, end, not speed, even, scales.time)
-        # guess of the share of the uniform steps in the next one
-        self._share = 0.5
+        # share of the uniform steps in the last step, and guess of it in the next one
+        self._share, self._guess, self.finer = np.nan, 0.5, 1.0
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
@@ -102,7 +107,7 @@ class Steps:
             self._trial = self._contacts.trial(self.sign * self.length * (size - later), time)
             return self.imbalance(self._trial) + steep * back
 
-        found, self._steep = secant(imbalance, self._share * size, steep, CLOSE * size)
+        found, self._steep = secant(imbalance, self._guess * size, steep, self._close * size)
         return found, self._trial
 
     def up_to_slip(self, takes: float, trial: Trial, size: float) -> Trial | None:
@@ -114,13 +119,18 @@ class Steps:
         # no slip is near while a step takes more than 0.3 LESS of its size in time, as it does where the
         # slider follows the drive, or while a shorter step would take less time
         if takes > 0.3 * LESS * size or 0.0 < takes > self.step(0.99 * size)[0]:
-            self._share = takes / size
+            share = takes / size
+            change = float(np.nan_to_num(share - self._share))
+            self._share, self._guess = share, share + change
+            # finer steps within 4 coarsest ones of where the share would fall to 0, and a slip begin: steps
+            # by which contacts age leave few near |x|, so that the latest time depends on where in a step it lies
+            away = share * size / -change if self._ages and change < 0.0 else np.inf
+            self.finer = min(max(away / 4.0, 0.03), 1.0)
             return None
         options = {"xatol": CLOSE_TO_SLIP * size}
         found = minimize_scalar(
             lambda part: -self.step(part)[0], bounds=(0.0, size), method="bounded", options=options
         )
-        self._share = 0.5
         return self.step(float(found.x))[1]
 
 
