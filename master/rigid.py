@@ -139,9 +139,11 @@ def march_of(
     """
     again, mean = reforming_law(contacts), contacts.mean_threshold
     stretch = min(longest_stretch(contacts, motion, life), most)
-    # a fifth of the tolerance is for rounding and the life's own error; survivals that are more than
-    # a look-up are rounded by some 1e-13
-    allowed = max(0.8 * tolerance * mean / stretch, FINEST * (1.0 if life.quick else 15.0))
+    # panels get the part of the tolerance that rounding and the life's own error leave
+    taken = round_off(motion, mean) + life.error * stretch / mean
+    of_panels = max(tolerance - taken, 0.4 * tolerance) * (1.0 if life.quick else 0.8)
+    # survivals that are more than a look-up are rounded by some 1e-13
+    allowed = max(of_panels * mean / stretch, FINEST * (1.0 if life.quick else 15.0))
     # a panel sums some hundred integrals over births
     accuracy = max(3e-3 * allowed, 1e-15)
     births = Births(life, again, motion, contacts.waiting_time, accuracy, until)
