@@ -44,8 +44,11 @@ class StretchDistribution:
         now, start = float(motion.at(np.array(t))), march.lumps[0].law
         at, out = np.full((1, 1), t), np.zeros(x.size)
         if not start.is_single:
-            inside = np.flatnonzero(np.abs(x - now) < life.reach)
-            origin, history = x[inside] - now, motion.history(at, np.zeros((inside.size, 1)))
+            origin, (low, high) = x - now, start.span  # beyond it the survival is not known
+            inside = np.flatnonzero(
+                (np.abs(origin) < life.reach) & (origin > low) & (origin < high)
+            )
+            origin, history = origin[inside], motion.history(at, np.zeros((inside.size, 1)))
             out[inside] = start.pdf(origin) * life.left(origin[:, None], history)[0, :, 0]
         slopes = march.breaks @ rule.SLOPES.T / march.width[:, None]
         for leg in np.flatnonzero(motion.speeds):
