@@ -175,9 +175,9 @@ class ColdLife(LawLife):
 
     quick = timeless = True
 
-    def __init__(self, contacts: Contacts) -> None:
+    def __init__(self, contacts: Contacts, resolved: float = Life.resolved) -> None:
         """Find where the survival bends; InputError where P_c has weight too near to 0."""
-        law, self._mean = contacts.thresholds, contacts.mean_threshold
+        law, self._mean, self.resolved = contacts.thresholds, contacts.mean_threshold, resolved
         beneath = float(law.cdf(LOWEST * self._mean))
         if beneath > 1e-12:
             raise InputError(
