@@ -19,6 +19,7 @@ from bisect import bisect_left
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import KroghInterpolator
 
 from master.lives.averages import StretchRule, stretch_rule
 from master.outcome import StoppedError
@@ -76,7 +77,7 @@ class Cohorts:
     """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
     place, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the share that holds
-    unit : mean threshold (a length); breaks : per contact since t = 0
+    unit : mean threshold (a length)
     pending : times at which births bend, and the shares of the contacts, possibly 0, born at once there
     steps, work : number of steps taken so far, and of operations in them
     unresolved : bound on the force (a length) of contacts whose share that holds steps do not resolve
@@ -101,11 +102,19 @@ class Cohorts:
 
     def _begin(self, start: StretchRule, record: Array) -> None:
         x = start.stretch
-        self._started, self.strands = x.size, Strands(x, np.abs(x), start.weight, record)
-        self._add_cohort(0.0)
-        # ends of steps, one delay later, with the breaks up to there
-        self._broken, self.breaks, self._born = [(self.now + self.delay, 0.0)], 0.0, 0.0
+        strands = Strands(x, np.abs(x), start.weight, record)
+        held_force = self.memory.share_and_force(strands.record, x, strands.furthest)
+        self.holding, self.force = (held_force @ strands.share).tolist()
+        self._started = x.size
+        self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
+        # ends of steps with the breaks up to there, in sections between bends; and the births
+        self._began, self._sections, self._born = self.now, [[(self.now, 0.0)]], 0.0
         self.pending: dict[float, float] = {}
+
+    @property
+    def breaks(self) -> float:
+        """Breaks per contact since t = 0."""
+        return self._sections[-1][-1][1]
 
     def trial(self, travel: float, now: float, frozen: bool = False) -> Trial:
         """A trial step by `travel` until `now`; where `frozen`, without births."""
@@ -134,16 +143,19 @@ class Cohorts:
         """Births up to a later moment, as a linear function of the breaks B up to then: (slope, rest)."""
         if not self.delay:
             return 1.0, 0.0
-        # contacts that break together, in a slip, are born by born_now, and not yet in the step up to then
-        cell = bisect_left(self._broken, (now,))
-        if cell == 0:
+        # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
+        at, last = now - self.delay - 1e-13 * (now - self._began), self.now
+        if at <= self._began:
             return 0.0, 0.0
-        before, less = self._broken[cell - 1]
-        if cell == len(self._broken):
-            share = (now - before) / (now - self.now)
-            return share, (1.0 - share) * less
-        after, more = self._broken[cell]
-        return 0.0, less + (more - less) * (now - before) / (after - before)
+        if at <= last:
+            # a cubic through the nodes beside, across none at which breaks bend
+            nodes = next(part for part in self._sections if part[-1][0] >= at)
+            cell = bisect_left(nodes, (at,))
+            begin = max(min(cell - 2, len(nodes) - 4), 0)
+            times, breaks = zip(*nodes[begin : begin + 4], strict=True)
+            return 0.0, float(KroghInterpolator(times, breaks)(at))
+        share = (at - last) / (now - last)
+        return share, (1.0 - share) * self.breaks
 
     def take(self, trial: Trial) -> None:
         """Take the step."""
@@ -175,8 +187,12 @@ class Cohorts:
         alive[-many:] = True
         self._started = int(np.count_nonzero(alive[: self._started]))
         self.strands = Strands(*(part[alive] for part in strands))
-        self._broken.append((self.now + self.delay, trial.breaks))
-        self.breaks, self._born = trial.breaks, trial.births
+        self._sections[-1].append((self.now, trial.breaks))
+        self._born = trial.births
+
+    def bend(self) -> None:
+        """The speed and the rate of breaks may jump at this moment."""
+        self._sections.append(self._sections[-1][-1:])
 
     def repeat_later(self, at: float, weight: float = 0.0) -> None:
         """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
@@ -187,14 +203,13 @@ class Cohorts:
         """Let all contacts that are due be born."""
         weight = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
         if weight > 0.0:
-            self._add_cohort(weight)
+            at = self.strands.share.size
+            self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
+            new = Strands(*(part[at:] for part in self.strands))
+            held_force = self.memory.share_and_force(new.record, new.stretch, new.furthest)
+            held, force = (held_force @ new.share).tolist()
+            self.holding, self.force = self.holding + held, self.force + force
             self._born += weight
-
-    def _add_cohort(self, weight: float) -> None:
-        """Add a cohort of this share of the contacts, born at one moment on a slider at rest."""
-        self.strands = new = self.strands.and_born(self.memory, self._births, weight, 0.0)
-        held_force = self.memory.share_and_force(new.record, new.stretch, new.furthest)
-        self.holding, self.force = (held_force @ new.share).tolist()
 
 
 def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:

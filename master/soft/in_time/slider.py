@@ -61,6 +61,7 @@ class Slider:
         """Take steps until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
+        contacts.bend()
         slip = None
         while slip is None and contacts.now < end:
             size = self._size * steps.finer
@@ -94,6 +95,7 @@ class Slider:
         least = 0.5 * scales.length
         # without births only the end has to be found, in small steps so that none is missed
         size = steps.sign * (0.06 * scales.length if out else self._size * steps.length)
+        contacts.bend()
         begin, broken, travel = contacts.place, contacts.breaks, 0.0
 
         def imbalance(way: float) -> float:
@@ -112,6 +114,7 @@ class Slider:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(imbalance, low, travel + size, xtol=1e-15 * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now, out))
+        contacts.bend()
         if out:
             contacts.repeat_later(contacts.now, contacts.breaks - broken)
             contacts.born_now()
