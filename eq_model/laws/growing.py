@@ -115,10 +115,8 @@ def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
             then = 0.5 * (low + min(high, 4.0 * at))
         then = min(then, room)
         # the error is below 1e-6; whether the goal is reached at `room` itself is looked up there
-        if then < room and abs(then - at) <= max(1e-3 * at, 0.25):
+        if then == at or (then < room and abs(then - at) <= max(1e-3 * at, 0.25)):
             return then
-        if then == at:
-            return at
         at = then
     return at
 
