@@ -96,14 +96,10 @@ class Scratch(NamedTuple):
 @compiled
 def make_scratch():  # type: ignore[no-untyped-def]
     """Arrays for one block."""
-    words, cell, survival = (
-        np.zeros((3, 4 * ROW), np.uint32),
-        np.zeros(LANES, np.uint32),
-        np.zeros(2),
-    )
-    survival[0] = -1.0
-    rows = np.zeros(LANES), np.zeros(2 * LANES, np.int64), survival
-    return Scratch(words[0], words[1], words[2], cell, *rows)
+    words, survival = np.zeros((3, 4 * ROW), np.uint32), np.zeros(2)
+    survival[0] = -1.0  # wanted at no stretch so far
+    rows = np.zeros(LANES, np.uint32), np.zeros(LANES), np.zeros(2 * LANES, np.int64), survival
+    return Scratch(words[0], words[1], words[2], *rows)
 
 
 @inlined

@@ -35,9 +35,9 @@ class SoftSolution:
         F/(N_c <k>) = K (X_T - X) (lengths).
     force_error : float
         Estimate from above of the largest error of `force` along the path, and of K X_T at slips, in
-        units of the mean threshold; except at points so near a slip that its error moves them across it.
+        units of the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
     holding : array of shape (n,)
-        Fraction of contacts that hold: 1, as slips take no time.
+        Fraction of contacts that hold: 1 without a delay, as slips take no time.
     slips : Slips
     period : float or None
         Distance of X_T between the last two slips (a length); None for fewer than two.

@@ -29,7 +29,7 @@ class AgeingMemory(Memory):
     fastest : speed at which an edge of the density is resolved
     """
 
-    error = 0.0
+    error, finer_before_slips = 0.0, True
 
     def __init__(self, contacts: Contacts, level: int, fastest: float) -> None:
         ageing = contacts.ageing

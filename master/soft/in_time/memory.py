@@ -61,9 +61,10 @@ class Memory:
     reach : stretch beyond which no contact holds (a length)
     width : length of a strand's record, of which the first `others` numbers are not A
     starts : most nodes for a start with a width
+    finer_before_slips : whether steps become finer towards a slip
     """
 
-    error, others = 1e-15, 0
+    error, others, finer_before_slips = 1e-15, 0, False
 
     def __init__(self, contacts: Contacts, level: int) -> None:
         law = self._law = contacts.thresholds

@@ -115,7 +115,7 @@ def extrapolated(
     answer = read_out[-1]
     if len(levels) == 3:
         before, last = np.diff(read_out, axis=0)
-        # points that the change of a slip moves across it tell no error: there F is as near as K X_T
+        # points that the change of a slip moves across it tell no error: that of K X_T tells how far F is off
         beside = np.any([_beside(asked, *pair) for pair in pairwise(moments)], axis=0)
         told = np.append(np.tile(~beside, 2), np.ones(last.size - 2 * n, dtype=bool))
         changes = np.abs([last, last + (last - before) / 3.0]) * told
@@ -125,7 +125,7 @@ def extrapolated(
         parts = np.delete(changes, np.s_[n : 2 * n], axis=1), changes[:, n : 2 * n]
         error, of_holding = (safety * float(part.max(axis=1, initial=0.0).min()) for part in parts)
         answer = answer + np.where(told, last / 3.0, 0.0)
-        if beside.any():  # they are read where they are as far from the slip as on steps of 0
+        if beside.any():  # read F at a moment as long before or after the slip as it is from the extrapolated slip
             shift = (moments[2] - moments[1]) / 3.0
             nearest = np.abs(asked[beside, None] - moments[2] - shift).argmin(axis=1)
             there = read(levels[2].sections, asked[beside] - shift[nearest])

@@ -12,7 +12,6 @@ from scipy.optimize import minimize_scalar
 from scipy.special import wrightomega
 
 from master.motion.motion import Motion
-from master.soft.in_time.changing import AgeingMemory
 from master.soft.in_time.cohorts import Cohorts, Trial
 
 # A step on the coarsest level, as a share of the length over which births change.
@@ -60,15 +59,14 @@ class Steps:
     spring : K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
     sign : direction in which the spring pulls: travels and imbalances are counted along it
-    finer : size of the next step over that far from slips
+    finer : the size that the next step should have, over the one far from slips
     """
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
         self._contacts, self._spring, self._drive = contacts, spring, drive
         self.length, self.sign = COARSEST * contacts.memory.scales.length, 1.0
-        self._ages = isinstance(contacts.memory, AgeingMemory)
-        # accuracy of a step's balance, as a share of the step; answers for contacts that age have errors above 1e-7
-        self._close = 1e-7 if self._ages else 1e-9
+        # accuracy of a step's balance, as a share of the step; the errors of contacts that age are larger than 1e-7
+        self._close = 1e-7 if contacts.memory.finer_before_slips else 1e-9
         # guess of how fast the imbalance grows with the uniform steps of time
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
 
@@ -122,9 +120,10 @@ class Steps:
             share = takes / size
             change = float(np.nan_to_num(share - self._share))
             self._share, self._guess = share, share + change
-            # finer steps within 4 coarsest ones of where the share would fall to 0, and a slip begin: steps
-            # by which contacts age leave few near |x|, so that the latest time depends on where in a step it lies
-            away = share * size / -change if self._ages and change < 0.0 else np.inf
+            # A slip begins where this share falls to 0. Steps become finer within four of the coarsest ones of it:
+            # thresholds that age cross |x| step by step, and the slip would depend on where those steps end
+            finer = self._contacts.memory.finer_before_slips and change < 0.0
+            away = share * size / -change if finer else np.inf
             self.finer = min(max(away / 4.0, 0.03), 1.0)
             return None
         options = {"xatol": CLOSE_TO_SLIP * size}
