@@ -98,8 +98,7 @@ class State:
         courses = {self.course, other.course} - {0}
         shapes = {(one.sums.shape, one.counts.shape) for one in (self, other)}
         if len(courses) > 1 or len(shapes) > 1:
-            rule = "was found on another path, or for other contacts; start anew"
-            raise InputError(f"earlier: {rule}")
+            raise InputError("earlier: was found on another path or for other contacts; start anew")
         return State(
             sums=self.sums + other.sums,
             counts=self.counts + other.counts,

@@ -66,19 +66,16 @@ class Engine:
         furthest = float(reach.span[points].max(initial=0.0)) + reach.furthest
         self._edges = make_edges(furthest, reach.largest, contacts)
         watched = way.bin_of_point[points][self._order]
-        stretches, thresholds = (way.unit / float(edges[2] - edges[1]) for edges in self._edges)
+        per_x, per_y = (way.unit / float(edges[2] - edges[1]) for edges in self._edges)
+        before = np.searchsorted(watched, np.arange(way.bin_ends.size + 2))
+        way = way._replace(watched=watched, before=before, per_stretch=per_x, per_threshold=per_y)
         self._work = Work(
             None,
             *births_of(contacts, way.unit),
             exposures=exposures(),
             law=Forward(law) if forward else law,
             forward=forward,
-            way=way._replace(
-                watched=watched,
-                before=np.searchsorted(watched, np.arange(way.bin_ends.size + 2)),
-                per_stretch=stretches,
-                per_threshold=thresholds,
-            ),
+            way=way,
             mean=scale / way.unit,
             wait=contacts.waiting_time,
             needs_exposure=contacts.thermal is not None or contacts.grains is not None,

@@ -61,8 +61,7 @@ class Ensemble:
         """
         started = self.clock()
         if comm is not None and not hasattr(comm, "Get_rank"):
-            rule = "must be a communicator of mpi4py, such as MPI.COMM_WORLD, or None"
-            refuse("comm", comm, rule)
+            refuse("comm", comm, "must be a communicator of mpi4py, as MPI.COMM_WORLD, or None")
         self.comm, self._threads, self._stopped = comm, whole("threads", threads, 1), False
         each = whole("n_contacts", n_contacts, 1)
         self._replicas = whole("n_replicas", n_replicas, 1)

@@ -87,13 +87,10 @@ class EnsembleResult:
 class CoupledSlips:
     """Slips of all replicas, replica by replica in the order of time; arrays of shape (m,).
 
-    Attributes
-    ----------
-    replica, number : whole numbers from 0, of the replica and of the slip in it
-    drive : X_T (lengths)
-    before, after : X at the beginning and at the end (lengths)
-    force_before, force_after : F/(N_c <k>) (lengths)
-    breaks : number of contacts that broke; with "reset", until all contacts were replaced
+    replica, number : whole numbers from 0, of the replica and of the slip in it.
+    drive : X_T, lengths; before, after : X at the beginning and at the end, lengths.
+    force_before, force_after : F/(N_c <k>), lengths.
+    breaks : number of contacts that broke; with "reset", until all contacts were replaced.
     """
 
     replica: Whole
@@ -127,19 +124,11 @@ class CoupledResult(EnsembleResult):
     Other fields as in EnsembleResult, but standard errors are those between replicas, inf for one. Near a slip F is not
     normally distributed, as some replicas have slipped: compare `slips`, not the mean force across a drop.
 
-    Attributes
-    ----------
-    position, position_standard_error : arrays of shape (n,)
-        X, mean over the replicas (lengths); at a slip, after it.
-    positions, forces : arrays of shape (replicas, n)
-        X and F/(N_c <k>) of each replica (lengths).
-    slips : CoupledSlips
-        Avalanches that broke at least `slip_fraction` of a replica's contacts.
-    avalanches : array of shape (replicas, 40)
-        Numbers of smaller avalanches that broke 1, 2 to 3, 4 to 7, 8 to 15, ... contacts.
-    slip_fraction : float
-    balance : float
-        X_T = F(0)/K, the drive's position at t = 0, mean over the replicas (a length).
+    position, position_standard_error : X, mean over the replicas, shape (n,), lengths; at a slip, after it.
+    positions, forces : X and F/(N_c <k>) of each replica, shape (replicas, n), lengths.
+    slips : avalanches that broke at least `slip_fraction` of a replica's contacts.
+    avalanches : numbers of smaller ones that broke 1, 2 to 3, 4 to 7, 8 to 15, ... contacts, shape (replicas, 40).
+    balance : X_T = F(0)/K, the drive's position at t = 0, mean over the replicas, a length.
     """
 
     position: Array

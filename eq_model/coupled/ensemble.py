@@ -61,13 +61,9 @@ class Replicas:
         fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
         for k, name in enumerate(("position", "force", "holding")):
             table = curves[:, k]
-            scatter = (
-                table.std(axis=0, ddof=1) if len(rows) > 1 else np.full(table.shape[1], np.inf)
-            )
-            fields |= {
-                name: table.mean(axis=0),
-                f"{name}_standard_error": scatter / np.sqrt(len(rows)),
-            }
+            scatter = table.std(axis=0, ddof=1) if len(rows) > 1 else np.full_like(table[0], np.inf)
+            fields[name] = table.mean(axis=0)
+            fields[f"{name}_standard_error"] = scatter / np.sqrt(len(rows))
         columns: list[Any] = list(slips.T)
         for whole in (0, 1, 7):
             columns[whole] = columns[whole].astype(np.int64)
@@ -93,9 +89,9 @@ class Replicas:
             few = Contacts(identical(1.0)), Drive([3.0], spring=1.0), Blocks(2, 2)
             Replicas(*few, seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
-        n, unit, stream = self._n, self._unit, make_stream(self._seed, replica)
-        linked = self._contacts.stiffness == "linked"
-        mean = self._contacts.mean_threshold / unit if linked else 0.0
+        n, unit, contacts = self._n, self._unit, self._contacts
+        stream = make_stream(self._seed, replica)
+        mean = contacts.mean_threshold / unit if contacts.stiffness == "linked" else 0.0
         first, later = (kernel.make_supply(births, stream, mean) for births in self._births)
         queue, slider = make_queue(n, self._shift, self._buckets), np.zeros(1, kernel.SLIDER)
         s, slips = slider[0], list[Array]()
@@ -114,9 +110,8 @@ class Replicas:
         numbers = replica, s["breaks"], pull.clock_drive[0] * unit
         row = np.r_[numbers, pull.avalanches, x * unit, force * each, held / n]
         scales = [1.0, 1.0, unit / pull.spring, unit, unit, each, each, 1.0]
-        return State(
-            rows=row[None], slips=np.reshape(slips, (-1, 8)) * scales, breaks=int(s["breaks"])
-        )
+        table = np.reshape(slips, (-1, 8)) * scales
+        return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
 
     def _pull(self, s: np.void) -> Any:
         """The Pull of a slider with its first contacts, from the position that balances them on."""

@@ -96,9 +96,8 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
     A break beyond all buckets lies beyond the drive's end and is dropped.
     """
     k = b >> queue.shift
-    key = (
-        unsigned(b & ((np.int64(1) << queue.shift) - np.int64(1))) << unsigned(THRESHOLD_BITS)
-    ) | unsigned(x)
+    place = unsigned(b & ((np.int64(1) << queue.shift) - np.int64(1)))
+    key = (place << unsigned(THRESHOLD_BITS)) | unsigned(x)
     if k <= queue.at[2]:
         _insert(queue, key)
     elif k < queue.many.size:

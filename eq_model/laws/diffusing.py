@@ -120,6 +120,19 @@ def _between(above, below, variance, part, lane, turn, stream):  # type: ignore[
 
 
 @bare
+def _straightened(above, below, x, time, law):  # type: ignore[no-untyped-def]
+    """Ends of a straight Brownian bridge for one that a normal law pulls at a rate θ, so that both meet zero alike.
+
+    The pull bends it by θ² t (T - t)/2 times the way from x to the law's mean; the bend's tangent is taken where the
+    bridge most probably meets zero.
+    """
+    relaxed = law.diffusion / (law.width * law.width) * time
+    bend = 0.5 * relaxed * relaxed * (law.mean - x) if law.normal else 0.0
+    share = above / max(above + abs(below), 1e-300)
+    return above + bend * share * share, below + bend * (1.0 - share) * (1.0 - share)
+
+
+@bare
 def _drift(y, law):  # type: ignore[no-untyped-def]
     """Mean change of a threshold per time, over D, towards a law that is not normal."""
     last = law.slopes.size - 1
@@ -197,12 +210,15 @@ def break_diffusing(law, contact, way, counts):  # type: ignore[no-untyped-def]
             ticks, later = time / pace, _moved(y, time, _normal(words), law)
             then = abs(r + d * ticks)
             above, below, variance = max(y - x, 0.0), later - then, 2.0 * law.diffusion * time
-            broken = below <= 0.0 or _fourth(words) < np.exp(-2.0 * above * below / variance)
+            bent_above, bent_below = _straightened(above, below, 0.5 * (x + then), time, law)
+            broken = below <= 0.0 or _fourth(words) < np.exp(
+                -2.0 * bent_above * bent_below / variance
+            )
             met = 1.0  # share of the step until the threshold is met
             if broken:
                 drawn += 1
                 words, spread = words_at(lane, drawn, stream, STEPS), np.sqrt(variance)
-                met = _first_meeting(above, below, spread, _normal(words), _fourth(words))
+                met = _first_meeting(bent_above, bent_below, spread, _normal(words), _fourth(words))
                 below, variance = 0.0, variance * met
             drawn += 1
             part = met
