@@ -21,10 +21,8 @@ from origins.thresholds.law import Array
 class StretchDistribution:
     """Density of stretches at one moment, and the delta functions beside it.
 
-    Attributes
-    ----------
-    delta_positions, delta_weights : arrays of shape (n,)
-        Stretches (lengths) shared by a finite fraction of the contacts, and that fraction.
+    delta_positions, delta_weights : stretches (lengths) shared by a finite fraction of the contacts, and that fraction,
+        shape (n,).
     """
 
     delta_positions: Array
@@ -68,26 +66,13 @@ class StretchDistribution:
 class Solution:
     """F along the path of a rigid slider, with an estimate of its error.
 
-    Attributes
-    ----------
-    path : array of shape (n,)
-        Slider positions X (lengths).
-    force : array of shape (n,)
-        F/(N_c <k>), the mean stretch of the contacts (a length).
-    time : array of shape (n,)
-        When the positions are reached.
-    force_error : float
-        Estimate from above of the largest error of `force` over the path, in units of the mean threshold.
-    holding : array of shape (n,)
-        Fraction of contacts that hold: 1 unless there is a delay.
-    run_time : float
-        Seconds that the solver took.
-    nodes : int
-        Moments at which number conservation was solved.
-    success : bool
-        Whether force_error is at or below the requested tolerance.
-    message : str
-        The accuracy reached, or why the tolerance was missed; any weight cut off the start.
+    path : slider positions X, shape (n,), lengths; time : when they are reached, shape (n,).
+    force : F/(N_c <k>), the mean stretch of the contacts, shape (n,), a length.
+    force_error : estimate from above of its largest error over the path, in units of the mean threshold.
+    holding : fraction of contacts that hold, shape (n,): 1 unless there is a delay.
+    run_time : s; nodes : number of moments at which number conservation was solved.
+    success : whether force_error is at or below the requested tolerance.
+    message : the accuracy reached, or why the tolerance was missed; any weight cut off the start.
     """
 
     path: Array

@@ -32,52 +32,46 @@ def solve(
 ) -> Solution | SoftSolution | AgeingTransient:
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
 
-    The equation is number conservation, written with survivals and solved panel by panel; the paper's
-    own scheme is master.paper.explicit. The files that do the work on a rigid slider, in the order in
-    which they begin, are `solve`, `rigid`, `motion.motion`, `lives.make`, `lives.life`,
-    `renewal.births`, `renewal.edges`, `renewal.march`, `renewal.kernels`, `renewal.past`,
-    `renewal.rule` and `outcome`; docs/equations.md says what each does, and derives the equation.
+    The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
+    master.paper.explicit. The files that do the work on a rigid slider, in the order in which they begin, are `solve`,
+    `rigid`, `motion.motion`, `lives.make`, `lives.life`, `renewal.births`, `renewal.edges`, `renewal.march`,
+    `renewal.kernels`, `renewal.past`, `renewal.rule` and `outcome`; docs/equations.md says what each does, and derives
+    the equation.
 
     Parameters
     ----------
     contacts : Contacts
-        Thresholds, starting stretches and any laws of a contact. The paper's closure of ageing is
-        solved only without other laws, for a rigid slider that moves forward at one speed.
+        Thresholds, starting stretches and any laws of a contact. The paper's closure of ageing is solved only without
+        other laws, for a rigid slider that moves forward at one speed.
     path : array of shape (n,)
-        Slider positions X (lengths), any spacing, straight between points; where the path turns
-        round, contacts break at -x_s as well. With a spring: positions X_T of the drive, which
-        begins where the spring balances the starting force.
+        Slider positions X (lengths), any spacing, straight between points; where the path turns round, contacts break
+        at -x_s as well. With a spring: positions X_T of the drive, which begins where the spring balances the starting
+        force.
     tolerance : float
         Largest allowed error of the force, in units of the mean threshold.
     velocity : float
-        Speed along the path (length per time); at T = 0 only ageing, delay and growing thresholds
-        depend on it.
+        Speed along the path (length per time); at T = 0 only ageing, delay and growing thresholds depend on it.
     time : array of shape (n,), optional
         When each point is reached, instead of the velocity: for holds and velocity steps.
     spring : float, optional
         K/(N_c <k>) of a soft slider; None: rigid.
     slip : "reset", "reform-after" or "instant"
         What a slip of a soft slider does. At the instability F'(X) = -K:
-        "reset" (the paper's): all contacts are replaced by fresh relaxed ones of age 0, and X jumps
-        to where K (X_T - X) = F;
-        "reform-after": broken contacts stay out until the slip ends, which is where the spring balances
-        those that hold; meanwhile these stretch and may break;
+        "reset" (the paper's): all contacts are replaced by fresh relaxed ones of age 0, and X jumps to where
+        K (X_T - X) = F;
+        "reform-after": broken contacts stay out until the slip ends, which is where the spring balances those that
+        hold; meanwhile these stretch and may break;
         "instant": contacts re-form at once, and X goes to the first X' with F(X') + K X' = K X_T.
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional
         Seconds after which the solver stops: the path is cut at the point reached, success is False.
 
-    Returns
-    -------
-    Solution, SoftSolution where there is a spring, AgeingTransient for the paper's closure of ageing
-        With success = False and the reason in `message` where the tolerance was not reached.
+    Returns a Solution, with a spring a SoftSolution, for the paper's closure of ageing an AgeingTransient; with success
+    = False and the reason in `message` where the tolerance was not reached.
 
-    Raises
-    ------
-    InputError
-        For a path that is not finite, for keywords outside the ranges above, and for laws of the
-        contacts that cannot be solved on such a path yet.
+    Raises InputError for a path that is not finite, for keywords outside the ranges above, and for laws of the contacts
+    that cannot be solved on such a path yet.
     """
     tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)

@@ -24,12 +24,8 @@ CLOSE = 1e-7  # tolerance of ln v_c, and of K* with closure "exact" in units of 
 class CriticalVelocity:
     """Where stick-slip ends.
 
-    Attributes
-    ----------
-    velocity, velocity_error : float
-        v_c, a length per time.
-    position : float
-        X at which -F' just reaches K there (a length).
+    velocity, velocity_error : v_c, a length per time.
+    position : X at which -F' just reaches K there, a length.
     """
 
     velocity: float
@@ -45,14 +41,9 @@ def critical_velocity(
     With closure "exact" it is where K* of `master.propensity` is the spring; with "paper" where the steepest -F'(X) of
     the first drop of (Q15) is, as contacts outrun P_c after it.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With `ageing`, in the closure that it names, and any start; no other law of the contact.
-    spring : float
-        K/(N_c <k>).
-    slowest, fastest : float
-        Two speeds, a length per time, that v_c lies between.
+    contacts : with `ageing`, in the closure that it names, and any start; no other law of the contact.
+    spring : K/(N_c <k>).
+    slowest, fastest : two speeds, a length per time, that v_c lies between.
 
     The error is estimated from that of K*, or from the change with finer steps. Raises InputError where the drop is
     steeper than the spring at both speeds, or at neither; for contacts that do not age, or have other laws beside.

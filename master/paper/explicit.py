@@ -33,14 +33,9 @@ MOST_NODES = 2**22  # nodes of the grid, and steps: more would take hours and gi
 class ExplicitSolution:
     """The result of the explicit scheme, which has no error estimate; arrays of shape (n,).
 
-    Attributes
-    ----------
-    path, force : array
-        Slider positions X, and F/(N_c <k>) of (Q6), straight between the steps; lengths.
-    holding : array
-        Share of the contacts that hold, the sum of Q over the grid: 1 without a delay.
-    run_time : float
-        Seconds.
+    path, force : slider positions X, and F/(N_c <k>) of (Q6), straight between the steps; lengths.
+    holding : share of the contacts that hold, the sum of Q over the grid: 1 without a delay.
+    run_time : s.
     """
 
     path: Array
@@ -59,21 +54,14 @@ def explicit(
 ) -> ExplicitSolution:
     """F(X) on a rigid slider that moves forward, step by step, dx = dX = step (paper, Eq. Q4).
 
-    Parameters
-    ----------
-    contacts : Contacts
-        Thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to P(x); a delay,
+    contacts : thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to P(x); a delay,
         rounded to whole steps. As in the paper, a contact that starts at x < 0 breaks by P(x) from x = 0 on, although
         its threshold is known to exceed |x|.
-    path : array of shape (n,)
-        Slider positions X >= 0 that never turn back (lengths); any spacing.
-    step : float
-        dx = dX (a length).
-    breaking : "survival" or "printed"
-        The fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), the effect of the hazard P over the
-        whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; at most 1, as P diverges where a law ends.
-    velocity : float
-        v (length per time); only temperature and delay depend on it.
+    path : slider positions X >= 0 that never turn back, shape (n,), lengths; any spacing.
+    step : dx = dX, a length.
+    breaking : the fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), the effect of the hazard P over
+        the whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; at most 1, as P diverges where a law ends.
+    velocity : v, length per time; only temperature and delay depend on it.
 
     Raises InputError for a path as in `master.solve`; for a step that needs more than 4,194,304 nodes or steps; for an
     unknown `breaking`; for temperature with closure "exact", where the rate is no function of x alone; for other laws;
@@ -93,15 +81,10 @@ def explicit_loop(
 ) -> ExplicitSolution:
     """F along a path that turns, T = 0, dx = dX = step (paper, Eqs. Q3back, Q4back and Q5aback).
 
-    Parameters
-    ----------
-    contacts : Contacts
-        Thresholds and starting stretches.
-    path : array of shape (n,)
-        Slider positions X (lengths) from X = 0 on, straight between points, of either sign. Turning points are moved to
-        the nearest multiple of `step`.
-    step, breaking
-        As in `explicit`.
+    contacts : thresholds and starting stretches.
+    path : slider positions X from X = 0 on, straight between points, of either sign, shape (n,), lengths. Turning
+        points are moved to the nearest multiple of `step`.
+    step, breaking : as in `explicit`.
 
     Raises InputError for a path that is not finite, for `step` and `breaking` as `explicit` does.
     """

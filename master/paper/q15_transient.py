@@ -38,30 +38,19 @@ CELLS, TAIL, MOST_STEPS = 4, 1e-13, 20_000
 class AgeingTransient:
     """F(X) of (Q15) and its defects; arrays of shape (n,) unless another is given.
 
-    Attributes
-    ----------
-    path, force : array
-        Positions X, as far as the solution goes, and F/(N_c <k>) there; lengths.
-    force_error : float
-        Estimate of its largest error in units of the mean fresh threshold; inf for a single step.
-    holding : array
-        Fraction of contacts that hold: 1.
-    mass_defect, positivity_defect : array
-        Mass of P_c minus 1, and negative weight of P_c, without its sign.
-    edges : array (m + 1,)
-        Ends of cells of P_c (lengths), one step wide except for the outermost.
-    weights : array (n, m)
-        P_c at each X, as weights of the cells.
-    step : float
-        h, a length.
-    outrun : float
-        X from which on contacts have stretches at which no thresholds are left (a length); inf if that never happens.
-        From there on (Q15) does not determine the answer: it depends on `keep`, and on where the table of P_c ends, at
-        a survival of 1e-13, where all contacts break.
-    success, message : bool, str
-        Whether the path was followed to its end with the requested accuracy; that reached, and the defects of P_c.
-    run_time : float
-        Seconds.
+    path, force : positions X, as far as the solution goes, and F/(N_c <k>) there; lengths.
+    force_error : estimate of its largest error in units of the mean fresh threshold; inf for a single step.
+    holding : fraction of contacts that hold: 1.
+    mass_defect, positivity_defect : mass of P_c minus 1, and negative weight of P_c, without its sign.
+    edges : ends of cells of P_c, shape (m + 1,), lengths, one step wide except for the outermost.
+    weights : P_c at each X, as weights of the cells, shape (n, m).
+    step : h, a length.
+    outrun : X from which on contacts have stretches at which no thresholds are left, a length; inf if that never
+        happens. From there on (Q15) does not determine the answer: it depends on `keep`, and on where the table of P_c
+        ends, at a survival of 1e-13, where all contacts break.
+    success, message : whether the path was followed to its end with the requested accuracy; that reached, and the
+        defects of P_c.
+    run_time : s.
     """
 
     path: Array
@@ -91,21 +80,13 @@ def paper_transient(
 ) -> AgeingTransient:
     """(Q15) as printed, along a rigid slider's path, with steps of one length.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With `ageing`, and a start that is no single value.
-    path : array of shape (n,)
-        Positions X >= 0 that never turn back (lengths).
-    step : float
-        h, of X and between cohorts (a length): at most a tenth of the narrowest width of start and laws.
-    velocity : float
-        v > 0; D_X = D/v.
-    keep : "positivity" or "mass"
-        What is conserved where both cannot be. "positivity": thresholds that are missing are not subtracted, and the
+    contacts : with `ageing`, and a start that is no single value.
+    path : positions X >= 0 that never turn back, shape (n,), lengths.
+    step : h, of X and between cohorts, a length: at most a tenth of the narrowest width of start and laws.
+    velocity : v > 0, length per time; D_X = D/v.
+    keep : what is conserved where both cannot be. "positivity": thresholds that are missing are not subtracted, and the
         mass grows. "mass": P_c becomes negative; the solution ends where contacts stand at a survival not above 0.
-    cells : int
-        Cells of P_c per step.
+    cells : number of cells of P_c per step.
 
     Raises InputError for other contacts and for paths that turn back.
     """

@@ -24,16 +24,9 @@ FEWEST, STEADY = 4, 1e-3
 class Slips:
     """Slips in the order in which they happen; arrays of shape (n,).
 
-    Attributes
-    ----------
-    drive : array
-        X_T (lengths).
-    before, after : array
-        X at the beginning and at the end (lengths).
-    force_before, force_after : array
-        F/(N_c <k>) (lengths).
-    drive_error : float
-        Estimate from above of the error of `drive` (a length). The error of `before` is larger, as F + K X is
+    drive : X_T; before, after : X at the beginning and at the end; lengths.
+    force_before, force_after : F/(N_c <k>), lengths.
+    drive_error : estimate from above of the error of `drive`, a length. The error of `before` is larger, as F + K X is
         flat where a slip begins.
     """
 
@@ -102,22 +95,14 @@ class Followed(NamedTuple):
 class Regime:
     """Verdict and evidence.
 
-    Attributes
-    ----------
-    verdict : "smooth", "stick-slip", "decaying transient" or "undecided"
-    reason : str
-        In words.
-    critical_spring, critical_spring_error : float
-        K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive
-        does at most: at T = 0 a stiffer spring slips only after a turn. It is not that of steady
-        sliding, where the start is forgotten.
-    stiffness_ratio : float
-        K/K*.
-    slips : int
-        Slips found along the path.
-    trend : float or None
-        Relative change of the force drop from one slip to the next over the later half of the
-        slips; None for fewer than 4 slips, and where these drops are not monotone.
+    verdict, reason : "smooth", "stick-slip", "decaying transient" or "undecided", and why.
+    critical_spring : K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive does at
+        most: at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where the start is
+        forgotten.
+    stiffness_ratio : K/K*.
+    slips : number found along the path.
+    trend : relative change of the force drop from one slip to the next over the later half of the slips; None for fewer
+        than 4 slips, and where these drops are not monotone.
     """
 
     verdict: Verdict

@@ -23,32 +23,16 @@ from origins.thresholds.law import Array
 class SoftSolution:
     """F and X at the points of the drive's path, the slips on the way and the regime.
 
-    Attributes
-    ----------
-    path : array of shape (n,)
-        Positions X_T of the drive (lengths).
-    balance : float
-        X_T = F(0)/K, the drive's position at t = 0 (a length).
-    position : array of shape (n,)
-        Positions X of the slider (lengths); at a slip, after it.
-    force : array of shape (n,)
-        F/(N_c <k>) = K (X_T - X) (lengths).
-    force_error : float
-        Estimate from above of the largest error of `force` along the path, and of K X_T at slips, in
-        units of the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
-    holding : array of shape (n,)
-        Fraction of contacts that hold: 1 without a delay, as slips take no time.
-    slips : Slips
-    period : float or None
-        Distance of X_T between the last two slips (a length); None for fewer than two.
-    regime : Regime
-    run_time : float
-        Seconds.
-    nodes : int
-        Moments at which number conservation was solved.
-    success : bool
-        Whether force_error, and the error of `holding`, are at or below the requested tolerance.
-    message : str
+    path : positions X_T of the drive, shape (n,), lengths.
+    balance : X_T = F(0)/K, the drive's position at t = 0, a length.
+    position : positions X of the slider, shape (n,), lengths; at a slip, after it.
+    force : F/(N_c <k>) = K (X_T - X), shape (n,), lengths.
+    force_error : estimate from above of the largest error of `force` along the path, and of K X_T at slips, in units of
+        the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
+    holding : fraction of contacts that hold, shape (n,): 1 without a delay, as slips take no time.
+    period : distance of X_T between the last two slips, a length; None for fewer than two.
+    run_time : s; nodes : number of moments at which number conservation was solved.
+    success : whether force_error, and the error of `holding`, are at or below the requested tolerance.
     """
 
     path: Array

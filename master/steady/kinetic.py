@@ -28,16 +28,12 @@ from origins.thresholds.law import Array
 class Along:
     """Answers at many points; all arrays have the shape to which the arguments broadcast.
 
-    Attributes
-    ----------
-    velocity : array
-        v, length per time.
-    temperature, rate, delay : array or None
-        T = k_BT/<k> (a length squared), D (a length squared per time), tau_m (a time); None without such a law.
-    run_time : float
-        Seconds.
-    success, message : array of bool, str
-        Whether each answer is within the tolerance; the accuracy reached, and the number of points that miss it.
+    velocity : v, length per time.
+    temperature, rate, delay : T = k_BT/<k> (a length squared), D (a length squared per time), tau_m (a time); None
+        without such a law.
+    run_time : s.
+    success, message : whether each answer is within the tolerance; the accuracy reached, and the number of points that
+        miss it.
     """
 
     velocity: Array
@@ -117,12 +113,8 @@ def _numbers(name: str, value: npt.ArrayLike) -> Array:
 class KineticCurve(Along):
     """Smooth sliding at many points; `success` where the force is known to a relative 1e-3.
 
-    Attributes, beside those of `Along`
-    ----------
-    force, force_error : array
-        F_k/(N_c <k>), a length, and its error in units of the mean threshold.
-    holding, holding_error : array
-        Fraction of the contacts that hold, C/(C + v tau_m), and its error.
+    force : F_k/(N_c <k>), a length; its error is in units of the mean threshold.
+    holding : fraction of the contacts that hold, C/(C + v tau_m).
     """
 
     force: Array
@@ -141,15 +133,10 @@ def kinetic_curve(
 ) -> KineticCurve:
     """F_k(v), F_k(T), F_k(D) or N_c(tau_m) of contacts, whatever their laws.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With any laws that `steady_state` takes; the start does not matter.
-    velocity : float or array
-        v > 0, length per time.
-    temperature, rate, delay : float or array, optional
-        In place of the contacts' own: T >= 0 of their thermal law, D >= 0 of their ageing,
-        tau_m >= 0 of their delay (they need not have one); 0 switches the law off; None: their own.
+    contacts : with any laws that `steady_state` takes; the start does not matter.
+    velocity : v > 0, length per time, a number or an array.
+    temperature, rate, delay : numbers or arrays in place of the contacts' own: T >= 0 of their thermal law, D >= 0 of
+        their ageing, tau_m >= 0 of their delay (they need not have one); 0 switches the law off; None: their own.
         Arrays broadcast: velocity[:, None] and temperature give a table.
 
     Contacts that break by heat (closure "exact") and re-form relaxed are summed at all speeds together; every other

@@ -23,27 +23,17 @@ from origins.thresholds.quadrature import gauss
 class SteadyState:
     """Steady sliding, whatever the start.
 
-    Attributes
-    ----------
-    force : float
-        F_k/(N_c <k>), a length. Where contacts form again at once and relaxed, and all are equally stiff, it is
+    force : F_k/(N_c <k>), a length. Where contacts form again at once and relaxed, and all are equally stiff, it is
         <x_b^2>/(2 <x_b>); x_b is the stretch at which a contact breaks, x_s at T = 0.
-    force_error : float
-        Its error in units of the mean threshold.
-    holding : float
-        Fraction of the contacts that hold, C/(C + v tau).
-    thresholds : Thresholds
-        P_c: of new contacts, or with the paper's closure of ageing of all, from a table of weights.
-    mean_threshold : float
-        Its mean <x_s>, a length.
-    cycle_length, cycle_length_error : float
-        C, the mean travel of the slider between a contact's birth and its break (a length), and its error in units of
-        the mean threshold.
-    success, message : bool, str
-        Whether the relative error of the force is at most 1e-3, and the accuracy reached.
-    positivity_defect : float
-        With the paper's closure of ageing the sum of the negative weights of the table of P_c, without the sign, which
-        the density leaves out.
+    force_error : its error in units of the mean threshold.
+    holding : fraction of the contacts that hold, C/(C + v tau).
+    thresholds : P_c of new contacts, or with the paper's closure of ageing of all, from a table of weights.
+    mean_threshold : its mean <x_s>, a length.
+    cycle_length : C, the mean travel of the slider between a contact's birth and its break, a length; its error is in
+        units of the mean threshold.
+    success, message : whether the relative error of the force is at most 1e-3, and the accuracy reached.
+    positivity_defect : with the paper's closure of ageing the sum of the negative weights of the table of P_c, without
+        the sign, which the density leaves out.
     """
 
     force: float
@@ -68,12 +58,8 @@ class SteadyState:
 def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
     """Kinetic force and stretches in steady sliding (paper, Eq. Q10).
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With any laws; the start does not matter. The paper's closure of ageing is solved only without other laws.
-    velocity : float
-        v > 0, length per time; it matters only with rates of breaking, ageing, grains or delay.
+    contacts : with any laws; the start does not matter. The paper's closure of ageing is solved only without others.
+    velocity : v > 0, length per time; it matters only with rates of breaking, ageing, grains or delay.
 
     Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
     is no steady state; and where contacts break at once.

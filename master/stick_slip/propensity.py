@@ -21,22 +21,14 @@ from origins.thresholds.law import Array
 class Propensity:
     """Measures of stick-slip propensity for a start, a law of thresholds and the laws of contacts.
 
-    Attributes
-    ----------
-    critical_spring, critical_spring_error : float
-        K*/(N_c <k>) = max over X of -dF/dX, in units of N_c <k>: a softer spring is unstable (paper Eq. Q16). 0 where
-        the force never falls; inf where it drops at one X.
-    static_to_kinetic, static_to_kinetic_error : float
-        F_s/F_k, the largest force over the kinetic one; 1 where the force never exceeds it.
-    decoherence_length, decoherence_length_error : float
-        X* (a length) of the slowest term e^{-X/X*} in F - F_k; inf where none decays exponentially.
-    onset_power, onset_power_error : float
-        m of P_c(x) ~ (x - a)^m at its lower end.
-    run_time : float
-        Seconds.
-    success, message : bool, str
-        Whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat in mean travels C to a
-        break) are within the tolerance, and the accuracy reached.
+    critical_spring : K*/(N_c <k>) = max over X of -dF/dX: a softer spring is unstable (paper Eq. Q16). 0 where the
+        force never falls; inf where it drops at one X.
+    static_to_kinetic : F_s/F_k, the largest force over the kinetic one; 1 where the force never exceeds it.
+    decoherence_length : X* (a length) of the slowest term e^{-X/X*} in F - F_k; inf where none decays exponentially.
+    onset_power : m of P_c(x) ~ (x - a)^m at its lower end.
+    run_time : s.
+    success, message : whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat in mean
+        travels C to a break) are within the tolerance, and the accuracy reached.
     """
 
     critical_spring: float
@@ -55,20 +47,15 @@ class Propensity:
 def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float = 1.0) -> Propensity:
     """Stick-slip propensity of contacts on a slider that moves forward from their start.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With any laws but the paper's closure of ageing; the start matters.
-    tolerance : float
-        Largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
-    velocity : float
-        v > 0, length per time; it matters only with heat, ageing, grains or a delay.
+    contacts : with any laws but the paper's closure of ageing; the start matters.
+    tolerance : largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
+    velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
-    F(X) is followed for ten typical lives of a contact, further where more than one in a million
-    contacts live longer, but for at most 1,000: the errors are inf where these do not suffice.
+    F(X) is followed for ten typical lives of a contact, further where more than one in a million contacts live longer,
+    but for at most 1,000: the errors are inf where these do not suffice.
 
-    Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and
-    where contacts re-form so far behind x = 0 that the kinetic force is not above 0.
+    Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and where contacts re-form
+    so far behind x = 0 that the kinetic force is not above 0.
     """
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)
@@ -104,11 +91,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
 class PhaseLine(Along):
     """K* at many points; `success` where its error relative to 1 + K* is within the tolerance.
 
-    Attributes, beside those of `Along`
-    ----------
-    critical_spring, critical_spring_error : array
-        K*/(N_c <k>) and its error: softer springs stick and slip, others slide smoothly. 0 where
-        the force never falls: no spring slips; inf where it drops at one X: every spring slips.
+    critical_spring : K*/(N_c <k>): softer springs stick and slip, others slide smoothly. 0 where the force never falls:
+        no spring slips; inf where it drops at one X: every spring slips.
     """
 
     critical_spring: Array
@@ -126,14 +110,9 @@ def phase_line(
 ) -> PhaseLine:
     """K*(v, T) of contacts on a slider that moves forward from their start (paper, Eq. Q16).
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With any laws that `propensity` takes; the start matters.
-    velocity, temperature, rate, delay : float or array
-        As in master.kinetic_curve.
-    tolerance : float
-        Largest allowed error of K*, relative to 1 + K*.
+    contacts : with any laws that `propensity` takes; the start matters.
+    velocity, temperature, rate, delay : numbers or arrays, as in master.kinetic_curve.
+    tolerance : largest allowed error of K*, relative to 1 + K*.
 
     v is the speed of the slider itself: that of a soft slider's drive is 1 + F'/K times higher while the force rises.
     Raises InputError as `propensity` does, and for points as `kinetic_curve` does.

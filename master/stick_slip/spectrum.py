@@ -38,20 +38,13 @@ class DecoherenceSpectrum:
     """Leading roots, one of each pair, slowest first; arrays of shape (n,). n is 0 where no oscillation decays as
     slowly as `beyond`, as where heat breaks contacts long before x_s.
 
-    Attributes
-    ----------
-    roots, roots_error : complex, float array
-        s_n with Im s_n > 0, per length.
-    period, period_error, decay_length, decay_length_error : array
-        2π/Im s_n and -1/Re s_n, lengths.
-    amplitude, amplitude_error : complex, float array
-        c_n (lengths).
-    kinetic_force, kinetic_force_error : float
-        F_k/(N_c <k>), a length, and its error in units of the mean threshold.
-    beyond : float
-        Decay length (a length) of the terms left out, and so of `force_error`; that of further roots may be shorter.
-    run_time : float
-        Seconds.
+    roots : s_n with Im s_n > 0, per length.
+    period, decay_length : 2π/Im s_n and -1/Re s_n, lengths.
+    amplitude : c_n, lengths.
+    kinetic_force : F_k/(N_c <k>), a length; its error is in units of the mean threshold.
+    beyond : decay length (a length) of the terms left out, and so of `force_error`; that of further roots may be
+        shorter.
+    run_time : s.
     """
 
     roots: Complex
@@ -107,16 +100,11 @@ def decoherence_spectrum(
 ) -> DecoherenceSpectrum:
     """The slowest terms of F(X) - F_k of contacts that a rigid slider moves forward.
 
-    Parameters
-    ----------
-    contacts : Contacts
-        With any laws but the paper's closure of ageing; the start matters.
-    velocity : float
-        v > 0, length per time; it matters only with heat, ageing, grains or a delay.
-    n_roots : int
-        Number of roots; fewer are returned where fewer are found: the search ends before the decay rate of the law's
-        tail, and before that near which the infinitely many roots of exact values crowd. It includes periods down to
-        1/300 of the mean way from birth to birth.
+    contacts : with any laws but the paper's closure of ageing; the start matters.
+    velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
+    n_roots : number of roots; fewer are returned where fewer are found: the search ends before the decay rate of the
+        law's tail, and before that near which the infinitely many roots of exact values crowd. It includes periods
+        down to 1/300 of the mean way from birth to birth.
 
     Raises InputError for thresholds of exact values alone, or nearly so, whose roots come arbitrarily near to Re s = 0;
     for contacts that are out for more than 400 times as long as they hold; and as `steady_state` does.
