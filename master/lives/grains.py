@@ -8,8 +8,7 @@ of thresholds at its age reaches that of its quantile, so that of the contacts t
 H_0 being H at t = 0 of contacts that are stretched then. On a straight leg H first falls, while the
 contact relaxes or its threshold outgrows the stretch, and then rises: it is largest at an end.
 
-With heat a contact whose quantile has the hazard η, and so the threshold x_s(η; age), may break
-early. Then
+With heat a contact whose quantile has the hazard η, and so the threshold x_s(η; age), may break early. Then
 
     share that holds = integral over η > H_worst of e^{-(η - H_0)} e^{-A(η)},
 
@@ -38,9 +37,8 @@ class GrainLife(Life):
 
     longest : the latest time > 0 at which `left` is called
 
-    Contacts born with the law `contacts.start`, the same object, or at single stretches other than 0
-    are those of t = 0 and have the grains' starting age; all others pin at birth, at the stretch 0
-    and the age tau_m.
+    Contacts born with the law `contacts.start`, the same object, or at single stretches other than 0 are those of t = 0
+    and have the grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
     """
 
     error = 1e-13  # the share's error by that of the hazards

@@ -4,8 +4,6 @@ ThermalLife is the closure "exact", in which each contact breaks at its own rate
 closure "paper" (Eqs. temper3, temper4), in which all contacts break at one mean rate H(x).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from master.lives.averages import CHECKED, Integrals, integrals_above
@@ -35,8 +33,7 @@ class ThermalLife(LawLife):
 
         E = integral over x_s > m of P_c(x_s) e^(-A(x_s)) / S(|r|),
 
-    A the integral of h over the time since its birth; of independent or linked stiffness; `resolved`:
-    see Life.
+    A the integral of h over the time since its birth; of independent or linked stiffness; `resolved`: see Life.
     """
 
     pair_work = 6
@@ -66,7 +63,7 @@ class ThermalLife(LawLife):
             out[:, some] = self._held(replay, 1.0 / self.law.sf(np.abs(born[some])), side[some])
         return np.stack([np.minimum(out[0], 1.0), out[1] * (born + history.now)])
 
-    def _held(self, replay: Replay, weight: Array, side: Array) -> Array:
+    def _held(self, replay: "Replay", weight: Array, side: Array) -> Array:
         """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n). The
         weight, shape (n,), is the factor on P_c: 1 over the survival at birth."""
         every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"

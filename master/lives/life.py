@@ -129,8 +129,7 @@ class LawLife(Life):
     """A Life of contacts whose thresholds stay as P_c gave them.
 
     law : P_c; atom_weights : array of shape (n,), of its exact thresholds `atoms`
-    panels : array of shape (n,), edges of panels on which 8 nodes sum P_c and x_s P_c; none where
-        there are only atoms
+    panels : array of shape (n,), edges of panels on which 8 nodes sum P_c and x_s P_c; none where there are only atoms
     """
 
     def __init__(self, contacts: Contacts) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from master.lives.age.ageing import AgeingLife
 from master.lives.grains import GrainLife
 from master.lives.heat import RESOLVED, MeanRateLife, ThermalLife
 from master.lives.life import ColdLife, Life
@@ -25,8 +26,6 @@ def life_of(
     if contacts.ageing is not None:
         assert motion is not None
         check_ageing(contacts)
-        from master.lives.age.ageing import AgeingLife
-
         return AgeingLife(contacts, motion, max(0.2 * tolerance, 1e-10), until)
     # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
     resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED

@@ -1,7 +1,5 @@
 """X(t): the slider's motion as straight legs, and the displacements of a contact since its birth."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from copy import copy
 from typing import NamedTuple
@@ -16,9 +14,8 @@ from origins.thresholds.law import Array
 class Legs(NamedTuple):
     """The straight legs between the births of contacts and a later moment.
 
-    displacement : array of shape (..., k + 1), the slider's displacement since the birth, at the
-        beginning of the first leg and at the end of each; legs before the birth are included, with
-        no displacement and no duration
+    displacement : array of shape (..., k + 1), the slider's displacement since the birth, at the beginning of the first
+        leg and at the end of each; legs before the birth are included, with no displacement and no duration
     duration : array of shape (..., k), the time that the contact spent on each leg
     speed : array of shape (k,), dX/dt on each leg, of either sign
     """
@@ -54,12 +51,12 @@ class Motion:
         self.speeds: Array = np.diff(self.positions) / np.diff(self.times)
 
     @classmethod
-    def along(cls, positions: Array) -> Motion:
+    def along(cls, positions: Array) -> "Motion":
         """The motion through these positions from the first, t being the distance travelled."""
         way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
         return cls(way, positions)
 
-    def counted_from(self, leg: int) -> Motion:
+    def counted_from(self, leg: int) -> "Motion":
         """The same motion with times and positions counted from the beginning of a leg.
 
         Times shortly after a knot then keep their digits, however late the knot is.
@@ -94,7 +91,7 @@ class Motion:
         low = np.append(np.minimum.accumulate(later)[::-1], np.inf)
         return high[born], low[born]
 
-    def history(self, t: Array, s: Array) -> History:
+    def history(self, t: Array, s: Array) -> "History":
         """The displacements from s to t of contacts born at s.
 
         t and s broadcast to shape (rows, columns); all t lie on one leg, and so do the s of a row.
@@ -111,9 +108,8 @@ def drive_motion(drive: Drive, balance: float) -> Motion | None:
 class History:
     """The slider's displacement X(t) - X(s) since contacts were born at s, and on the way there.
 
-    Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact
-    threshold, or where another leg begins. So the middle column determines on which side of such a
-    point the whole row lies.
+    Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
+    another leg begins. So the middle column determines on which side of such a point the whole row lies.
 
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)
         and its smallest (at most 0) value since s
@@ -135,7 +131,7 @@ class History:
         self.high = np.maximum(np.maximum(self.now, highest[:, None] - born), 0.0)
         self.low = np.minimum(np.minimum(self.now, lowest[:, None] - born), 0.0)
 
-    def pick(self, which: slice | npt.NDArray[np.intp]) -> History:
+    def pick(self, which: slice | npt.NDArray[np.intp]) -> "History":
         """Moves of n contacts: all arrays have the shape (n,); `which` counts row after row."""
         other, shape = copy(self), self.now.shape
         for name in ("t", "s", "now", "high", "low"):
@@ -146,7 +142,7 @@ class History:
         """Largest |x| of contacts with these moves, born at stretches of the same shape."""
         return np.maximum(np.abs(born), np.maximum(born + self.high, -(born + self.low)))
 
-    def by_birth(self) -> Iterator[tuple[npt.NDArray[np.intp], History]]:
+    def by_birth(self) -> Iterator[tuple[npt.NDArray[np.intp], "History"]]:
         """Indices of some of the n contacts at a time, born at like times, so that `legs` has few, and their moves."""
         order, together = np.argsort(self.s), 1000  # their legs stay in the processor's cache
         for some in (order[begin : begin + together] for begin in range(0, order.size, together)):

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
+from scipy.optimize import brentq
 
+from master.paper.q15_transient import narrowest, paper_transient
 from master.stick_slip.extremes import Largest, extremes
 from origins import Contacts, InputError
 from origins.contacts import check_contacts
@@ -48,8 +51,6 @@ def critical_velocity(
     The error is estimated from that of K*, or from the change with finer steps. Raises InputError where the drop is
     steeper than the spring at both speeds, or at neither; for contacts that do not age, or have other laws beside.
     """
-    from scipy.optimize import brentq
-
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     if contacts.ageing is None:
@@ -90,10 +91,6 @@ def critical_velocity(
 
 def _printed_fall(contacts: Contacts, velocity: float, parts: int) -> Largest:
     """Where all contacts have one P_c: the first fall of (Q15), extrapolated in h² from two steps."""
-    from scipy.interpolate import make_interp_spline
-
-    from master.paper.q15_transient import narrowest, paper_transient
-
     assert contacts.ageing is not None
     step = 0.25 * narrowest(contacts)
     # by then nearly all contacts have broken, fresh or aged

@@ -1,7 +1,6 @@
 """(Q15) in steady sliding: one P_c for all contacts, which diffuses to P_cf and is reset to P_ci.
 
-In steady sliding (Q15) gives Q = S/C with S the survival of P_c, as in (Q11a), so that P Q = P_c/C
-and
+In steady sliding (Q15) gives Q = S/C with S the survival of P_c, as in (Q11a), so that P Q = P_c/C and
 
     - D_X L P_c = (P_ci - P_c)/C,        C = <x>,        F_k/(N_c <k>) = <x²>/(2 C).
 

@@ -1,8 +1,8 @@
 """(Q15): the paper's transients of contacts that age, as printed, and their defects.
 
-dQ/dX + dQ/dx + P Q = delta(x) b,    b = integral of P Q
-dP_c/dX = D_X L P_c - P Q + P_ci b
-P_c = P exp(-integral of P),         that is P = P_c/S, S the survival of P_c
+    dQ/dX + dQ/dx + P Q = delta(x) b,    b = integral of P Q
+    dP_c/dX = D_X L P_c - P Q + P_ci b
+    P_c = P exp(-integral of P),         that is P = P_c/S, S the survival of P_c
 
 (Q15) takes one P_c as both the law of new thresholds and the histogram of those that hold, which is right only in the
 steady state. From a peaked start the contacts outrun P_c: they reach stretches at which the thresholds that would break

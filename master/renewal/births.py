@@ -1,16 +1,13 @@
 """Births: what is born along a motion, on panels or together, and pieces of it to integrate over.
 
-A contact that breaks at s is out until s + delay, where it is born again at a stretch r. As long as
-it is out it counts among the contacts, but carries no force. So with E and K of its life the kernels
-of number and force are
+A contact that breaks at s is out until s + delay, where it is born again at a stretch r. As long as it is out it counts
+among the contacts, but carries no force. So with E and K of its life the kernels of number and force are
 
     number: 1 for t < s + delay, E(t, s + delay) after,      force: 0, then K(t, s + delay).
 
 Both are integrated against the derivative of the number of breaks, a polynomial on each panel
 (kernels: births on the present leg; past: births on the legs before).
 """
-
-from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -101,7 +98,7 @@ class Nodes(NamedTuple):
     weight: Array
 
     @classmethod
-    def of(cls, ends: Array, pieces: Pieces) -> Nodes:
+    def of(cls, ends: Array, pieces: Pieces) -> "Nodes":
         """From panels with these ends, shape (panels + 1,), and pieces; each lies on some panel."""
         target, left, right = pieces
         first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, ends.size - 2)

@@ -48,8 +48,7 @@ def edges(
     start : law of the stretches at t = 0
     tolerance : of the number of breaks; moments of a size below SMOOTHER times this are left out: the
         panels' own errors, at points between their nodes, count them
-    since, known : for a march that is continued, the time that it has reached, and the moments that
-        it has met
+    since, known : for a march that is continued, the time that it has reached, and the moments that it has met
     """
     motion, life, again, delay = births.motion, births.life, births.law, births.delay
     end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())

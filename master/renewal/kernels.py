@@ -42,8 +42,7 @@ class Straight:
     speed : dX/dt, of either sign, or 0
     longest : the longest lag, or an earlier one after which no contact holds
     accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
-    steady : whether lags are ways instead of times, and followed beyond the longest until hardly any
-        contact holds
+    steady : whether lags are ways instead of times, and followed beyond the longest until hardly any contact holds
 
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
@@ -244,8 +243,7 @@ class Kernels:
 def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:
     """Solve panels of one width by conservation.
 
-    known : array of shape (2, panels, TARGETS.size), number and force without the contributions of
-        panels of this width
+    known : array of shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
     earlier : breaks on the panels of this width that directly precede the first
     stretch : the longest |x| of a contact
     """

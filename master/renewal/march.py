@@ -10,8 +10,6 @@ they reach one exact threshold together. On a panel B is a polynomial; its value
 follow from conservation there, given all panels before. A panel that does not resolve B is halved.
 """
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Iterator
 from copy import copy
@@ -74,7 +72,7 @@ class March:
         """The time at which the last solved panel ends."""
         return float(self.begin[-1] + self.width[-1]) if self.begin.size else 0.0
 
-    def run(self) -> March:
+    def run(self) -> "March":
         """Solve all panels; on a single leg, those until breaks have become steady."""
         try:
             for _ in self.runs():
@@ -188,8 +186,7 @@ class March:
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
         """Number and force at later times, of lumps and of all panels but the last `same`.
 
-        grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, counted
-            from its beginning
+        grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, counted from its beginning
         """
         if leg is None:
             leg = self.motion.leg_of_all(grid)
@@ -242,7 +239,7 @@ class March:
         if broken > 1e-15:  # the rounding of conservation
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
-    def cut(self, t: float, births: Births) -> March:
+    def cut(self, t: float, births: Births) -> "March":
         """A march that has the contacts of this one at the time t; set its edges before it runs.
 
         births : along a motion that is the same up to t, of the same life, which is timeless

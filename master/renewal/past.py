@@ -9,11 +9,8 @@ contact changes sides or meets a bend of the law. Between bends its values at a 
 Times are counted from the beginning of the present leg, so that they keep their digits late on.
 """
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -23,12 +20,9 @@ from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, moments
 from master.renewal.rule import Pieces, Rows
+from master.renewal.strand_births import StrandBirths
 from origins.start import Start
 from origins.thresholds.law import Array
-
-if TYPE_CHECKING:
-    from master.renewal.strand_births import StrandBirths
-
 
 # Where the survival takes long: nodes of a piece that are tried first, and numbers of times from which
 # the sums are interpolated where these suffice.
@@ -126,8 +120,6 @@ class Past:
 
     def _follow(self, legs_before: range, panels: Panels, legs: Rows) -> None:
         """Make strands of the births on some legs, and follow all strands to the present leg."""
-        from master.renewal.strand_births import StrandBirths
-
         for leg in legs_before:
             _, since, width, breaks = (part[legs == leg] for part in panels)
             if np.abs(breaks).max(axis=1).sum() > self._negligible:

@@ -6,8 +6,6 @@ DEGREE Radau nodes, the last of which is the panel's end. Conservation with surv
 equation of the first kind, for which Radau nodes are stable.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -37,17 +35,17 @@ class Pieces(NamedTuple):
     high: Array
 
     @classmethod
-    def between(cls, edges: Array) -> Pieces:
+    def between(cls, edges: Array) -> "Pieces":
         """Of ranges, a row of edges in any order for each; edges that are equal by rounding count as one."""
         edges = np.sort(edges, axis=1)
         owner, piece = np.nonzero(np.diff(edges, axis=1) > CLOSE * (edges[:, -1:] - edges[:, :1]))
         return cls(owner, edges[owner, piece], edges[owner, piece + 1])
 
-    def pick(self, which: npt.NDArray[np.bool_]) -> Pieces:
+    def pick(self, which: npt.NDArray[np.bool_]) -> "Pieces":
         """Some of the pieces."""
         return Pieces(self.owner[which], self.low[which], self.high[which])
 
-    def halves(self) -> Pieces:
+    def halves(self) -> "Pieces":
         """Both halves of all pieces."""
         middle = 0.5 * (self.low + self.high)
         low, high = np.append(self.low, middle), np.append(middle, self.high)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from master.lives.life import Life
 from master.lives.make import steady_life
 from master.outcome import WELL, judged
+from master.paper.q15_steady import paper_steady
 from master.renewal.rule import Pieces
 from master.steady.travel import Travel
 from origins import Contacts, Thresholds
@@ -72,8 +73,6 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
     """The state at a speed; a life that is given is that of `steady_life`."""
     unit = contacts.mean_threshold
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        from master.paper.q15_steady import paper_steady
-
         known = paper_steady(contacts, velocity)
     else:
         life = life or steady_life(contacts, velocity)

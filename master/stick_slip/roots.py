@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from master.renewal import rule
 from master.renewal.kernels import SHORTEST
@@ -165,8 +166,6 @@ def crowding_rate(travel: Travel) -> float:
     ways, shares = ways[before > after] + travel.wait, (before - after)[before > after]
     if not ways.size or shares.sum() > 1.0 - 1e-14:
         return 0.0 if ways.size else np.inf
-    from scipy.optimize import brentq  # takes 0.1 s, which few laws need
-
     logs = np.log(shares)
     ends = 0.0, -2.0 * float(logs.max()) / float(ways.min())
     return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))

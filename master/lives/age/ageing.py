@@ -1,11 +1,10 @@
 """Survival of contacts whose thresholds age independently.
 
-At one speed it is a function of the time since the birth, for each stretch at birth. For a Gaussian
-final law without heat, and fresh densities that hardly diverge at 0, it comes from the integral equation
-of the first passage; else strands follow the thresholds in time (master.lives.age.strands). Strands
-have two resolutions, whose errors differ by a factor of eight; their survivals are extrapolated, and
-the error is measured. On a path that turns round, rests or changes its speed, contacts of the start,
-and births of earlier legs, are strands that follow the slider leg by leg.
+At one speed it is a function of the time since the birth, for each stretch at birth. For a Gaussian final law without
+heat, and fresh densities that hardly diverge at 0, it comes from the integral equation of the first passage; else
+strands follow the thresholds in time (master.lives.age.strands). Strands have two resolutions, whose errors differ by a
+factor of eight; their survivals are extrapolated, and the error is measured. On a path that turns round, rests or
+changes its speed, contacts of the start, and births of earlier legs, are strands that follow the slider leg by leg.
 """
 
 import time as clock

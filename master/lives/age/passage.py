@@ -1,9 +1,8 @@
 """First passage at one speed: survival of contacts whose thresholds age towards a normal law.
 
-A contact has the stretch `start` at t = 0 and a fresh threshold; its stretch grows at one speed, and
-it breaks where |stretch| first meets its threshold. If thresholds went on ageing when they are met,
-all that are below |stretch| at t would have been met at some moment before: with b the breaks per
-unit of the way t,
+A contact has the stretch `start` at t = 0 and a fresh threshold; its stretch grows at one speed, and it breaks where
+|stretch| first meets its threshold. If thresholds went on ageing when they are met, all that are below |stretch| at t
+would have been met at some moment before: with b the breaks per unit of the way t,
 
     P(below at t | fresh) = integral_0^t b(τ) P(below at t | met at τ) dτ,       E(t) = 1 - integral_0^t b dτ.
 

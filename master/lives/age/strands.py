@@ -1,7 +1,5 @@
 """Strands of contacts that age: groups born at any moments, whose thresholds are followed together."""
 
-from __future__ import annotations
-
 import time as clock
 from collections.abc import Callable
 from copy import copy
@@ -83,7 +81,7 @@ class Strands:
         holds = np.clip(fine + missed, 0.0, 1.0)
         return np.stack([holds, holds * self.stretch, missed]) @ self._share
 
-    def aged(self, speed: float, ages: Array) -> Strands:
+    def aged(self, speed: float, ages: Array) -> "Strands":
         """Strands like this one, right after its birth, that have moved on at a speed for `ages` (n,)."""
         out, age = copy(self), 0.0
         out.stretch = np.empty((ages.size, *self.stretch.shape[1:]))

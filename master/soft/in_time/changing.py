@@ -1,12 +1,10 @@
 """Contacts whose thresholds change under a spring: those that age (closure "exact"), and growing grains.
 
-Of contacts that age every strand carries the density of its thresholds, on the cells of
-master.lives.age.cells.
+Of contacts that age every strand carries the density of its thresholds, on the cells of master.lives.age.cells.
 
-Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned
-together the share e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of
-their law at their stretch and age so far (master.lives.grains). With heat they also break earlier,
-see Memory: here the cells are those of the quantile.
+Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned together the share
+e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of their law at their stretch and age so far
+(master.lives.grains). With heat they also break earlier, see Memory: here the cells are those of the quantile.
 """
 
 import numpy as np
@@ -73,7 +71,7 @@ class GrainMemory(Memory):
         length, time = 2.0 * min(self.scales.length, grains.quick_width), 0.05 * first
         self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
         # places of the edges are roots of hazards, as small thresholds are proportional to these;
-        # quantiles of 3e-14 end them
+        # the last is at a survival of 2e-14
         self._set_cells(np.linspace(0.0, 5.6, 48 * 2 ** (level // 2) + 1))
         self._hazards = self._edges**2
         self._beyond = np.exp(-self._hazards)

@@ -5,14 +5,11 @@ born at s, number conservation says
 
     G_0(t) + integral of E(t, s) dJ(s) + [B(t) - J(t)] = 1,        J(t) = B(t - delay).
 
-Contacts are independent: the survival of those born at one moment depends on the motion since and on
-nothing else. They are represented by a cohort born at the end of each step, and each cohort by one
-strand for each stretch at which contacts form again. Within a step the rate of births is taken as
-constant: half of its births belong to the cohort at its begin, half to that at its end, of second
-order in the step.
+Contacts are independent: the survival of those born at one moment depends on the motion since and on nothing else. They
+are represented by a cohort born at the end of each step, and each cohort by one strand for each stretch at which
+contacts form again. Within a step the rate of births is taken as constant: half of its births belong to the cohort at
+its begin, half to that at its end, of second order in the step.
 """
-
-from __future__ import annotations
 
 import time as clock
 from bisect import bisect_left
@@ -47,7 +44,7 @@ class Strands(NamedTuple):
     share: Array
     record: Array
 
-    def and_born(self, memory: Memory, births: StretchRule, share: float, speed: float) -> Strands:
+    def and_born(self, memory: Memory, births: StretchRule, share: float, speed: float) -> "Strands":
         """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
         x, record = births.stretch, memory.fresh(births.stretch, speed)
         new = Strands(x, np.abs(x), share * births.weight, record)

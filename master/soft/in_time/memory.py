@@ -1,10 +1,9 @@
 """Memory: the numbers that describe the history of contacts born together at one stretch.
 
-Contacts with the threshold x_s that have never been stretched beyond it still hold with the
-probability e^-A, A being the integral of their rate of breaking h(|x|; x_s) over time. A is kept for
-thresholds at the ends of cells, between which ln A is taken as linear: both where contacts are hot
-and A hardly changes over a cell, and where they are cold and only those of a thin skin above |x|
-break early, errors are of second order in the cells.
+Contacts with the threshold x_s that have never been stretched beyond it still hold with the probability e^-A, A being
+the integral of their rate of breaking h(|x|; x_s) over time. A is kept for thresholds at the ends of cells, between
+which ln A is taken as linear: both where contacts are hot and A hardly changes over a cell, and where they are cold and
+only those of a thin skin above |x| break early, errors are of second order in the cells.
 """
 
 from itertools import pairwise
@@ -109,8 +108,7 @@ class Memory:
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
         """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n).
 
-        Both are multiplied by the share that holds at birth. stretch, furthest :
-        stretch and largest |x|, shape (n,).
+        Both are multiplied by the share that holds at birth. stretch, furthest : stretch and largest |x|, shape (n,).
         """
         unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
         if not self._hot and self._contacts.stiffness == "independent":
