@@ -40,10 +40,8 @@ def solve_rigid(
     progress: Progress,
     until: float = np.inf,
 ) -> Solution:
-    """F along the path of a rigid slider (paper, Eq. Q6), for contacts of any life; see `solve`.
-
-    until : reading of time.monotonic() at which to stop
-    """
+    """F along the path of a rigid slider (paper, Eq. Q6), for contacts of any life, see `solve`; it stops at the
+    reading `until` of time.monotonic()."""
     began, mean = clock.perf_counter(), contacts.mean_threshold
     timeless = life.timeless and not contacts.waiting_time
     motion, moments = motion_of(drive, mean, timeless)
@@ -81,11 +79,9 @@ def solve_rigid(
 
 
 def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:
-    """The slider's motion to just beyond the path's end, and the times of the path's points.
-
-    With `timeless`, distance travelled takes the place of time. Raises InputError for a path that
-    is too long: one that turns round is limited by the rounding of its positions.
-    """
+    """The slider's motion to just beyond the path's end, and the times of the path's points. With `timeless`, distance
+    travelled takes the place of time. Raises InputError for a path that is too long: one that turns round is limited by
+    the rounding of its positions."""
     away = np.abs(drive.path) / mean
     furthest, most = int(np.argmax(away)), FURTHEST if drive.forward else FURTHEST_TURN
     if not away[furthest] <= most:
@@ -133,10 +129,8 @@ def march_of(
     until: float = np.inf,
     most: float = np.inf,
 ) -> March:
-    """The march along a motion, with panels that end where the number of breaks may bend.
-
-    most : upper limit of |x| of contacts that hold, where the caller knows one
-    """
+    """The march along a motion, with panels that end where the number of breaks may bend; `most` is an upper limit of
+    |x| of contacts that hold, where the caller knows one."""
     again, mean = reforming_law(contacts), contacts.mean_threshold
     stretch = min(longest_stretch(contacts, motion, life), most)
     # panels get the part of the tolerance that rounding and the life's own error leave

@@ -140,11 +140,8 @@ class StretchRule(NamedTuple):
 
 
 def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
-    """The Gauss rule of `count` nodes for the stretches of `born` below `most` in size.
-
-    It averages polynomials of degree 2 count - 1 over the law exactly. It has one node where all
-    contacts have the same stretch.
-    """
+    """The Gauss rule of `count` nodes for the stretches of `born` below `most` in size. It averages polynomials of
+    degree 2 count - 1 over the law exactly. It has one node where all contacts have the same stretch."""
     if born.is_single:
         return StretchRule(np.array([born.mean()]), np.ones(1))
     low, high = np.clip(born.span, -most, most)

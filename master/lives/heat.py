@@ -46,11 +46,9 @@ class ThermalLife(LawLife):
         self.left_out = float(np.minimum(self._mass, _NO_WEIGHT).sum())
 
     def rounded_away(self) -> Array:
-        """Bounds of the errors of the integrals of E and K where few contacts hold; shape (2,).
-
-        Rounding in sums over thresholds loses the last contacts, a share of 3e-14. Without heat, which
-        only breaks contacts earlier, they would add the integrals of S and x S over the tail.
-        """
+        """Bounds of the errors of the integrals of E and K where few contacts hold; shape (2,). Rounding in sums over
+        thresholds loses the last contacts, a share of 3e-14. Without heat, which only breaks contacts earlier, they
+        would add the integrals of S and x S over the tail."""
         x = min(self.reach, float(self.law.isf(3e-14))) * np.geomspace(1.0, 1e60, 2001)
         held = np.asarray(self.law.sf(x), dtype=float)
         return np.trapezoid(np.stack([held, held * x]), x, axis=1)

@@ -81,23 +81,17 @@ class Life:
             return self._averaged(born, history.pick(slice(None))).reshape(2, *shape)
         single = born.mean() if isinstance(born, Start) else born
         stretch, moves = np.broadcast_to(single, shape).ravel(), history.pick(slice(None))
-        furthest = moves.largest(stretch).reshape(shape)
-        side = np.repeat(furthest[:, shape[1] // 2], shape[1])
+        side = np.repeat(moves.largest(stretch).reshape(shape)[:, shape[1] // 2], shape[1])
         return self.survivors(stretch, side, moves).reshape(2, *shape)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
-        """Share and force of contacts born at these stretches; shape (2, n).
-
-        side : array of shape (n,), the largest |x| that decides which exact thresholds are passed
-        history : of shape (n,), the moves of these contacts
-        """
+        """Share and force of contacts with these moves (n,), born at these stretches (n,); shape (2, n). The largest
+        |x| `side`, shape (n,), decides which exact thresholds are passed."""
         raise NotImplementedError
 
     def _averaged(self, law: Start, history: History) -> Array:
-        """Share and force averaged over the law's stretches, of moves of shape (n,); shape (2, n).
-
-        Pieces of the law end where x is 0, and where the largest |x| changes sides or meets a bend.
-        """
+        """Share and force averaged over the law's stretches, of moves of shape (n,); shape (2, n). Pieces of the law
+        end where x is 0, and where the largest |x| changes sides or meets a bend."""
         reach = max(self.reach, self.birth_reach)
         bends = np.append(self.bends, reach)
         first, last = np.clip(law.span, -self.birth_reach, self.birth_reach)
@@ -149,9 +143,8 @@ class LawLife(Life):
         self.panels = np.maximum(self.panels, SMALLEST)
         inner = self.panels[self.panels < self.reach]
         broken = -np.diff(law.sf(inner))
-        self.grain = (
-            float(np.average(np.diff(inner), weights=broken)) if broken.any() else self.reach
-        )
+        grain = np.average(np.diff(inner), weights=broken) if broken.any() else self.reach
+        self.grain = float(grain)
 
     def atom_share(self, atom: float, stretch: float) -> float:
         """See Life; an upper bound, as heat may break some before."""

@@ -36,10 +36,8 @@ def life_of(
 
 
 def steady_life(contacts: Contacts, velocity: float) -> Life:
-    """The life of contacts on a slider that moves forward at one speed v > 0, for any time.
-
-    Raises InputError for closures in which single contacts have no law, and where no pinned contact holds.
-    """
+    """The life of contacts on a slider that moves forward at one speed v > 0, for any time. Raises InputError for
+    closures in which single contacts have no law, and where no pinned contact holds."""
     grains, ageing, tolerance = contacts.grains, contacts.ageing, 0.0
     if grains is not None:
         grains.check_speed(velocity)

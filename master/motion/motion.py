@@ -57,10 +57,8 @@ class Motion:
         return cls(way, positions)
 
     def counted_from(self, leg: int) -> "Motion":
-        """The same motion with times and positions counted from the beginning of a leg.
-
-        Times shortly after a knot then keep their digits, however late the knot is.
-        """
+        """The same motion with times and positions counted from the beginning of a leg. Times shortly after a knot then
+        keep their digits, however late the knot is."""
         other = copy(self)
         other.times = self.times - self.times[leg]
         other.positions = self.positions - self.positions[leg]
@@ -92,10 +90,8 @@ class Motion:
         return high[born], low[born]
 
     def history(self, t: Array, s: Array) -> "History":
-        """The displacements from s to t of contacts born at s.
-
-        t and s broadcast to shape (rows, columns); all t lie on one leg, and so do the s of a row.
-        """
+        """The displacements from s to t of contacts born at s. t and s broadcast to shape (rows, columns); all t lie on
+        one leg, and so do the s of a row."""
         return History(self, t, s)
 
 

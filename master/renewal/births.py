@@ -116,10 +116,8 @@ class Nodes(NamedTuple):
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
-    """Births on pieces from left to right, weighted by each one's own Legendre polynomials: (pieces, size).
-
-    ends : of the panels; slopes : Legendre coefficients of the breaks' derivative, a row a panel
-    """
+    """Births on pieces from left to right, weighted by each one's own Legendre polynomials, shape (pieces, size);
+    `ends` are those of the panels, `slopes` Legendre coefficients of the breaks' derivative, a row a panel."""
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]

@@ -100,10 +100,8 @@ class Straight:
         return found
 
     def look_up(self, lag: Array) -> Array:
-        """E and K after lags of shape (rows, columns), from the table if there is one.
-
-        The middle column decides on which side of an exact threshold a row is.
-        """
+        """E and K after lags of shape (rows, columns), from the table if there is one. The middle column decides on
+        which side of an exact threshold a row is."""
         ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
@@ -216,10 +214,8 @@ class Kernels:
         return self._known[speed, width]
 
     def sums(self, speed: float, t: Array, ends: Array, breaks: Array) -> Array:
-        """Number and force at times t, shape (n,), of births on a leg of this speed; shape (2, n).
-
-        ends : array of shape (panels + 1,), times at which panels of births end; breaks : on these
-        """
+        """Number and force at times t, shape (n,), of births on a leg of this speed, by the breaks on panels with these
+        ends, shape (panels + 1,); shape (2, n)."""
         pieces, sums = t.size * (ends.size + self.straight(speed).edges.size), []
         for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
             nodes, values = self._integrals(speed, some, ends)

@@ -184,10 +184,8 @@ class March:
         return solve_run(kernel, known, self.breaks[self.width.size - same :], self.stretch)
 
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
-        """Number and force at later times, of lumps and of all panels but the last `same`.
-
-        grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, counted from its beginning
-        """
+        """Number and force at later times, of lumps and of all panels but the last `same`; the times `grid`, shape
+        (panels, TARGETS.size), are all on one leg, and with `leg` counted from its beginning."""
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
@@ -240,10 +238,8 @@ class March:
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
     def cut(self, t: float, births: Births) -> "March":
-        """A march that has the contacts of this one at the time t; set its edges before it runs.
-
-        births : along a motion that is the same up to t, of the same life, which is timeless
-        """
+        """A march that has the contacts of this one at the time t; set its edges before it runs. `births` are along a
+        motion that is the same up to t, of the same life, which is timeless."""
         other, births.work = copy(self), self.births.work
         other.births, other.motion, other._past = births, births.motion, Past(births)
         other.widest = min(self.widest, self.grain)

@@ -74,11 +74,9 @@ class Past:
         self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
 
     def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force, at times in rows, of births on the legs before, and of all lumps.
-
-        Each row lies within one panel of the leg, at the same shares of it. Returns an array of shape
-        (2, rows, columns), interpolated from fewer times where these suffice.
-        """
+        """Number and force, at times in rows, of births on the legs before, and of all lumps. Each row lies within one
+        panel of the leg, at the same shares of it. Returns an array of shape (2, rows, columns), interpolated from
+        fewer times where these suffice."""
         first, width = grid.min(axis=1, keepdims=True), np.ptp(grid, axis=1, keepdims=True)
         way = float(width[0, 0]) * abs(float(self._motion.speeds[self.leg]))
         often = [size for size, wide in self._wide.items() if 0.0 < way < wide and self._legs.size]
@@ -92,10 +90,8 @@ class Past:
         return self._summed(grid, lumps)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
-        """Number and force of lumps at times of shape (rows, columns), (2, rows, columns).
-
-        The middle column decides on which side of an exact threshold a row lies.
-        """
+        """Number and force of lumps at times of shape (rows, columns), (2, rows, columns). The middle column decides on
+        which side of an exact threshold a row lies."""
         births, motion, middle = self._births, self._motion, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
         for law in dict.fromkeys(lump.law for lump in lumps):

@@ -97,11 +97,9 @@ class Table:
         return np.asarray(self._parts[0] @ self.widths)
 
     def missed(self) -> Array:
-        """Errors of the integrals, from the decay of the coefficients; shape (functions,).
-
-        Gauss nodes integrate polynomials of twice the degree exactly: the coefficients are taken to
-        keep, up to there, the decay that the last four show.
-        """
+        """Errors of the integrals, from the decay of the coefficients; shape (functions,). Gauss nodes integrate
+        polynomials of twice the degree exactly: the coefficients are taken to keep, up to there, the decay that the
+        last four show."""
         size = np.abs(self._parts)
         last, fall = rule.last_and_fall(np.moveaxis(size, 0, -1))
         rounding = np.finfo(float).eps * size.max(axis=0)

@@ -82,11 +82,8 @@ class LoadCurve:
         return float(np.min([falls, *drops[:1]]))
 
     def slip_ends(self, after: float, level: float, falling: float) -> float:
-        """The first travel after a slip's beginning where the load is at `level` again; inf if none.
-
-        falling : distance after which the computed load surely falls, 0 where it drops at once; the
-            level is searched from where the load rises again
-        """
+        """The first travel after a slip's beginning where the load is at `level` again, searched from where it rises
+        again; inf if none. After the way `falling` the computed load surely falls, 0 where it drops at once."""
         rises = self._first_above(self._derivatives(1), -self.spring, after + falling)
         load = self.series.copy()
         load[:, 0] += self.spring * (self.begin + 0.5 * self.width)

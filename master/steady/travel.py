@@ -30,8 +30,7 @@ class Travel(Straight):
         of integrals is then about its square
     born : law of the stretches at birth; None: that of re-forming
 
-    Attributes, beside these and those of Straight, where lags are ways
-    ----------
+    Beside these and the attributes of Straight, where lags are ways:
     atoms : array of shape (n,), ways after which contacts reach exact thresholds together
     grain : the length over which E falls
     most : the largest value of |K|, a length
@@ -138,15 +137,12 @@ def power_of(contacts: Contacts) -> int:
 
 
 def check_finite(contacts: Contacts) -> None:
-    """Raise InputError where the kinetic force is infinite.
-
-    Heat does not help, as strong contacts hardly break before their threshold. Thresholds that diffuse or grow are
-    exempt: the tail of the initial ones does not last, or they have a largest.
-    """
+    """Raise InputError where the kinetic force is infinite. Heat does not help, as strong contacts hardly break before
+    their threshold. Thresholds that diffuse or grow are exempt: the tail of the initial ones does not last, or they
+    have a largest."""
     power, changing = power_of(contacts), {"ageing", "grains"}.intersection(contacts.laws)
     if not changing and not np.isfinite(contacts.thresholds.moment(power)):
-        fault = (
-            f"<x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever"
+        raise InputError(
+            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
+            f"law whose tail falls faster than x^-{power + 1}"
         )
-        rule = f"use a law whose tail falls faster than x^-{power + 1}"
-        raise InputError(f"thresholds: {fault}; {rule}")

@@ -154,11 +154,9 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
 
 
 def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
-    """Bounds of the slope -dF/dX and of F (a length) beyond the horizon.
-
-    From -dF/dX = integral of x p (u - 1), with u = C times the rate of breaks: u - 1 has an integral of about F_k, and
-    decays to the contribution of lives longer than the horizon. Both are taken twice for safety.
-    """
+    """Bounds of the slope -dF/dX and of F (a length) beyond the horizon. In -dF/dX = integral of x p (u - 1), u
+    is C times the rate of breaks; u - 1 has an integral of about F_k, and decays to the contribution of lives longer
+    than the horizon. Both are taken twice for safety."""
     ways = np.append(0.5 * horizon, travel.table.end[travel.table.end > 0.5 * horizon])
     middle = np.sqrt(ways[1:] * ways[:-1])
     held, kinetic = travel.table(middle)[0], travel.area / travel.length

@@ -87,10 +87,8 @@ class Cells:
         return bool(self.resolution < FINEST and self.edges.size * 2.0**FINER < MOST_CELLS)
 
     def steps(self, speed: float, steady_for: float, duration: float) -> Array:
-        """Ends of the steps of a move, times from 0 to `duration`.
-
-        steady_for : time at the beginning since the speed changed, or the birth
-        """
+        """Ends of the steps of a move, times from 0 to `duration`; the last birth or change of speed was `steady_for`
+        before it."""
         fastest = max(self.heat_rate / HEAT_STEP, abs(speed) / self.width / TRAVEL_STEP, 1e-300)
         shortest, times = FIRST_STEP * self.width**2 / self._diffusion, [0.0]
         while times[-1] < duration:
@@ -140,11 +138,9 @@ class Cells:
         return np.asarray(self._kernel.step(weights, *given, self._face_density, self._face_slope))
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
-        """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope.
-
-        The mean of a product over a cell of width w is that of h times that of u plus
-        (w²/12) h' u', and w u' is the difference of u at its faces.
-        """
+        """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope. The mean
+        of a product over a cell of width w is that of h times that of u plus (w²/12) h' u', and w u' is the difference
+        of u at its faces."""
         thermal = self._thermal
         assert thermal is not None
         ends = level[:, :, None] + self.edges
@@ -174,11 +170,9 @@ def narrowest(law: Thresholds) -> float:
 
 
 def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:
-    """Ends of cells from 0 to `reach`: their widths grow from `thinnest` with the distance to 0.4 times
-    `width`, and grow further beyond `bulk`, where tails are smooth; all are multiplied by `share`.
-
-    Errors in space then equal those in time for steps of a quarter of `width`.
-    """
+    """Ends of cells from 0 to `reach`: their widths grow from `thinnest` with the distance to 0.4 times `width`, and
+    grow further beyond `bulk`, where tails are smooth; all are multiplied by `share`. Errors in space then equal those
+    in time for steps of a quarter of `width`."""
     edges = [0.0]
     while edges[-1] < reach:
         widest = 0.4 * width + 0.05 * max(edges[-1] - bulk, 0.0)

@@ -136,11 +136,8 @@ class Passage:
         return np.asarray(np.linalg.solve(matrix, below), dtype=float)
 
     def _earlier(self, s: Array, level: Array) -> _Earlier:
-        """Nodes for the breaks up to s (n,), where the level is now.
-
-        Parts end at the panels' edges and get finer towards s; nodes are even in the root of the
-        distance from s, in which the singular integrand is smooth.
-        """
+        """Nodes for the breaks up to s (n,), where the level is now. Parts end at the panels' edges and get finer
+        towards s; nodes are even in the root of the distance from s, in which the singular integrand is smooth."""
         # 40 doublings: from D/v up to any length
         doubled = np.sqrt(self._finest / (2.0 * s))[:, None] * 2.0 ** np.arange(40)
         fixed = np.tile(self._edges, (s.size, 1))

@@ -59,10 +59,8 @@ class Strands:
         self._steady_for += duration
 
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
-        """Advance along a leg, until hardly any contact holds.
-
-        Returns times since its beginning, shape (n,), and what is `left` then, shape (n, 3, strands).
-        """
+        """Advance along a leg, until hardly any contact holds. Returns times since its beginning, shape (n,), and what
+        is `left` then, shape (n, 3, strands)."""
         # where a leg begins, thresholds may have gathered right above |x|: the first steps are short
         self._speed, self._steady_for = speed, 0.0
         times, shares = self._cells[0].steps(speed, 0.0, duration), [self.left()]
@@ -102,11 +100,8 @@ def over_root(times: Array, values: Array) -> Callable[[Array], Array]:
 
 
 def survival_at(strands: Strands, speed: float, longest: float) -> Callable[[Array], Array]:
-    """Share that holds over the time since a birth, 0 where it is below SPENT, at one speed >= 0.
-
-    strands : one, of one part, right after its birth
-    longest : time up to which it is followed
-    """
+    """Share that holds over the time since a birth up to `longest`, 0 where it is below SPENT, at one speed >= 0, of
+    one strand of one part, right after its birth."""
     turn = -float(strands.stretch[0, 0]) / speed if speed > 0.0 else 0.0
     begins = np.unique([0.0, np.clip(turn, 0.0, longest), longest])
     # another table begins where |x| turns at 0

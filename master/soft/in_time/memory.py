@@ -106,20 +106,16 @@ class Memory:
         return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
-        """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n).
-
-        Both are multiplied by the share that holds at birth. stretch, furthest : stretch and largest |x|, shape (n,).
-        """
+        """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n). Both are multiplied by the
+        share that holds at birth. stretch, furthest : stretch and largest |x|, shape (n,)."""
         unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
         if not self._hot and self._contacts.stiffness == "independent":
             return np.stack([unmet, stretch * unmet])
         return self._summed(record, stretch, furthest, unmet)
 
     def _summed(self, spent: Array, stretch: Array, least: Array, unmet: Array) -> Array:
-        """Share and force of contacts whose thresholds lie beyond the place `least` of the edges.
-
-        unmet : array of shape (n,), their share
-        """
+        """Share and force of contacts whose thresholds lie beyond the place `least` of the edges, the share `unmet` of
+        all; arrays (n,)."""
         edges, every = self._edges, np.arange(least.size)
         weight = np.maximum(np.minimum(unmet[:, None], self._beyond[:-1]) - self._beyond[1:], 0.0)
         # of the cell in which the place lies, only the part beyond it counts

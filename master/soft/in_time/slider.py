@@ -121,10 +121,8 @@ class Slider:
 
 
 def read(sections: list[list[Node]], asked: Array) -> Array:
-    """Force (lengths) and holding share at times (n,), shape (2, n); at a slip, after it.
-
-    By splines in the size of all steps, in which the time, too, is smooth.
-    """
+    """Force (lengths) and holding share at times (n,), shape (2, n); at a slip, after it. By splines in the size of all
+    steps, in which the time, too, is smooth."""
     ends = np.array([section[-1].time for section in sections])
     which = np.minimum(np.searchsorted(ends, asked, side="right"), len(sections) - 1)
     out = np.empty((2, asked.size))

@@ -92,10 +92,8 @@ class Steps:
         return float(self.sign * (self._spring * ahead - trial.force))
 
     def step(self, size: float) -> tuple[float, Trial]:
-        """The uniform steps of time that a balanced step of this size, or up to the next bend, takes; and it.
-
-        If there is no balance from now on, they are below 0, and the step takes no time.
-        """
+        """The uniform steps of time that a balanced step of this size, or up to the next bend, takes; and it. If there
+        is no balance from now on, they are below 0, and the step takes no time."""
         now, steep = self._contacts.now, self._steep
         done = self._count.steps(now)
 
@@ -109,10 +107,8 @@ class Steps:
         return found, self._trial
 
     def up_to_slip(self, takes: float, trial: Trial, size: float) -> Trial | None:
-        """The step up to the beginning of a slip, if one begins within a step that is given.
-
-        takes, trial : of this step, as `step` returns them; size : the one asked for
-        """
+        """The step up to the beginning of a slip, if one begins within the step `trial`, which was asked for with this
+        size and `takes` so many steps of time, as `step` returns both."""
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
         # no slip is near while a step takes more than 0.3 LESS of its size in time, as it does where the
         # slider follows the drive, or while a shorter step would take less time
@@ -136,11 +132,8 @@ class Steps:
 def secant(
     function: Callable[[float], float], guess: float, slope: float, close: float
 ) -> tuple[float, float]:
-    """The root of an increasing function, where it is called last, and the slope there.
-
-    Both are found from guesses by the secant method. A step that leaves the bracket of the root is
-    replaced by bisection.
-    """
+    """The root of an increasing function, where it is called last, and the slope there. Both are found from guesses by
+    the secant method. A step that leaves the bracket of the root is replaced by bisection."""
     low, high, at, value = -np.inf, np.inf, guess, function(guess)
     for _ in range(40):
         low, high = (at, high) if value < 0.0 else (low, at)
