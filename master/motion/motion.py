@@ -56,8 +56,7 @@ class Motion:
     @classmethod
     def along(cls, positions: Array) -> Motion:
         """The motion through these positions from the first, t being the distance travelled."""
-        way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
-        return cls(way, positions)
+        return cls(np.append(0.0, np.cumsum(np.abs(np.diff(positions)))), positions)
 
     def counted_from(self, leg: int) -> Motion:
         """The same motion with times and positions counted from the beginning of a leg.
@@ -76,8 +75,7 @@ class Motion:
 
     def leg(self, t: Array | float) -> npt.NDArray[np.intp]:
         """Index of the leg on which t lies; a knot belongs to the leg that it ends."""
-        found = np.searchsorted(self.times, t) - 1
-        return np.clip(found, 0, self.speeds.size - 1)
+        return np.clip(np.searchsorted(self.times, t) - 1, 0, self.speeds.size - 1)
 
     def leg_of_all(self, t: Array) -> int:
         """Index of the leg on which all t lie; the smallest t may be the leg's first knot."""
@@ -139,7 +137,9 @@ class History:
         """Moves of n contacts: all arrays have the shape (n,); `which` counts row after row."""
         other, shape = copy(self), self.now.shape
         for name in ("t", "s", "now", "high", "low"):
-            setattr(other, name, np.broadcast_to(getattr(self, name), shape).ravel()[which])
+            value = getattr(self, name)
+            value = value if value.shape == shape else np.broadcast_to(value, shape)
+            setattr(other, name, value.ravel()[which])
         return other
 
     def largest(self, born: Array) -> Array:
