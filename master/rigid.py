@@ -148,10 +148,9 @@ def march_of(
     births = Births(life, again, motion, contacts.waiting_time, accuracy, until)
     plan = edges(births, contacts.start, allowed)
     if plan.too_many_jumps:
-        raise InputError(
-            "thresholds: exact values break together more often on this path than can be followed; "
-            "give them a width, as in gaussian(mean, std), or shorten the path"
-        )
+        fault = "exact values break together more often on this path than can be followed"
+        advice = "give them a width, as in gaussian(mean, std), or shorten the path"
+        raise InputError(f"thresholds: {fault}; {advice}")
     grain = GRAINS * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
     return March(births, contacts.start, plan.times, allowed, grain, stretch)
 

@@ -177,10 +177,9 @@ class ColdLife(LawLife):
         law, self._mean, self.resolved = contacts.thresholds, contacts.mean_threshold, resolved
         beneath = float(law.cdf(LOWEST * self._mean))
         if beneath > 1e-12:
-            raise InputError(
-                f"thresholds: a weight of {beneath:.2g} lies below {LOWEST:g} of the mean, where floating "
-                "point ends; leave such contacts out and count them apart"
-            )
+            fault = f"a weight of {beneath:.2g} lies below {LOWEST:g} of the mean"
+            rule = "where floating point ends; leave such contacts out and count them apart"
+            raise InputError(f"thresholds: {fault}, {rule}")
         super().__init__(contacts)
         self.grain *= 0.5  # a first guess: no heat smooths the survival
         # a narrow law breaks only between `quiet` and `reach`

@@ -119,19 +119,21 @@ class History:
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:
         self.motion, self.t, self.s = motion, t, s
-        last, born = motion.leg_of_all(t), motion.at(s)
+        last = motion.leg_of_all(t)
         # the middle birth of a row tells the leg of all of them
         rows, columns = np.broadcast_shapes(t.shape, s.shape)
         middle = s[:, min(columns // 2, s.shape[1] - 1)]
         first = np.broadcast_to(np.minimum(motion.leg(middle), last), rows)
         self._first, self._last = int(first.min(initial=last)), last
         self.now: Array = motion.speeds[last] * (t - s)
+        highest = lowest = self.now
         if self._first < last:
             # on one leg the difference of two positions far from 0 would lose digits
+            born, (highest, lowest) = motion.at(s), motion.knots_between(last, first)
             self.now = np.where(np.equal(first, last)[:, None], self.now, motion.at(t) - born)
-        highest, lowest = motion.knots_between(last, first)
-        self.high = np.maximum(np.maximum(self.now, highest[:, None] - born), 0.0)
-        self.low = np.minimum(np.minimum(self.now, lowest[:, None] - born), 0.0)
+            highest, lowest = highest[:, None] - born, lowest[:, None] - born
+        self.high = np.maximum(np.maximum(self.now, highest), 0.0)
+        self.low = np.minimum(np.minimum(self.now, lowest), 0.0)
 
     def pick(self, which: slice | npt.NDArray[np.intp]) -> History:
         """Moves of n contacts: all arrays have the shape (n,); `which` counts row after row."""

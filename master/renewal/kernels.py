@@ -209,8 +209,9 @@ class Kernels:
         first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
         sums[nodes.target[first]] = np.add.reduceat(parts, first)
         found = sums.swapaxes(0, 1) @ rule.SLOPES
-        share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
-        found[0] += rule.values(share[0]) - rule.values(share[1])
+        if delay > 0.0:  # contacts that are out count as well
+            share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
+            found[0] += np.subtract(*rule.values(share))
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
         solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : rule.DEGREE + 1, 1:]))
