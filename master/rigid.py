@@ -138,15 +138,13 @@ def march_of(
     of_panels = max(tolerance - taken, 0.4 * tolerance) * (1.0 if life.quick else 0.8)
     # survivals that are more than a look-up are rounded by some 1e-13
     allowed = max(of_panels * mean / stretch, FINEST * (1.0 if life.quick else 15.0))
-    # a panel sums some hundred integrals over births
-    accuracy = max(3e-3 * allowed, 1e-15)
+    accuracy = max(3e-3 * allowed, 1e-15)  # a panel sums some hundred integrals over births
     births = Births(life, again, motion, contacts.waiting_time, accuracy, until)
     plan = edges(births, contacts.start, allowed)
     if plan.too_many_jumps:
-        raise InputError(
-            "thresholds: exact values break together more often on this path than can be followed; "
-            "give them a width, as in gaussian(mean, std), or shorten the path"
-        )
+        fault = "exact values break together more often on this path than can be followed"
+        advice = "give them a width, as in gaussian(mean, std), or shorten the path"
+        raise InputError(f"thresholds: {fault}; {advice}")
     grain = GRAINS * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
     return March(births, contacts.start, plan.times, allowed, grain, stretch)
 

@@ -220,8 +220,7 @@ class MeanRateLife(LawLife):
             return (self._rates.rate(x[row, None], xi, 1.0) * finite_density(self.law, xi))[None]
 
         # right below an edge the distance of thresholds from x suffers from rounding, by 1e-14 of x
-        edges = np.append(self.panels, np.inf)
-        away = edges[np.searchsorted(self.panels, x, "right")] - x
+        away = np.append(self.panels, np.inf)[np.searchsorted(self.panels, x, "right")] - x
         relative = np.maximum(20.0 * self._accuracy, 1e-14 * x / np.maximum(away, 1e-14 * x))
         given = breaking, np.maximum(x, SMALLEST), self.panels, True
         return integrals_above(*given, relative, True, checked)

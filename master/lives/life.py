@@ -92,11 +92,10 @@ class Life:
     def _averaged(self, law: Start, history: History) -> Array:
         """Share and force averaged over the law's stretches, of moves of shape (n,); shape (2, n). Pieces of the law
         end where x is 0, and where the largest |x| changes sides or meets a bend."""
-        reach = max(self.reach, self.birth_reach)
-        bends = np.append(self.bends, reach)
         first, last = np.clip(law.span, -self.birth_reach, self.birth_reach)
-        even = np.linspace(first, last, 5)
-        fixed = np.concatenate([even, law.breakpoints, [0.0], bends, -bends])
+        reach = self.reach if max(-first, last) <= self.reach else np.inf
+        bends = np.append(self.bends, reach)
+        fixed = np.concatenate([np.linspace(first, last, 7), law.breakpoints, [0.0], bends, -bends])
         now, high, low = (part[:, None] for part in (history.now, history.high, history.low))
         moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
         cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
@@ -172,17 +171,14 @@ class ColdLife(LawLife):
         law, self._mean, self.resolved = contacts.thresholds, contacts.mean_threshold, resolved
         beneath = float(law.cdf(LOWEST * self._mean))
         if beneath > 1e-12:
-            raise InputError(
-                f"thresholds: a weight of {beneath:.2g} lies below {LOWEST:g} of the mean, where floating "
-                "point ends; leave such contacts out and count them apart"
-            )
+            fault = f"a weight of {beneath:.2g} lies below {LOWEST:g} of the mean"
+            rule = "where floating point ends; leave such contacts out and count them apart"
+            raise InputError(f"thresholds: {fault}, {rule}")
         super().__init__(contacts)
         self.grain *= 0.5  # a first guess: no heat smooths the survival
         # a narrow law breaks only between `quiet` and `reach`
-        lowest = float(law.support()[0])
-        self.quiet = min([lowest or float(law.ppf(NONE_LEFT)), *self.atoms])
-        ends = [0.0, self.quiet, self.reach]
-        edges = np.unique(np.concatenate([ends, self.bends, self.panels]))
+        self.quiet = min([float(law.support()[0] or law.ppf(NONE_LEFT)), *self.atoms])
+        edges = np.unique(np.concatenate([[0.0, self.quiet, self.reach], self.bends, self.panels]))
         self.marks = edges[edges <= self.reach]
         # where a start reaches into a heavy tail, the few contacts beyond may carry much force
         self.birth_reach = self.reach if self.reach == law.support()[1] else np.inf
@@ -203,9 +199,10 @@ class ColdLife(LawLife):
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
         first, m = np.abs(born), history.largest(born)
-        whole, held = self.held(first, first), np.ones(m.shape)
-        # contacts with m <= quiet all hold: the law need not be evaluated there
-        some = m > self.quiet * (1.0 - 2.0 * TIE)
-        held[some] = self.held(m[some], side[some])
+        whole, held = np.ones((2, *m.shape))
+        for share, x, edge in ((whole, first, first), (held, m, side)):
+            # up to `quiet` all contacts hold: the law need not be evaluated there
+            some = x > self.quiet * (1.0 - 2.0 * TIE)
+            share[some] = self.held(x[some], edge[some])
         out = np.stack([held, self._borne(m, held) * (born + history.now)])
         return np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)

@@ -28,7 +28,7 @@ def life_of(
         check_ageing(contacts)
         return AgeingLife(contacts, motion, max(0.2 * tolerance, 1e-10), until)
     # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
-    resolved = float(np.clip(1e-2 * tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
+    resolved = float(np.clip(tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
     if contacts.thermal is None:
         return ColdLife(contacts, resolved)
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife

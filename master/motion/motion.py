@@ -53,8 +53,7 @@ class Motion:
     @classmethod
     def along(cls, positions: Array) -> "Motion":
         """The motion through these positions from the first, t being the distance travelled."""
-        way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
-        return cls(way, positions)
+        return cls(np.append(0.0, np.cumsum(np.abs(np.diff(positions)))), positions)
 
     def counted_from(self, leg: int) -> "Motion":
         """The same motion with times and positions counted from the beginning of a leg. Times shortly after a knot then
@@ -71,8 +70,7 @@ class Motion:
 
     def leg(self, t: Array | float) -> npt.NDArray[np.intp]:
         """Index of the leg on which t lies; a knot belongs to the leg that it ends."""
-        found = np.searchsorted(self.times, t) - 1
-        return np.clip(found, 0, self.speeds.size - 1)
+        return np.clip(np.searchsorted(self.times, t) - 1, 0, self.speeds.size - 1)
 
     def leg_of_all(self, t: Array) -> int:
         """Index of the leg on which all t lie; the smallest t may be the leg's first knot."""
@@ -113,25 +111,29 @@ class History:
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:
         self.motion, self.t, self.s = motion, t, s
-        last, born = motion.leg_of_all(t), motion.at(s)
+        last = motion.leg_of_all(t)
         # the middle birth of a row tells the leg of all of them
         rows, columns = np.broadcast_shapes(t.shape, s.shape)
         middle = s[:, min(columns // 2, s.shape[1] - 1)]
         first = np.broadcast_to(np.minimum(motion.leg(middle), last), rows)
         self._first, self._last = int(first.min(initial=last)), last
         self.now: Array = motion.speeds[last] * (t - s)
+        highest = lowest = self.now
         if self._first < last:
             # on one leg the difference of two positions far from 0 would lose digits
+            born, (highest, lowest) = motion.at(s), motion.knots_between(last, first)
             self.now = np.where(np.equal(first, last)[:, None], self.now, motion.at(t) - born)
-        highest, lowest = motion.knots_between(last, first)
-        self.high = np.maximum(np.maximum(self.now, highest[:, None] - born), 0.0)
-        self.low = np.minimum(np.minimum(self.now, lowest[:, None] - born), 0.0)
+            highest, lowest = highest[:, None] - born, lowest[:, None] - born
+        self.high = np.maximum(np.maximum(self.now, highest), 0.0)
+        self.low = np.minimum(np.minimum(self.now, lowest), 0.0)
 
     def pick(self, which: slice | npt.NDArray[np.intp]) -> "History":
         """Moves of n contacts: all arrays have the shape (n,); `which` counts row after row."""
         other, shape = copy(self), self.now.shape
         for name in ("t", "s", "now", "high", "low"):
-            setattr(other, name, np.broadcast_to(getattr(self, name), shape).ravel()[which])
+            value = getattr(self, name)
+            value = value if value.shape == shape else np.broadcast_to(value, shape)
+            setattr(other, name, value.ravel()[which])
         return other
 
     def largest(self, born: Array) -> Array:

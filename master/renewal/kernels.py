@@ -198,15 +198,17 @@ class Kernels:
         have = known.values.shape[0] if known else 0
         if known and have >= min(panels, most):
             return known
-        panels = min(most, max(panels, 2 * have))
+        panels = most if most <= 2 * panels else max(panels, 2 * have)
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
         sums = np.zeros((t.size, 2, rule.DEGREE + 1))
         parts = values.swapaxes(0, 1) @ rule.legendre_values(nodes.share)
-        np.add.at(sums, nodes.target, parts)
+        first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
+        sums[nodes.target[first]] = np.add.reduceat(parts, first)
         found = sums.swapaxes(0, 1) @ rule.SLOPES
-        share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
-        found[0] += rule.values(share[0]) - rule.values(share[1])
+        if delay > 0.0:  # contacts that are out count as well
+            share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
+            found[0] += np.subtract(*rule.values(share))
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
         solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : rule.DEGREE + 1, 1:]))
@@ -232,8 +234,7 @@ class Kernels:
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
         nodes = Nodes.of(ends, Pieces.between(np.clip(cuts, begin, end)))
         self._births.work += nodes.target.size
-        held = straight.look_up(t[nodes.target, None] - nodes.place)
-        return nodes, nodes.weight * held
+        return nodes, nodes.weight * straight.look_up(t[nodes.target, None] - nodes.place)
 
 
 def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:

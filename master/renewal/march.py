@@ -42,6 +42,8 @@ class March:
     unfinished : whether the march was stopped before the last edge
     """
 
+    STORED = "begin", "since", "width", "breaks", "force", "wrong"
+
     def __init__(
         self,
         births: Births,
@@ -100,7 +102,7 @@ class March:
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
         """Solve from one edge to the next, both counted from the leg's beginning: a run of equal panels that are
         all good makes the next longer, and its panels wider if errors are far below the tolerance."""
-        t, width, count, easy = begin, 0.0, 8, 0
+        t, width, count, easy, wider, worse = begin, 0.0, 16, 0, 0.0, 0.0
         quick, grain = self.life.quick, self._duration(self.grain, leg)
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
         narrowest = min(grain, end - begin) * (1e-10 if quick else 1e-18)
@@ -120,9 +122,16 @@ class March:
             self.keep(self.motion.times[leg] + t, width, run, good, t)
             t = t + good * width if good < left else end
             if bad.size:
-                far = run.wrong[good] > 100.0 * self.tolerance
-                self.widest, count, easy = (0.25 if far else 0.5) * width, 1, 0
+                missed = float(run.wrong[good]) / self.tolerance
+                part = 0.25 if missed > 100.0 else 0.5
+                if not good and missed < 0.5 * worse:
+                    # beside a power of t the error is one of the width, which two panels tell
+                    power = np.log(worse / missed) / np.log(wider / width)
+                    part = min(part, (0.5 / missed) ** (1.0 / power))
+                wider, worse = width, missed
+                self.widest, count, easy = part * width, 2, 0
                 continue
+            worse = 0.0
             # the error grows as the width to the power DEGREE; where contacts break at rates of all
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
             still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
@@ -134,7 +143,7 @@ class March:
             many = 0 if still or width <= 0.5 * grain else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
-                wide = (8.0 if still else 2.0) * width
+                wide = (8.0 if still else 4.0 if run.wrong.max() < 1e-4 * spare else 2.0) * width
                 self.widest = min(wide, self._duration(self.life.reach, leg))
                 count, easy = 1 if soon else max(1, count // 4), 0
             yield
@@ -164,12 +173,9 @@ class March:
     def keep(self, t: float, width: float, run: Run, good: int, since: float) -> None:
         """Append the first `good` panels of a run that begins at t, `since` from its leg's beginning."""
         steps = width * np.arange(good)
-        self.begin = np.append(self.begin, t + steps)
-        self.since = np.append(self.since, since + steps)
-        self.width = np.append(self.width, np.full(good, width))
-        self.breaks = np.concatenate([self.breaks, run.breaks[:good]])
-        self.force = np.concatenate([self.force, run.force[:good]])
-        self.wrong = np.append(self.wrong, run.wrong[:good])
+        new = t + steps, since + steps, np.full(good, width), *(part[:good] for part in run)
+        for name, values in zip(self.STORED, new, strict=True):
+            setattr(self, name, np.concatenate([getattr(self, name), values]))
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
@@ -244,7 +250,7 @@ class March:
         other.births, other.motion, other._past = births, births.motion, Past(births)
         other.widest = min(self.widest, self.grain)
         begun = int(np.searchsorted(self.begin, t - 1e-9 * self.grain))
-        for name in ("begin", "since", "width", "breaks", "force", "wrong"):
+        for name in self.STORED:
             setattr(other, name, getattr(self, name)[:begun].copy())
         if begun and other.reached > t:
             width = t - other.begin[-1]

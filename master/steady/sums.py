@@ -27,7 +27,7 @@ EVEN, WIDTH, ROUND_OFF = -1.0, 0.6, 2e-12
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last two Legendre coefficients on a panel of thresholds, in units of typical values, below which it is
 # not halved (the error of its integral is about their square); and its least width, in mean thresholds.
-ACCURACY, SHORTEST = 1e-9, 1e-13
+ACCURACY, SHORTEST = 1e-7, 1e-13
 # Thresholds are summed up to this survival.
 TAIL = 1e-80
 

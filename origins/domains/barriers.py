@@ -51,8 +51,7 @@ def triangular_barrier(
     """barrier(triangular_island(lattice_constant, n_i, n_j), angle, substrate), at a cost independent of N_a.
     n_i, n_j and angle (radians) broadcast to the shape of the result. Raises InputError as these two do."""
     substrate, angle = checked_substrate(substrate), radians(angle)
-    waves = substrate.wavevectors
-    factors = triangular_structure_factors(lattice_constant, n_i, n_j, angle, waves)
+    factors = triangular_structure_factors(lattice_constant, n_i, n_j, angle, substrate.wavevectors)
     return barriers_and_depths(substrate, factors)[0][()]
 
 

@@ -50,8 +50,7 @@ class _Landscapes(NamedTuple):
     def curvatures(self, t: Array) -> tuple[Array, Array]:
         """Principal curvatures (m, 2) of U, the least first, and their directions (m, 2, 2), as columns."""
         waves = (self.amplitudes * np.exp(1j * (self.waves @ t))).real
-        hessians = -np.einsum("nm,nk,nl->mkl", waves, self.waves, self.waves)
-        return np.linalg.eigh(hessians)
+        return np.linalg.eigh(-np.einsum("nm,nk,nl->mkl", waves, self.waves, self.waves))
 
     def newton_step(self, t: Array, down: bool = False) -> Array:
         """Newton's step to a critical point, or one that leads `down`; at most half a radian of the fastest wave."""

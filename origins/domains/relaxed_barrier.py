@@ -211,8 +211,7 @@ def _checked(island: _MovingIsland) -> float:
 
 def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array], float]:
     """Shifts near the lowest minimum and the saddle, and the search's own error, an energy."""
-    exact = island.rigid and island.planar
-    for count in (16, 32, 64) if exact else (16,):
+    for count in (16, 32, 64) if island.rigid and island.planar else (16,):
         places = np.indices((count, count)).reshape(2, -1).T
         energies, change = np.empty(len(places)), np.zeros(island.rest.shape)
         for k, place in enumerate(places):  # the change at the last place is a good first guess

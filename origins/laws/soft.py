@@ -55,8 +55,7 @@ class SoftRates(ActivatedRates):
     ) -> Array:
         """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         spring = self.spring * np.asarray(stiffness)
-        level = log_amount - self.log_scale + 0.5 * np.log(spring)
-        level = level + spring * threshold * threshold
+        level = log_amount - self.log_scale + 0.5 * np.log(spring) + spring * threshold * threshold
         if np.any(near):
             y = np.sqrt(spring) * near
             level = np.logaddexp(level, y * y + np.log(scipy.special.dawsn(y)))
@@ -143,8 +142,7 @@ def _formulas() -> tuple[Any, ...]:
 
     def passed(law, far, threshold, stiffness):  # type: ignore[no-untyped-def]
         root = np.sqrt(law.spring * stiffness)
-        rate = np.exp(log_rate(law, far, threshold, stiffness))
-        return rate * dawson(root * far, law) / root
+        return np.exp(log_rate(law, far, threshold, stiffness)) * dawson(root * far, law) / root
 
     def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
         spring = law.spring * stiffness

@@ -87,8 +87,7 @@ def _exact(values: Array, counts: Array) -> npt.NDArray[np.bool_]:
         steps = [np.diff(y) for y in (values, values * values)]
         on_a_grid = any(np.ptp(step) < 1e-3 * step.min() for step in steps)
         return np.full(values.size, values.size <= 3 or not on_a_grid)
-    around = np.pad(counts, 2)
-    beside = np.sort([np.roll(around, shift)[2:-2] for shift in (-2, -1, 1, 2)], axis=0)
+    beside = np.sort([np.roll(np.pad(counts, 2), shift)[2:-2] for shift in (-2, -1, 1, 2)], axis=0)
     # the second largest: another exact value may be next to it, and a rounded density may be steep
     return counts >= 10 + 5 * beside[-2]
 

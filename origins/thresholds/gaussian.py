@@ -91,12 +91,16 @@ class UpperGaussian(CutGaussian):
         return np.minimum(out, 1.0)
 
     def _quantiles(self, below: Array, above: Array) -> Array:
-        """In closed form, except near x = 0, where that loses digits."""
+        """In closed form; near x = 0, where that loses digits, by Newton's steps for the share below."""
         lower = scipy.special.ndtri(scipy.special.ndtr(self._least) + below * self._kept)
         z = np.where(below < above, lower, -scipy.special.ndtri_exp(np.log(above) + self._log_kept))
         x = self.parent_mean + self.parent_std * z
-        near = ~(x > 0.5 * max(self.parent_mean, self.parent_std))
-        x[near] = super()._quantiles(below[near], above[near])
+        typical = max(self.parent_mean, self.parent_std)
+        some = below[near := ~(x > 0.5 * typical)]
+        at = np.where(x[near] > 1e-9 * typical, x[near], some / np.exp(self._log_at_zero))
+        for _ in range(4):
+            at = at - (self._cdf(at) - some) / self._pdf(at)
+        x[near] = at
         return x
 
     def _moment(self, n: float, centre: float = 0.0) -> float:

@@ -210,8 +210,7 @@ class Thresholds:
         self, size: int | tuple[int, ...] | None = None, random_state: RandomState = None
     ) -> Array:
         """Independent thresholds; random_state is None, a seed or a numpy Generator."""
-        generator = np.random.default_rng(random_state)
-        return self.isf(1.0 - generator.random(size))
+        return self.isf(1.0 - np.random.default_rng(random_state).random(size))
 
     def _inside(
         self, inner: Function, x: npt.ArrayLike, below: float, above: float | None = None

@@ -109,17 +109,17 @@ class Passage:
             self.error += float(tail)
             width = step * (2.0 if early < self._accuracy else 1.0)
             if len(self._series) > 4000:  # a smooth law takes some 50
-                raise InputError(
-                    "ageing: the first passage needs more than 4000 panels; use a smoother law of "
-                    "fresh thresholds"
-                )
+                told = "needs more than 4000 panels; use a smoother law of fresh thresholds"
+                raise InputError(f"ageing: the first passage {told}")
 
     def _density(self, s: Array) -> Array:
-        """2 s b at points of finished panels, same shape."""
-        edges = np.array(self._edges)
-        panel = np.clip(np.searchsorted(edges, s, side="right") - 1, 0, edges.size - 2)
-        z = (2.0 * s - edges[panel] - edges[panel + 1]) / (edges[panel + 1] - edges[panel])
-        return np.asarray(legendre.legval(z, np.array(self._series).T[:, panel], tensor=False))
+        """2 s b at points of finished panels, each row within one; same shape."""
+        edges, middle = np.array(self._edges), s[:, s.shape[1] // 2]
+        panel = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, edges.size - 2)
+        low, high = edges[panel, None], edges[panel + 1, None]
+        return rule.legendre_sum(
+            np.array(self._series)[panel], (2.0 * s - low - high) / (high - low)
+        )
 
     def _panel(self, left: float, width: float) -> Array:
         """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
@@ -161,16 +161,15 @@ class Passage:
         decay, lost = np.exp(-self._rate * time)[:, None], -np.expm1(-self._rate * time)[:, None]
         offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
 
-        def below(values: Array) -> Array:
-            return np.asarray(ndtr((offset - (values - self._mean) * decay) / std))
+        def below(values: Array, row: Rows | slice) -> Array:
+            return np.asarray(ndtr((offset[row] - (values - self._mean) * decay[row]) / std[row]))
 
         # from one to the next of these fresh thresholds, what `ndtr` takes changes by 1
         steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
         steep = np.clip(steep, self._pieces[0], self._pieces[-1])
         ends = np.concatenate([np.tile(self._pieces, (time.size, 1)), steep], axis=1)
-        ends = np.sort(ends, axis=1)[..., None]
-        width = np.diff(ends, axis=1)
-        values = (ends[:, :-1] + width * _INNER).reshape(time.size, -1)
-        weights = (width * _INNER_WEIGHTS).reshape(values.shape)
-        spread = (weights * finite_density(self._fresh, values) * below(values)).sum(axis=1)
-        return (spread + below(self._values) @ self._weights) / self._held
+        row, low, high = rule.Pieces.between(ends)
+        values = low[:, None] + (high - low)[:, None] * _INNER
+        each = finite_density(self._fresh, values) * below(values, row) @ _INNER_WEIGHTS
+        spread = np.bincount(row, each * (high - low), time.size)
+        return (spread + below(self._values, slice(None)) @ self._weights) / self._held
