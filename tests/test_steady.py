@@ -13,8 +13,16 @@ from origins import Contacts, Delay, Thermal, gaussian, identical, mixture, rect
 ATOMIC = {
     "identical": (identical(1.7), 1.7, 1.7**2),
     "two values": (mixture([identical(1.0), identical(3.0)], [0.3, 0.7]), 2.4, 6.6),
-    "value and gaussian": (mixture([identical(0.95), gaussian(1.05, 0.1)], [0.25, 0.75]), 1.025, 1.06),
-    "value and uniform": (mixture([identical(0.5), rectangular(0.0, 1.0)], [0.5, 0.5]), 0.5, 0.125 + 0.5 / 3.0),
+    "value and gaussian": (
+        mixture([identical(0.95), gaussian(1.05, 0.1)], [0.25, 0.75]),
+        1.025,
+        1.06,
+    ),
+    "value and uniform": (
+        mixture([identical(0.5), rectangular(0.0, 1.0)], [0.5, 0.5]),
+        0.5,
+        0.125 + 0.5 / 3.0,
+    ),
 }
 
 
