@@ -66,6 +66,16 @@ def test_exact_values_beside_a_rectangle(value, share, low, high, start):
     assert held_to_claim(contacts, x, 1e-8, exact).nodes < 100_000
 
 
+def test_a_spike_of_the_density_breaks_like_an_exact_value() -> None:
+    """No node of a wide panel is in it; all that its width changes beside the path's points is 1e-12."""
+    path, wide = np.linspace(0.0, 3.0, 61), origins.gaussian(1.0, 0.2)
+    spike, atom = (
+        origins.Contacts(origins.mixture([wide, part], [0.9, 0.1]))
+        for part in (origins.gaussian(1.02, 1e-7), origins.identical(1.02))
+    )
+    held_to_claim(spike, path, 1e-6, master.solve(atom, path, 1e-9))
+
+
 def test_contacts_born_in_a_hold_meet_an_exact_value_together() -> None:
     """At X = 2.8 those born at X = 2 come to 0.8, and the force that they bore is gone."""
     law = origins.mixture([origins.identical(0.8), origins.gaussian(1.0, 0.2)], [0.3, 0.7])
