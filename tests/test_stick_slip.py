@@ -81,18 +81,37 @@ def test_a_table_is_the_propensity_at_each_point_and_the_steepest_fall() -> None
         assert single.critical_spring == pytest.approx(steepest, rel=1e-5)
 
 
-def test_few_contacts_that_break_last_and_errors_of_earlier_panels_count() -> None:
+def test_few_contacts_that_break_last_count() -> None:
     laws = [origins.gw_plastic(400.0), origins.rectangular(0.8, 1.0)]
     few = Contacts(origins.mixture(laws, [0.97, 0.03]))
     path = np.linspace(0.98, 1.0, 401)
     steepest = -np.diff(master.solve(few, path, 1e-9).force).min() / 5e-5
     assert master.propensity(few, 1e-4).critical_spring == pytest.approx(steepest, rel=1e-3)
-    behind = Contacts(origins.rectangular(0.0, 1.0), reforming=-0.0515)
-    coarse, fine = (master.propensity(behind, tolerance) for tolerance in (1e-3, 1e-10))
-    off = abs(coarse.critical_spring - fine.critical_spring)
-    assert 1e-9 < off <= coarse.critical_spring_error
-    off = abs(coarse.static_to_kinetic - fine.static_to_kinetic)
-    assert 1e-10 < off <= coarse.static_to_kinetic_error
+
+
+WIDE = origins.gaussian(1.0, 0.2)
+HOT = Thermal("stiff", 0.00864, 1.8918)
+COARSE = {
+    "errors of earlier panels": Contacts(origins.rectangular(0.0, 1.0), reforming=-0.0515),
+    "births at many stretches": Contacts(WIDE, reforming=origins.gaussian_start(0.0, 0.1)),
+    "linked": Contacts(origins.gaussian(1.0, 0.1), stiffness="linked"),
+    "soft": Contacts(origins.gaussian(1.0, 0.1), thermal=Thermal("soft", 0.1)),
+    "stiff, delay": Contacts(origins.rectangular(0.0, 0.19), -0.05, HOT, delay=origins.Delay(0.07)),
+    "ageing": Contacts(NARROW, ageing=Ageing(WIDE, 1e-3)),
+    "grains": Contacts(origins.growing_grains(1.0, 1.0, age=4.0)),
+}
+
+
+@pytest.mark.parametrize("name", COARSE)
+def test_claims_at_coarse_tolerances_bound_the_error(name: str) -> None:
+    tolerances, offs = (1e-2, 1e-3, 1e-4), []
+    fine, *coarse = (master.propensity(COARSE[name], asked) for asked in (1e-9, *tolerances))
+    for number in ("critical_spring", "static_to_kinetic", "decoherence_length"):
+        known, error = getattr(fine, number), getattr(fine, f"{number}_error")
+        for found in coarse:
+            offs.append(abs(getattr(found, number) - known))
+            assert offs[-1] <= getattr(found, f"{number}_error") + error
+    assert all(found.success for found in coarse) and max(offs) > 1e-9
 
 
 def test_slow_contacts_age_and_let_go_more_steeply() -> None:
