@@ -38,19 +38,11 @@ def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("toolkit.running.progress.PATIENCE", 1e6)
 
 
-def _ended(
-    command: list[str], folder: Path, **environment: str
-) -> subprocess.CompletedProcess[str]:
+def ended(command: list[str], folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """A process of its own in a folder; it does not say that it compiles either."""
-    done = subprocess.run(
-        command,
-        cwd=folder,
-        env=clean_environment(**environment),
-        capture_output=True,
-        text=True,
-        timeout=HANGS,
-        stdin=subprocess.DEVNULL,
-    )
+    own = clean_environment(**environment)
+    asked = {"cwd": folder, "env": own, "timeout": HANGS, "stdin": subprocess.DEVNULL}
+    done = subprocess.run(command, capture_output=True, text=True, **asked)
     slow = r"^mesofriction: .*, after \d+:\d\d:\d\d\n"
     done.stderr = re.sub(slow, "", done.stderr, flags=re.MULTILINE)
     return done
@@ -61,7 +53,7 @@ def python(tmp_path: Path) -> Runner:
     """python(code, *words, **environment): run code in a fresh interpreter, in an empty folder."""
 
     def run(code: str, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
-        return _ended([sys.executable, "-c", code, *words], tmp_path, **environment)
+        return ended([sys.executable, "-c", code, *words], tmp_path, **environment)
 
     return run
 
@@ -78,6 +70,6 @@ def mpirun(tmp_path: Path) -> Runner:
 
     def run(ranks: int, code: str, *words: str) -> subprocess.CompletedProcess[str]:
         words = (launcher, "-n", str(ranks), sys.executable, "-c", code, *words)
-        return _ended([*words], tmp_path, **more)
+        return ended([*words], tmp_path, **more)
 
     return run

@@ -4,11 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 from rate_laws import Tilted
+from solving import gauss
 
 from origins import Thermal, gaussian, gw_elastic, mixture, rectangular
 
-GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(20)
-GAUSS, WEIGHTS = 0.5 * (GAUSS + 1.0), 0.5 * WEIGHTS
 # tanh-sinh on (0, 1): the distances of nodes from both ends, without cancellation
 STEP = 0.08
 SINH = 0.5 * np.pi * np.sinh(STEP * np.arange(-44, 45))
@@ -79,9 +78,8 @@ def left_by_definition(law, rate, x, times, linked):
     ]
     edges = np.unique(np.concatenate([[0.0, top - largest], *gaps]))
     edges = edges[(edges >= 0.0) & (edges <= top - largest)]
-    gap = (edges[:-1, None] + np.diff(edges)[:, None] * GAUSS).ravel()
-    weight = (np.diff(edges)[:, None] * WEIGHTS).ravel() * law.pdf(largest + gap)
+    gap, weight = gauss(edges)
     stiffness = (largest + gap) / law.mean() if linked else np.ones(gap.size)
-    held = weight * np.exp(-spent(rate, x, times, gap, stiffness))
+    held = weight * law.pdf(largest + gap) * np.exp(-spent(rate, x, times, gap, stiffness))
     whole = law.sf(abs(x[0]))
     return np.array([held.sum(), x[-1] * (held * stiffness).sum()]) / whole

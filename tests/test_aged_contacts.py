@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
+from rate_laws import Tilted
+from scipy.integrate import solve_ivp
 from scipy.special import log_ndtr, ndtr
 from solving import held_to_claim
 
@@ -49,6 +53,36 @@ def test_hold_at_the_mean_of_the_final_law(start):
     for tolerance in (1e-4, 1e-5):
         found = master.solve(contacts, np.zeros(8), tolerance, time=time)
         assert found.success and np.abs(found.holding - exact).max() < found.force_error
+
+
+@dataclass(frozen=True)
+class Parabola(Tilted):
+    """h = ω (x_s - x)², under which normal thresholds stay normal."""
+
+    def log_rate(self, x, threshold, stiffness):
+        return np.log(self.omega) + 2.0 * np.log(np.maximum(threshold - x, 1e-300))
+
+
+@pytest.mark.parametrize("path", [[0.1, 0.2, 0.3, 0.4], [0.1, 0.2, 0.2, 0.1]])
+def test_ageing_with_heat_follows_mean_and_variance_of_the_thresholds(path) -> None:
+    """Few have come to the stretch yet; broken contacts stay out. Rates of mean, variance and ln E add up."""
+    time, rate, pull, omega = np.array([0.1, 0.2, 0.3, 0.4]), 0.01, 0.01 / 0.15**2, 2.0
+
+    def flow(t, now):
+        mean, variance, _ = now
+        above = mean - np.interp(t, [0.0, *time], [0.0, *path])
+        drift = pull * (1.4 - mean) - 2.0 * omega * variance * above
+        spread = 2.0 * rate - 2.0 * pull * variance - 2.0 * omega * variance**2
+        return drift, spread, -omega * (above**2 + variance)
+
+    begin = [1.0, 0.01, 0.0]
+    known = solve_ivp(flow, (0.0, 0.4), begin, t_eval=time, rtol=1e-11, atol=1e-13, max_step=0.05)
+    ageing = Ageing(origins.gaussian(1.4, 0.15), rate)
+    fresh, heat = origins.gaussian(1.0, 0.1), Parabola(omega=omega)
+    contacts = Contacts(fresh, thermal=heat, ageing=ageing, delay=Delay(1e3))
+    held = np.exp(known.y[2])
+    found = held_to_claim(contacts, path, 1e-6, held * path, time=time)
+    assert np.abs(found.holding - held).max() <= found.force_error < 2e-7
 
 
 REFINED = {1000.0: 0.499542736223, 100.0: 0.496482068623, 10.0: 0.490625246688, 3.0: 0.487907968334}

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.stats as stats
 from rate_laws import Tilted
+from solving import gauss
 
 import master
 import origins
@@ -104,13 +105,12 @@ def test_propensity_takes_a_rate_law_of_this_test() -> None:
     found = master.propensity(contacts, 1e-6)
     assert found.success
     assert found.decoherence_length == pytest.approx(told.decay_length[0], rel=1e-9)
-    nodes, weights = np.polynomial.legendre.leggauss(300)
-    x, law = 0.95 * (nodes + 1.0), contacts.thresholds
-    xi = x[:, None] + 0.5 * (1.9 - x[:, None]) * (nodes + 1.0)
+    share, weights = gauss([0.0, 1.0], 300)
+    x, law = 1.9 * share, contacts.thresholds
+    xi = x[:, None] + (1.9 - x[:, None]) * share
     spent = rate * alpha * xi * np.exp(-1.0 / alpha) * np.expm1(x[:, None] / (xi * alpha))
-    held = (0.5 * (1.9 - x[:, None]) * weights * law.pdf(xi) * np.exp(-spent)).sum(axis=1)
-    s = told.roots[0]
-    assert abs((0.95 * weights * held * np.exp(-s * x)).sum()) < 1e-11
+    held = (1.9 - x) * ((law.pdf(xi) * np.exp(-spent)) @ weights)
+    assert abs(1.9 * weights @ (held * np.exp(-told.roots[0] * x))) < 1e-11
 
 
 def test_heat_that_leaves_nothing_to_transform_is_told_in_the_error():
@@ -156,10 +156,10 @@ def test_survivals_that_leave_out_thresholds_claim_it() -> None:
     double quadrature."""
     warm, decay = Contacts(WIDE, thermal=Thermal("soft", 0.05)), 20.0
     found = Transform(births_table(warm, 1.0, 1e-9), decay)(np.array([complex(-decay)]))
-    node, weight = np.polynomial.legendre.leggauss(400)
-    node, weight, direct = 0.5 * node + 0.5, 0.5 * weight, 0.0
+    (node, weight), direct = gauss([0.0, 1.0], 400), 0.0
     for way, width in zip(4.0 * node, 4.0 * weight, strict=True):
         threshold = way + (5.0 - way) * node
         spent = weight @ warm.thermal.rates.rate(way * node[:, None], threshold, 1.0) * way
-        direct += width * np.exp(decay * way) * (5.0 - way) * weight @ (warm.thresholds.pdf(threshold) * np.exp(-spent))
+        held = weight @ (WIDE.pdf(threshold) * np.exp(-spent))
+        direct += width * np.exp(decay * way) * (5.0 - way) * held
     assert abs(found.held[0] - direct) <= found.held_error[0] < 1e-4 * direct

@@ -1,4 +1,4 @@
-"""Thresholds with an exact value beside a rectangle: F(X) of sums of thresholds in closed form.
+"""Exact values of thresholds; beside a rectangle, or without them, F(X) of sums in closed form.
 
 Relaxed contacts have broken n times by X where the sum S_n of n thresholds is at most X, and by
 symmetry F(X) = X - sum over n of E[S_n; S_n <= X] / n; a start x_0 below every threshold shifts X
@@ -53,15 +53,27 @@ def exact_force(value: float, share: float, low: float, high: float, x: np.ndarr
         (1.0, 0.4, 0.5, 1.5, 0.2),
         (0.8371, 0.25, 0.4, 1.9, 0.0),
         (1.7, 0.5, 0.5, 1.0, 0.0),  # above the rectangle
+        (1.0, 0.0, 0.5, 1.5, 0.0),  # none
     ],
 )
 def test_exact_values_beside_a_rectangle(value, share, low, high, start):
     parts = [origins.identical(value), origins.rectangular(low, high)]
-    contacts = origins.Contacts(origins.mixture(parts, [share, 1.0 - share]), start)
+    law = origins.mixture(parts, [share, 1.0 - share]) if share else parts[1]
+    contacts = origins.Contacts(law, start)
     more = np.random.default_rng(5).uniform(0.0, 4.0, 100)
     x = np.sort(np.append(np.linspace(0.0, 4.0, 401), more))
     exact = exact_force(value, share, low, high, x + start)
     assert held_to_claim(contacts, x, 1e-8, exact).nodes < 100_000
+
+
+def test_a_spike_of_the_density_breaks_like_an_exact_value() -> None:
+    """No node of a wide panel is in it; all that its width changes beside the path's points is 1e-12."""
+    path, wide = np.linspace(0.0, 3.0, 61), origins.gaussian(1.0, 0.2)
+    spike, atom = (
+        origins.Contacts(origins.mixture([wide, part], [0.9, 0.1]))
+        for part in (origins.gaussian(1.02, 1e-7), origins.identical(1.02))
+    )
+    held_to_claim(spike, path, 1e-6, master.solve(atom, path, 1e-9))
 
 
 def test_contacts_born_in_a_hold_meet_an_exact_value_together() -> None:
@@ -71,3 +83,23 @@ def test_contacts_born_in_a_hold_meet_an_exact_value_together() -> None:
     path, time = [0.0, 2.0, 2.0, 2.8 - 1e-9, 2.8, 3.0], [0.0, 2.0, 22.0, 22.8 - 1e-9, 22.8, 23.0]
     found = master.solve(warm, path, 1e-5, time=time)
     assert found.success and found.force[3] - found.force[4] > 0.04
+
+
+def test_one_value_with_a_delay_is_a_sawtooth_with_gaps() -> None:
+    contacts = origins.Contacts(origins.identical(1.0), delay=origins.Delay(0.5))
+    path = np.array([0.7, 1.2, 1.6, 2.4, 2.7, 3.5])
+    solved = master.solve(contacts, path, 1e-10)
+    np.testing.assert_allclose(solved.force, [0.7, 0.0, 0.1, 0.9, 0.0, 0.5], atol=1e-12)
+    np.testing.assert_allclose(solved.holding, [1.0, 0.0, 1.0, 1.0, 0.0, 1.0], atol=1e-12)
+    linked = origins.Contacts(origins.identical(2.0), reforming=0.5, stiffness="linked")
+    twice = master.solve(linked, [1.9, 2.4, 3.6], 1e-10)
+    np.testing.assert_allclose(twice.force, [1.9, 0.9, 0.6], atol=1e-12)
+
+
+def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
+    """All break for the fourth time just there, come back after 0.2, and break once more at -0.7 on the way back."""
+    contacts = origins.Contacts(origins.identical(0.7), delay=origins.Delay(0.2))
+    turned = master.solve(contacts, [0.0, 2.5, 1.0], 1e-10, time=[0.0, 2.5, 4.0])
+    assert turned.success, turned.message
+    np.testing.assert_allclose(turned.force, [0.0, 0.0, -0.4], atol=1e-10)
+    np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)

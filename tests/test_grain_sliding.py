@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from references import mp, psi
 from scipy.optimize import brentq, minimize_scalar
+from solving import gauss
 
 import master
 from origins import Contacts, Delay, Thermal, growing_grains
@@ -27,26 +28,22 @@ def last_stretch(velocity: float) -> float:
 
 def test_the_first_fall_of_the_force_in_closed_form() -> None:
     """Before the wait is over none is born: F = X exp(-H), H being the hazard of the law at the age there."""
-    contacts, velocity, first = (Contacts(GRAINS, delay=Delay(2.5)), 1.0, GRAINS.growth.first_pinning_time)
+    contacts, velocity = Contacts(GRAINS, delay=Delay(2.5)), 1.0
+    first = mp.mpf(GRAINS.growth.first_pinning_time)
 
     def force(x: float) -> mp.mpf:
-        largest = ((4 + mp.mpf(x) / velocity) / mp.mpf(first)) ** (mp.mpf(1) / 3)
+        largest = ((4 + mp.mpf(x) / velocity) / first) ** (mp.mpf(1) / 3)
         size = mp.sqrt(1 + mp.mpf(x) ** 2)
-        return (mp.mpf(x) * mp.exp(psi(1 / largest) - psi(size / largest)) if size < largest else mp.mpf(0))
+        return x * mp.exp(psi(1 / largest) - psi(size / largest)) if size < largest else mp.mpf(0)
 
     path = np.linspace(0.0, 2.7, 16)[1:]
     solved = master.solve(contacts, path, 1e-10, velocity=velocity)
     assert np.abs(solved.force - [float(force(x)) for x in path]).max() < 1e-11
-    steepest = minimize_scalar(
-        lambda x: float(mp.diff(force, x)), bounds=(1.0, 2.0), options={"xatol": 1e-9}
-    )
-    highest = minimize_scalar(
-        lambda x: -float(force(x)), bounds=(0.3, 1.5), options={"xatol": 1e-9}
-    )
-    told, kinetic = (
-        master.propensity(contacts, velocity=velocity),
-        master.steady_state(contacts, velocity=velocity),
-    )
+    fine = {"xatol": 1e-9}
+    steepest = minimize_scalar(lambda x: float(mp.diff(force, x)), bounds=(1.0, 2.0), options=fine)
+    highest = minimize_scalar(lambda x: -float(force(x)), bounds=(0.3, 1.5), options=fine)
+    told = master.propensity(contacts, velocity=velocity)
+    kinetic = master.steady_state(contacts, velocity=velocity)
     assert abs(told.critical_spring + steepest.fun) < max(1e-9, told.critical_spring_error) < 1e-7
     assert abs(told.static_to_kinetic * kinetic.force + highest.fun) < 1e-9
     assert told.static_to_kinetic_error < 1e-7
@@ -62,8 +59,7 @@ def test_steady_sliding_and_the_decay_to_it() -> None:
     velocity, contacts = 1.0, Contacts(GRAINS)
     wait, last = velocity * contacts.waiting_time, last_stretch(velocity)
     spectrum = master.decoherence_spectrum(contacts, velocity=velocity, n_roots=3)
-    nodes, weights = np.polynomial.legendre.leggauss(400)
-    x, weights = 0.5 * last * (nodes + 1.0), 0.5 * last * weights
+    x, weights = gauss([0.0, last], 400)
     left = np.exp(-GRAINS.hazard(x, GRAINS.growth.first_pinning_time + x / velocity))
     share = float(np.exp(-GRAINS.lost_hazard(velocity)))
     steady, cycle = master.steady_state(contacts, velocity=velocity), wait + weights @ left

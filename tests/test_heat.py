@@ -67,11 +67,16 @@ def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
     """Those that hold are as P_c over the rate; a step that takes no time then finds them, and what it makes."""
     law, thermal, hold, speed = gaussian(1.0, 0.05), Thermal("soft", 0.1), 1e5, 1e4
     x = np.linspace(0.8, 1.25, 19)
-    found = master.solve(Contacts(law, thermal=thermal), np.append(0.0, x), 1e-6, time=hold + np.append(0.0, x / speed))
+    path = np.append(0.0, x)
+    found = master.solve(Contacts(law, thermal=thermal), path, 1e-6, time=hold + path / speed)
     # P_c/h is a Gaussian as well
     sharp = 1.0 / 0.05**2
     balance = gaussian(sharp / (sharp - 10.0), (sharp - 10.0) ** -0.5)
-    later = [quad(lambda y, at=at: balance.pdf(y) * (at - y) * law.sf(at - y), 0.5, at, epsabs=1e-12)[0] for at in x]
+
+    def born(y: float, at: float) -> float:
+        return balance.pdf(y) * (at - y) * law.sf(at - y)
+
+    later = [quad(born, 0.5, at, (at,), epsabs=1e-12)[0] for at in x]
     assert found.success, found.message
     # on the way some ω T/v break
     assert np.abs(found.force[1:] - x * balance.sf(x) - later).max() < 3e-5
@@ -87,15 +92,12 @@ def test_a_hold_of_years_breaks_in_the_logarithm_of_time(kind: str) -> None:
     )
     assert solved.success, solved.message
     # right above the stretch in the root of the way, where rates of stiff contacts have a root
-    cuts = np.append(np.linspace(0.0, 0.25, 1500), np.linspace(0.25, 1.2, 60)[1:])[:, None]
-    nodes, weights = np.polynomial.legendre.leggauss(8)
-    roots, weights = (cuts[:-1] + np.diff(cuts, axis=0) * 0.5 * (nodes + 1.0), 0.5 * np.diff(cuts, axis=0) * weights)
-    limit = 0.8 + roots * roots
+    cuts = np.append(np.linspace(0.0, 0.25, 1500), np.linspace(0.25, 1.2, 60)[1:])
+    roots, weights = gauss(cuts, 8)
+    limit, weights = 0.8 + roots**2, 2.0 * roots * weights * WIDE.pdf(0.8 + roots**2)
     moved, rate = thermal.cumulative(0.8, limit, 0.0), thermal.rate(0.8, limit)
     for lasts, held in zip(time - 0.8, solved.holding, strict=True):
-        known = float(
-            (weights * 2.0 * roots * WIDE.pdf(limit) * np.exp(-moved - lasts * rate)).sum()
-        )
+        known = weights @ np.exp(-moved - lasts * rate)
         assert abs(held - known) < solved.force_error + 1e-9
     # even in ln t: so thick a layer for each factor
     fallen = -np.diff(solved.holding[3:])

@@ -6,50 +6,28 @@ import re
 
 import numpy as np
 import pytest
-import scipy.stats
+from scipy import stats
 
 import master
 import origins
 from master.paper.explicit import explicit
 from master.paper.q15_transient import paper_transient
-from origins import (
-    Ageing,
-    Contacts,
-    Delay,
-    Thermal,
-    gaussian,
-    gaussian_start,
-    growing_grains,
-    gw_plastic,
-    identical,
-    lubricated,
-    mixture,
-)
+from origins import Ageing, Contacts, Thermal, gaussian, gaussian_start, identical, mixture
 
 WIDE, FRESH = gaussian(1.0, 0.2), gaussian(0.5, 0.1)
 PLAIN, ONE = Contacts(WIDE), Contacts(identical(1.0))
 SOFT, PAPER = Thermal("soft", 0.1), Ageing(gaussian(1.0, 0.01), 1e-3, "paper")
 OLD = Contacts(FRESH, ageing=Ageing(gaussian(1.0, 0.01), 1e-3))
 PRINTED = Contacts(FRESH, gaussian_start(0.1, 0.025), ageing=PAPER)
-GRAINS = growing_grains(1.0, 1.0, age=4.0)
-GROWING = Contacts(GRAINS)
+GROWING = Contacts(origins.growing_grains(1.0, 1.0, age=4.0))
 PAIR = Contacts(mixture([identical(0.95), identical(1.05)], [0.5, 0.5]))
 BOX = origins.rectangular(0.5, 1.5)
 UNEVEN = mixture([origins.rectangular(0.5, 1.0), BOX], [0.5, 0.5])
 FIERCE = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e12))
 WARM = Contacts(WIDE, thermal=SOFT)
 BACK = Contacts(gaussian(1.0, 0.05), thermal=Thermal("soft", 10.0, 1e3), reforming=-0.3)
-STEEP = Contacts(lubricated(1.0, power=-0.96))
-CALLED = {
-    "np": np,
-    **vars(master),
-    "lognorm": scipy.stats.lognorm,
-    "lomax": scipy.stats.lomax,
-    "explicit": explicit,
-    "paper_transient": paper_transient,
-    "Delay": Delay,
-    "gw_plastic": gw_plastic,
-}
+STEEP = Contacts(origins.lubricated(1.0, power=-0.96))
+CALLED = {"np": np, "stats": stats, "explicit": explicit, "paper_transient": paper_transient}
 
 
 def told(contacts: Contacts, path: list[float], *asked: object) -> object:
@@ -81,10 +59,10 @@ told(Contacts(WIDE, delay=Delay(0.3)), [0.3, 0.2], 2)  .*index of a point
 told(Contacts(WIDE, reforming=gaussian_start(0.0, 0.05)), [0.3, 0.2], 1)  .*at many stretches
 told(OLD, [0.3, 0.2], 1)  .*Q\(x;X\) is not known.*where contacts age
 told(GROWING, [0.3, 0.2], 1)  .*Q\(x;X\) is not known
-steady_state(Contacts(lomax(1.9)))  thresholds: <x_s\^2> is
-propensity(Contacts(lomax(1.9)))  thresholds: <x_s\^2> is
-steady_state(Contacts(lomax(2.9), stiffness="linked"))  thresholds: <x_s\^3> is infinite
-kinetic_curve(Contacts(lomax(1.9), thermal=SOFT))  thresholds: <x_s\^2> is infinite
+steady_state(Contacts(stats.lomax(1.9)))  thresholds: <x_s\^2> is
+propensity(Contacts(stats.lomax(1.9)))  thresholds: <x_s\^2> is
+steady_state(Contacts(stats.lomax(2.9), stiffness="linked"))  thresholds: <x_s\^3> is infinite
+kinetic_curve(Contacts(stats.lomax(1.9), thermal=SOFT))  thresholds: <x_s\^2> is infinite
 kinetic_curve(PLAIN, [1.0, 0.0])  velocity = 0\.0: must be above zero
 kinetic_curve(PLAIN, [])  velocity .*must not be empty
 kinetic_curve(PLAIN, [1, 2, 3], delay=[0, 1])  velocity, delay: have shapes that do not fit
@@ -99,7 +77,7 @@ propensity(BACK)  .*ask master\.phase_line for K
 propensity(STEEP)  thresholds: a weight of .* lies below 1e-290 of the mean
 solve(STEEP, [0.0, 2.0])  thresholds: a weight of .* lies below 1e-290 of the mean
 decoherence_spectrum(PAIR)  .*exact values alone: their roots come as near to Re s
-decoherence_spectrum(Contacts(lognorm(1.0)))  .*tail falls slower than any exp
+decoherence_spectrum(Contacts(stats.lognorm(1.0)))  .*tail falls slower than any exp
 decoherence_spectrum(PRINTED)  .*single contacts have no law of their own
 decoherence_spectrum(GROWING, velocity=10.0)  velocity = 10.0: grains grow, unpinned
 decoherence_spectrum(FIERCE)  .*among so many no leading oscillating wave
@@ -146,7 +124,7 @@ ROWS = [line.split("  ", 1) for line in REFUSED.strip().splitlines()]
 @pytest.mark.parametrize(("call", "begins"), ROWS, ids=[call for call, _ in ROWS])
 def test_a_refusal_is_one_line_that_names_the_value(call: str, begins: str) -> None:
     with pytest.raises(origins.InputError) as refusal:
-        eval(call, {**globals(), **CALLED})
+        eval(call, {**vars(origins), **vars(master), **globals(), **CALLED})
     assert re.match(begins, str(refusal.value)) and "\n" not in str(refusal.value)
 
 

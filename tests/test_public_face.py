@@ -1,36 +1,33 @@
 """What users have: names, commands, keys and kinds of scenes; what is imported for it, and what is not."""
 
 import json
-import subprocess
 import sys
 from importlib import import_module
 from typing import Any
 
 import pytest
-from conftest import HANGS, clean_environment
+from conftest import ended
 
 from toolkit.command import COMMANDS
 from toolkit.scene import laws, tables
 from toolkit.scene.scene import shipped_scenes
 
 NAMES = {
-    "origins": "Ageing Bootstrapped Contacts Delay DomainSamples Drive GrainContact GrainGrowth "
-    "InputError Interface Material PowerLaw RelaxedBarrier SpectralMoments Start "
-    "Substrate Thermal Thresholds barrier boltzmann_reforming bootstrap bootstrap_laws "
-    "circular_island column_stiffness continuous_mixture domains film_growth "
-    "fourier_substrate from_moments from_samples from_topography gaussian gaussian_start "
-    "grains growing_grains gw_elastic gw_gaussian gw_plastic harmonic_bonds "
-    "hexagonal_island hexagonal_substrate identical irregular_island lubricated "
-    "mindlin_stiffness mixture moments_of_spectrum moments_of_summits persson "
-    "pressure_of_separation rectangular rectangular_island relaxed_barrier "
-    "resolution_study self_affine_surface separation_of_pressure sound_stiffness "
-    "spectral_moments square_island square_substrate structure_factors "
-    "substrate_calculator triangular_barrier triangular_island "
-    "triangular_structure_factors",
+    "origins": "Ageing Bootstrapped Contacts Delay DomainSamples Drive GrainContact GrainGrowth InputError "
+    "Interface Material PowerLaw RelaxedBarrier SpectralMoments Start Substrate Thermal "
+    "Thresholds barrier boltzmann_reforming bootstrap bootstrap_laws circular_island "
+    "column_stiffness continuous_mixture domains film_growth fourier_substrate from_moments "
+    "from_samples from_topography gaussian gaussian_start grains growing_grains gw_elastic "
+    "gw_gaussian gw_plastic harmonic_bonds hexagonal_island hexagonal_substrate identical "
+    "irregular_island lubricated mindlin_stiffness mixture moments_of_spectrum moments_of_summits "
+    "persson pressure_of_separation rectangular rectangular_island relaxed_barrier "
+    "resolution_study self_affine_surface separation_of_pressure sound_stiffness spectral_moments "
+    "square_island square_substrate structure_factors substrate_calculator triangular_barrier "
+    "triangular_island triangular_structure_factors",
     "eq_model": "Ensemble EnsembleResult simulate",
-    "master": "CriticalVelocity DecoherenceSpectrum KineticCurve PhaseLine Propensity Solution "
-    "SteadyState critical_velocity decoherence_spectrum kinetic_curve phase_line "
-    "propensity solve steady_state",
+    "master": "CriticalVelocity DecoherenceSpectrum KineticCurve PhaseLine Propensity Solution SteadyState "
+    "critical_velocity decoherence_spectrum kinetic_curve phase_line propensity solve "
+    "steady_state",
     "toolkit": "__version__ load load_scene plot run save",
 }
 KEYS = {
@@ -43,8 +40,8 @@ KEYS = {
     "SweepTable": "velocity temperature kelvin rate delay critical_spring",
 }
 KINDS = {
-    "thresholds": "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian persson "
-    "lubricated grains growing-grains domains from-samples from-topography",
+    "thresholds": "identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian persson lubricated "
+    "grains growing-grains domains from-samples from-topography",
     "start": "identical gaussian",
     "reforming": "identical gaussian boltzmann",
     "surfaces": "scan self-affine spectrum summits",
@@ -55,10 +52,10 @@ KINDS = {
 REST = {
     "commands": "run thresholds compare precision scenes",
     "scenes": "ageing ageing-paper delay friction-loop gaussian grains growing-grains gw-elastic "
-    "gw-gaussian gw-gaussian-mixed gw-plastic identical kinetic-force lubricated one-peak "
-    "persson persson-wide rectangular reforming rotated-domains rough-gw-amontons rough-"
-    "gw-mixed rough-gw-paper rough-gw-strength rough-persson-amontons rough-persson-paper "
-    "samples slide-hold-slide stick-slip thermal-paper thermal-soft two-peaks",
+    "gw-gaussian gw-gaussian-mixed gw-plastic identical kinetic-force lubricated one-peak persson "
+    "persson-wide rectangular reforming rotated-domains rough-gw-amontons rough-gw-mixed "
+    "rough-gw-paper rough-gw-strength rough-persson-amontons rough-persson-paper samples "
+    "slide-hold-slide stick-slip thermal-paper thermal-soft two-peaks",
 }
 
 
@@ -75,17 +72,8 @@ def test_keys_of_scenes_are_there(table: str) -> None:
 
 
 def test_kinds_commands_and_shipped_scenes_are_there() -> None:
-    known = {
-        "thresholds": laws.THRESHOLDS,
-        "start": laws.START,
-        "reforming": laws.REFORMING,
-        "surfaces": laws.SURFACES,
-        "stiffnesses": laws.STIFFNESSES,
-        "islands": laws.ISLANDS,
-        "substrates": laws.SUBSTRATES,
-    }
     for name, kinds in KINDS.items():
-        assert set(kinds.split()) <= set(known[name])
+        assert set(kinds.split()) <= set(getattr(laws, name.upper()))
     assert set(REST["commands"].split()) <= set(COMMANDS)
     assert set(REST["scenes"].split()) <= set(shipped_scenes())
 
@@ -96,7 +84,7 @@ HEAVY = ["numba", "ase", "mpi4py", "matplotlib", "SurfaceTopography", "scipy.sta
 
 
 @pytest.fixture(scope="module")
-def told() -> dict[str, list[str]]:
+def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
     """By what was done, one after another in one process: the modules that are there then."""
     code = """
 import json, sys, tomllib
@@ -125,17 +113,12 @@ for name in ("gaussian", "thermal-soft", "growing-grains", "stick-slip", "sample
     done(name)
 print(json.dumps(told))
 """
-    words = [sys.executable, "-c", code]
-    done = subprocess.run(
-        words, env=clean_environment(), capture_output=True, text=True, timeout=HANGS
-    )
+    done = ended([sys.executable, "-c", code], tmp_path_factory.mktemp("empty"))
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def test_help_imports_no_package_and_what_is_not_named_is_not_imported(
-    told: dict[str, list[str]],
-) -> None:
+def test_help_imports_no_package_and_what_is_not_named_is_not_imported(told: Any) -> None:
     for name, modules in told.items():
         assert not set(HEAVY) & set(modules), name
         if name.startswith(("--", "run")):
@@ -158,8 +141,5 @@ for room in ("origins", "eq_model", "master"):
     for name in [name for name in sys.modules if name.split(".")[0] == room != "origins"]:
         del sys.modules[name]
 """)
-    assert [set(line.split()) for line in done.stdout.splitlines()] == [
-        {"origins"},
-        {"origins", "eq_model"},
-        {"origins", "master"},
-    ], done.stderr
+    known = [set(line.split()) for line in done.stdout.splitlines()]
+    assert known == [{"origins"}, {"origins", "eq_model"}, {"origins", "master"}], done.stderr

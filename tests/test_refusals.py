@@ -10,6 +10,7 @@ from ase import Atoms
 from ase.calculators.calculator import Calculator
 from ase.constraints import FixAtoms
 from rate_laws import Tilted
+from scenes import ROUGH, scene
 from scipy import stats
 
 import eq_model
@@ -17,16 +18,10 @@ import origins
 import toolkit
 from eq_model.closest import closest
 from master.paper.explicit import explicit
-from origins import Ageing, Contacts, Delay, Drive, Thermal
+from origins import Ageing, Contacts, Thermal
 
-MATERIAL = origins.Material(
-    contact_modulus=3e9,
-    local_friction=0.4,
-    shear_modulus=1.1e9,
-    hardness=6e7,
-    shear_strength=6e7,
-    force_coefficient=2e10,
-)
+STRONG = {"hardness": 6e7, "shear_strength": 6e7, "force_coefficient": 2e10}
+MATERIAL = origins.Material(3e9, local_friction=0.4, shear_modulus=1.1e9, **STRONG)
 BARE = origins.Material(contact_modulus=1e9, local_friction=0.3)
 SUMMITS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 ISLAND, PAIR = origins.triangular_island(2.5, 2, 2), origins.triangular_island(2.5, 2, 1)
@@ -52,9 +47,7 @@ def pressed(moments: origins.SpectralMoments = SUMMITS, **change: object) -> ori
 
 def stiffer(coefficient: float, exponent: float, **constants: float) -> origins.Material:
     law = origins.PowerLaw(coefficient, exponent)
-    return origins.Material(
-        contact_modulus=1e9, local_friction=0.3, contact_stiffness=law, **constants
-    )
+    return origins.Material(1e9, local_friction=0.3, contact_stiffness=law, **constants)
 
 
 def separated(pressure: float, material: origins.Material = MATERIAL, **options: str) -> float:
@@ -83,14 +76,7 @@ FIXED.set_constraint(FixAtoms(range(4)))
 ON = origins.substrate_calculator(origins.square_substrate())
 LEVEL = origins.substrate_calculator(origins.fourier_substrate([[1.0, 0.0]], [1.0]))
 
-CALLED = {
-    "stats": stats,
-    "Delay": Delay,
-    "Drive": Drive,
-    "Tilted": Tilted,
-    "closest": closest,
-    "explicit": explicit,
-}
+CALLED = {"stats": stats, "Tilted": Tilted, "closest": closest, "explicit": explicit}
 GAUSSIAN, BOX = origins.gaussian(1.0, 0.2), origins.rectangular(0.5, 1.0)
 GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1.0, 2.0)], [0.5, 0.5])
 PAPER, AGEING = Thermal("soft", 0.1, closure="paper"), Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
@@ -285,40 +271,23 @@ ROWS = [line.split("  ", 1) for line in REFUSED.strip().splitlines()]
 @pytest.mark.parametrize(("call", "says"), ROWS, ids=[call for call, _ in ROWS])
 def test_it_is_refused_in_one_line(call: str, says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
-        eval(call, {**globals(), **CALLED})
+        eval(call, {**vars(origins), **globals(), **CALLED})
     assert says.strip() in str(caught.value) and "\n" not in str(caught.value)
 
 
 # -- scenes -----------------------------------------------------------------------------------------
 
-SCENE: dict[str, Any] = {
-    "contacts": {
-        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.05},
-        "start": {"kind": "gaussian", "mean": 0.0, "std": 0.025},
-        "thermal": {"law": "soft", "temperature": 0.3},
-    },
-    "drive": {"to": 5.0, "points": 501},
-    "master": {"tolerance": 1e-8},
-    "eq": {"contacts": 100, "replicas": 2, "seed": 1},
-}
-CONSTANTS = {"contact_modulus": 1e11, "local_friction": 0.1, "shear_modulus": 4e10}
-SUMMIT = {"kind": "summits", "radius": 1e-6, "std": 1e-9, "density": 1e12}
-ROUGH = {"kind": "from-topography", "model": "gw", "law": "amontons", "pressure": 1e6}
-ROUGH |= {"surface": SUMMIT, "material": CONSTANTS}
-GROWN = {
-    "kind": "self-affine",
-    "shape": [16, 16],
-    "pixel_size": 1e-8,
-    "hurst": 0.8,
-    "rms_slope": 0.1,
-}
+SCENE = scene(drive={"to": 5.0, "points": 501}, eq={"contacts": 100, "replicas": 2, "seed": 1})
+SCENE["contacts"] |= {"start": {"kind": "gaussian", "mean": 0.0, "std": 0.025}}
+SCENE["contacts"] |= {"thermal": {"law": "soft", "temperature": 0.3}}
+SUMMIT = ROUGH["surface"]
+GROWN = {"kind": "self-affine", "shape": [16, 16], "pixel_size": 1e-8}
+GROWN |= {"hurst": 0.8, "rms_slope": 0.1}
 ISLANDS = {"kind": "domains", "lattice_constant": 3.88, "mean_atoms": 100.0}
 SMALL = {"kind": "triangular", "lattice_constant": 2.5, "n_i": 2, "n_j": 2}
 OWN = {"kind": "domains", "stiffness": 1.0, "island": SMALL}
-FALLING = CONSTANTS | {
-    "contact_stiffness": {"kind": "power-law", "coefficient": 1.0, "exponent": -1.0}
-}
-FALLING = {name: value for name, value in FALLING.items() if name != "shear_modulus"}
+FALLING = {"contact_modulus": 1e11, "local_friction": 0.1}
+FALLING |= {"contact_stiffness": {"kind": "power-law", "coefficient": 1.0, "exponent": -1.0}}
 OLD = {"kind": "gaussian", "mean": 2.0, "std": 0.5}
 SPEEDS = {"from": 1e-2, "to": 1e2, "points": 5}
 LEFT_OUT = None

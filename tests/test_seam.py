@@ -52,6 +52,7 @@ FAMILIES = {
     "grains, printed": lambda: origins.grains(1.0, B=1.0, jacobian="paper"),
     "grains, pinning": lambda: GRAINS.at_start,
     "mixture": lambda: origins.mixture([origins.identical(0.9), GAUSSIAN], [0.25, 0.75]),
+    "mixture, spike": lambda: origins.mixture([origins.gaussian(1.02, 1e-7), GAUSSIAN], [0.1, 0.9]),
     "continuous mixture": lambda: origins.continuous_mixture(origins.gw_plastic, 1.0, 3.0),
     **{f"samples, {name}": partial(of_samples, draw) for name, draw in SAMPLES.items()},
     "scipy": lambda: Contacts(stats.gamma(2.5)).thresholds,

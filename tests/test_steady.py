@@ -1,20 +1,32 @@
-"""Smooth sliding: the kinetic force against exact moments and quadrature, and its curves."""
+"""Smooth sliding: the kinetic force against exact moments and quadrature, its curves, and laws of a contact."""
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 from scipy import stats
 
 import master
-from origins import Contacts, Delay, Thermal, gaussian, identical, mixture, rectangular
+from origins import (
+    Contacts,
+    Delay,
+    Thermal,
+    boltzmann_reforming,
+    gaussian,
+    identical,
+    mixture,
+    rectangular,
+)
+
+WIDE, NARROW, BOX = gaussian(1.0, 0.2), gaussian(1.0, 0.05), rectangular(0.5, 1.5)
 
 # law, <x_s>, <x_s^2>
 ATOMIC = {
     "identical": (identical(1.7), 1.7, 1.7**2),
     "two values": (mixture([identical(1.0), identical(3.0)], [0.3, 0.7]), 2.4, 6.6),
-    "value and gaussian": (mixture([identical(0.95), gaussian(1.05, 0.1)], [0.25, 0.75]), 1.025, 1.06),
-    "value and uniform": (mixture([identical(0.5), rectangular(0.0, 1.0)], [0.5, 0.5]), 0.5, 0.125 + 0.5 / 3.0),
+    "value, gaussian": (mixture([identical(0.95), gaussian(1.05, 0.1)], [0.25, 0.75]), 1.025, 1.06),
+    "value, uniform": (mixture([identical(0.5), rectangular(0.0, 1.0)], [0.5, 0.5]), 0.5, 7 / 24),
 }
 
 
@@ -34,20 +46,18 @@ def test_linked_contacts_ahead_of_a_heavy_tail_claim_what_is_left_out() -> None:
     assert abs(steady.force - 3.175) / steady.mean_threshold <= steady.force_error < 1e-6
 
 
-NARROW = gaussian(1.0, 0.05)
 SPEEDS = np.geomspace(1e-6, 1e4, 200)
 
 
 @pytest.mark.parametrize(
-    ("law", "temperature", "more"),
+    "contacts",
     [
-        ("soft", 0.001, {}),
-        ("stiff", 0.1, {"stiffness": "linked"}),
-        ("soft", 0.1, {"delay": Delay(0.1)}),
+        Contacts(NARROW, thermal=Thermal("soft", 0.001)),
+        Contacts(NARROW, thermal=Thermal("stiff", 0.1), stiffness="linked"),
+        Contacts(NARROW, thermal=Thermal("soft", 0.1), delay=Delay(0.1)),
     ],
 )
-def test_every_speed_is_the_steady_state_at_that_speed(law: str, temperature: float, more) -> None:
-    contacts = Contacts(NARROW, thermal=Thermal(law, temperature), **more)
+def test_every_speed_is_the_steady_state_at_that_speed(contacts: Contacts) -> None:
     curve = master.kinetic_curve(contacts, SPEEDS)
     for i in (3, 60, 120, 190):
         steady = master.steady_state(contacts, velocity=float(SPEEDS[i]))
@@ -65,8 +75,7 @@ def test_a_table_over_speed_and_temperature() -> None:
     cold = master.steady_state(Contacts(NARROW, reforming=0.1)).force
     np.testing.assert_array_equal(table.force[:, 0], cold)
     for i, j in ((0, 1), (1, 2)):
-        thermal = Thermal("stiff", float(temperatures[j]))
-        single = Contacts(NARROW, thermal=thermal, reforming=0.1)
+        single = contacts.replace(thermal=Thermal("stiff", float(temperatures[j])))
         steady = master.steady_state(single, velocity=float(speeds[i]))
         assert abs(table.force[i, j] - steady.force) <= table.force_error[i, j] + steady.force_error
     # left out, the temperature is the contacts' own; one number is a curve of no dimension
@@ -75,17 +84,66 @@ def test_a_table_over_speed_and_temperature() -> None:
 
 
 def test_what_holds_at_each_delay() -> None:
-    wide = rectangular(0.5, 1.5)
     waits = np.linspace(0.0, 50.0, 200)
-    curve = master.kinetic_curve(Contacts(wide), 2.0, delay=waits)
+    curve = master.kinetic_curve(Contacts(BOX), 2.0, delay=waits)
     np.testing.assert_allclose(curve.holding, 1.0 / (1.0 + 2.0 * waits), rtol=0.0, atol=1e-14)
-    np.testing.assert_allclose(curve.force, wide.moment(2) / 2.0 * curve.holding, rtol=1e-13)
+    np.testing.assert_allclose(curve.force, BOX.moment(2) / 2.0 * curve.holding, rtol=1e-13)
     assert (np.abs(curve.holding - 1.0 / (1.0 + 2.0 * waits)) <= curve.holding_error).all()
     # with temperature C is that of breaks by a rate, to be met by the other road
-    warm = Contacts(wide, thermal=Thermal("soft", 0.1))
+    warm = Contacts(BOX, thermal=Thermal("soft", 0.1))
     curve = master.kinetic_curve(warm, 2.0, delay=waits[::50])
     for wait, held, off in zip(waits[::50], curve.holding, curve.holding_error, strict=True):
-        contacts = Contacts(wide, thermal=Thermal("soft", 0.1), delay=Delay(float(wait)))
-        assert (
-            abs(held - master.steady_state(contacts, velocity=2.0).holding) <= off + 1e-12 <= 1e-10
-        )
+        other = master.steady_state(warm.replace(delay=Delay(float(wait))), velocity=2.0)
+        assert abs(held - other.holding) <= off + 1e-12 <= 1e-10
+
+
+# -- delay, re-forming at other stretches and linked stiffness, alone and together ------------------
+
+
+def test_steady_forces_in_closed_form() -> None:
+    mean, square, cube = (WIDE.moment(n) for n in (1, 2, 3))
+    linked = master.steady_state(Contacts(WIDE, stiffness="linked"))
+    assert linked.force == pytest.approx(cube / (2.0 * mean**2), rel=1e-12)
+    delayed = master.steady_state(Contacts(WIDE, delay=Delay(0.3)), velocity=2.0)
+    assert delayed.force == pytest.approx(square / (2.0 * (mean + 0.6)), rel=1e-12)
+    # far from all thresholds births only shift where each contact begins
+    box = rectangular(0.8, 1.2)
+    around = master.steady_state(Contacts(box, reforming=boltzmann_reforming(1e-3)))
+    assert around.force == pytest.approx((box.moment(2) - 1e-3) / 2.0, rel=1e-10)
+
+
+def test_linked_contacts_that_break_early_keep_the_stiffness_they_were_born_with() -> None:
+    # hundreds of breaks of each: what a table lacks would add up as their square
+    contacts = Contacts(WIDE, thermal=Thermal("soft", 0.4484), stiffness="linked")
+    steady = master.steady_state(contacts, velocity=0.01)
+    assert steady.cycle_length < 0.05
+    solved = master.solve(contacts, [20.0, 25.0], 1e-9, velocity=0.01)
+    assert solved.success and solved.force_error < 1e-9
+    assert (np.abs(solved.force - steady.force) <= solved.force_error + steady.force_error).all()
+
+
+@pytest.mark.parametrize("r", [-0.3, 0.2, 0.7])
+def test_births_at_one_stretch(r: float) -> None:
+    """C and the integral of x E over a rectangle, from births within or below it."""
+    low = max(abs(r), 0.5)
+    held = 1.5 - low  # survival of the rectangle at |r|
+    length = (low - r) + 0.5 * held
+    tail = (1.5 * (1.5**2 - low**2) / 2.0 - (1.5**3 - low**3) / 3.0) / held
+    area = 0.5 * (low**2 - r**2) + tail
+    state = master.steady_state(Contacts(BOX, reforming=r, delay=Delay(0.1)))
+    assert abs(state.force - area / (length + 0.1)) <= state.force_error + 1e-15
+    assert state.cycle_length == pytest.approx(length, rel=1e-12)
+
+
+@pytest.mark.parametrize("at", [2.6, 5.0])
+def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
+    """F_k = at + <d^2>/2<d> with d what thresholds are beyond: Mills' ratio and its moments, for normal thresholds."""
+    found = master.steady_state(Contacts(WIDE, reforming=at))
+    with mpmath.workdps(60):
+        z = (mpmath.mpf(at) - 1) / mpmath.mpf("0.2")
+        mills = mpmath.sqrt(mpmath.pi / 2) * mpmath.erfc(z / mpmath.sqrt(2)) * mpmath.exp(z * z / 2)
+        first = 1 / mills - z
+        second = 1 - z * first
+        expected = float(at + mpmath.mpf("0.1") * second / first)
+    assert found.success
+    assert abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10

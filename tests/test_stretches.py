@@ -18,7 +18,7 @@ import origins
 
 WIDE, BOX = origins.gaussian(1.0, 0.2), origins.rectangular(0.5, 1.5)
 START = origins.gaussian_start(0.05, 0.05)
-WARM = origins.Thermal("soft", 0.05, 0.3)
+WARM, PAPER = (origins.Thermal("soft", 0.05, 0.3, closure) for closure in ("exact", "paper"))
 
 
 def contacts(law: origins.Thresholds = WIDE, start: object = None, **laws: object):
@@ -36,9 +36,8 @@ class Kind:
 
 
 LOOP, HELD = [0.0, 1.6, -0.7, 1.2], ([0.0, 1.3, 1.3, 0.2, 0.9], [0.0, 1.3, 9.0, 10.0, 13.0])
-YOUNG = contacts(
-    origins.gaussian(0.6, 0.08), START, ageing=origins.Ageing(origins.gaussian(1.0, 0.05), 1e-3)
-)
+OLD = origins.Ageing(origins.gaussian(1.0, 0.05), 1e-3)
+YOUNG = contacts(origins.gaussian(0.6, 0.08), START, ageing=OLD)
 GRAINS = contacts(origins.growing_grains(1.0, 1.0, age=4.0))
 KINDS = {
     "forward": Kind(contacts(), [0.0, 4.0]),
@@ -56,9 +55,7 @@ KINDS = {
     "turning, heat": Kind(contacts(thermal=WARM), LOOP, tolerance=1e-5),
     "holds, delay": Kind(contacts(start=START, delay=origins.Delay(0.4)), *HELD),
     "holds, heat": Kind(contacts(start=START, thermal=WARM), *HELD, tolerance=1e-5),
-    "holds, heat, paper's closure": Kind(
-        contacts(thermal=origins.Thermal("soft", 0.05, 0.3, "paper")), *HELD, tolerance=1e-5
-    ),
+    "holds, heat, paper's closure": Kind(contacts(thermal=PAPER), *HELD, tolerance=1e-5),
     "holds, re-forming, heat": Kind(contacts(thermal=WARM, reforming=0.1), *HELD, tolerance=1e-5),
 }
 # nodes at both ends of a panel: no jump within it stays unseen
@@ -98,10 +95,8 @@ SLOW = {
     "forward, ageing",
     "turning, from a width",
     "turning, heat",
-    "holds, heat",
-    "holds, heat, paper's closure",
-    "holds, re-forming, heat",
 }
+SLOW |= {"holds, heat", "holds, heat, paper's closure", "holds, re-forming, heat"}
 
 
 @pytest.mark.parametrize(
@@ -159,10 +154,9 @@ def test_exact_values_are_told_apart():
         assert (found.density([-0.3, 0.0, 0.4]) < 1e-12).all()
 
 
+PEAK = origins.mixture([origins.identical(0.8), WIDE], [0.4, 0.6])
 STEADY = {
-    "value and peak": contacts(
-        origins.mixture([origins.identical(0.8), WIDE], [0.4, 0.6]), delay=origins.Delay(0.2)
-    ),
+    "value and peak": contacts(PEAK, delay=origins.Delay(0.2)),
     "onset": contacts(origins.gw_elastic(1.588)),
     "heat": contacts(thermal=origins.Thermal("stiff", 0.05), delay=origins.Delay(0.2)),
     "many births": contacts(BOX, reforming=origins.gaussian_start(0.05, 0.1)),

@@ -9,18 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from solving import gauss
 
 import master
 from master.lives.life import ColdLife
 from master.outcome import unheard
 from master.rigid import solve_rigid
-from origins import (
-    Contacts,
-    Drive,
-    gaussian,
-    gaussian_start,
-    rectangular,
-)
+from origins import Contacts, Drive, gaussian, gaussian_start, rectangular
 from origins.start import Start
 
 LOOP = np.concatenate([np.linspace(0.0, 1.3, 27), np.linspace(1.28, -0.6, 40)])
@@ -59,9 +54,6 @@ def test_an_error_of_the_survival_is_in_the_error_of_the_force():
     assert not honest.success
 
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
-
-
 class FixedNodes(ColdLife):
     """A life that stands for a law of stretches by a few fixed ones, and says nothing of it."""
 
@@ -86,9 +78,8 @@ def mean_over_starts(law, start, path, cuts):
     it bends at the cuts.
     """
     ends = np.unique(np.clip([*start.span, *np.linspace(*start.span, 5), *cuts], *start.span))
-    low, width = ends[:-1, None], np.diff(ends)[:, None]
-    stretch = (low + 0.5 * width * (NODES + 1.0)).ravel()
-    weight = (0.5 * width * WEIGHTS).ravel() * start.pdf(stretch)
+    stretch, weight = gauss(ends, 16)
+    weight *= start.pdf(stretch)
     kept = weight > 1e-12
     forces = [master.solve(Contacts(law, r), path, 1e-9).force[-1] for r in stretch[kept]]
     return float(weight[kept] @ forces / weight[kept].sum())
