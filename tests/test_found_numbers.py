@@ -149,6 +149,15 @@ def test_critical_springs(contacts: Contacts, tolerance: float) -> None:
     assert off <= found.critical_spring_error + better.critical_spring_error
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
+def test_slopes_in_a_thin_layer_before_a_jump(tolerance: float) -> None:
+    """Heat breaks contacts right before a jump of P_c: F hardly shows it, but F' does. K* is one of F's differences."""
+    thermal = Thermal("soft", 1.884e-4, 0.99444)
+    contacts = Contacts(rectangular(0.020427349366665258, 0.506945079541655), thermal=thermal)
+    found = master.propensity(contacts, tolerance)
+    assert abs(found.critical_spring - 0.72010084) <= found.critical_spring_error + 1e-8 < tolerance
+
+
 @pytest.mark.slow
 def test_few_that_live_for_thousands_of_means_are_told() -> None:
     """Two in ten thousand have a threshold of 1,250 means: they pile up, and break together."""

@@ -117,9 +117,8 @@ class Passage:
         edges, middle = np.array(self._edges), s[:, s.shape[1] // 2]
         panel = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, edges.size - 2)
         low, high = edges[panel, None], edges[panel + 1, None]
-        return rule.legendre_sum(
-            np.array(self._series)[panel], (2.0 * s - low - high) / (high - low)
-        )
+        z = (2.0 * s - low - high) / (high - low)
+        return rule.legendre_sum(np.array(self._series)[panel], z)
 
     def _panel(self, left: float, width: float) -> Array:
         """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
