@@ -60,17 +60,22 @@ class Slips:
         return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
 
 
+def slips_of(rows: Array, spring: float, error: float) -> Slips:
+    """The slips with these X_T and forces before and after, shape (3, n), which the spring balances."""
+    drive, above, below = rows
+    return Slips(drive, drive - above / spring, drive - below / spring, above, below, error)
+
+
 class Followed(NamedTuple):
     """Results for a slider as far as it was followed; lengths, and `error` in mean thresholds.
 
     balance, nodes : see SoftSolution
-    position, force, holding : arrays of shape (k,), at the first k points of the path
+    force, holding : arrays of shape (k,), at the first k points of the path
     error, holding_error : estimates from above, of force and load at slips, and of the share that holds
     stopped_because : why the path was not followed to its end, or steps were not halved further
     """
 
     balance: float
-    position: Array
     force: Array
     holding: Array
     slips: Slips
@@ -209,9 +214,9 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
     if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):
         return ", and K < K*: it ends before the first slip"
-    times, place = drive.arrival_times(found.balance), np.append(0.0, found.position)
+    times, place = drive.arrival_times(found.balance), drive.path - found.force / spring
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
-    slid = abs(place[-1] - np.interp(begin, np.append(0.0, times), place))
+    slid = abs(place[-1] - np.interp(begin, np.append(0.0, times), np.append(0.0, place)))
     # largest thresholds that the slider must have passed without slip, more on a spring below K*
     far = _oldest(contacts, drive, found) * (1.5 if ages else 3.0)
     far += 0.0 if ages else speed * contacts.waiting_time

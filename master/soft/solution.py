@@ -91,10 +91,11 @@ def solve_soft(
         found = ColdSlider(contacts, drive, tolerance, until).follow()
         progress(found.error)
     success, message = found.outcome(contacts, drive, tolerance, "X_T")
+    path = drive.path[: found.force.size]
     return SoftSolution(
-        path=drive.path[: found.force.size],
+        path=path,
         balance=found.balance,
-        position=found.position,
+        position=path - found.force / float(drive.spring or 0.0),
         force=found.force,
         force_error=found.error,
         holding=found.holding,
