@@ -15,11 +15,7 @@ from origins.thresholds.law import Array
 
 
 class ColdSlider:
-    """A soft slider pulled by a drive along its path (paper, Eq. Q16x2).
-
-    contacts : without laws that depend on time
-    tolerance : of the force, in mean thresholds; until : reading of time.monotonic() at which to stop
-    """
+    """A soft slider at T = 0 pulled by a drive along its path (paper, Eq. Q16x2); see ColdContacts."""
 
     def __init__(self, contacts: Contacts, drive: Drive, tolerance: float, until: float) -> None:
         """Balance the spring with the force of the start, at X = 0."""
@@ -54,12 +50,11 @@ class ColdSlider:
         except StoppedError as why:
             stopped = str(why)
         force = np.concatenate(self.force)
-        slips = slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error)
         return Followed(
             balance=balance,
             force=force,
             holding=np.ones(force.size),
-            slips=slips,
+            slips=slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error),
             error=max(self.error, self.spring * self.drive_error) / unit,
             nodes=self.contacts.nodes,
             stopped_because=stopped,

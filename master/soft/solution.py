@@ -1,8 +1,8 @@
 """A soft slider: a spring K between the drive X_T and the slider X, K (X_T - X) = F(X).
 
-Where F'(X) = -K the slider slips, which takes no time; `master.solve` says what a slip does. The
-drive begins where the spring balances the starting force, X_T = F(0)/K at X = 0, and moves from
-there straight to the first point of its path (paper Sec. III D).
+Where F'(X) = -K (where laws depend on time: where no balance follows on), the slider slips, which
+takes no time; `master.solve` says what a slip does. The drive begins where the spring balances the
+starting force, X_T = F(0)/K at X = 0, and moves from there straight to its path (paper Sec. III D).
 """
 
 import time
