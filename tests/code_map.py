@@ -53,6 +53,7 @@ QUESTIONS = {
     "the force F(X) that (Q5a) gives": ("master:solve", "master:March"),
     "F_k, the force of steady sliding; at many speeds": ("master:Travel.force", "master:summed"),
     "K*, the critical spring": ("master:propensity",),
+    "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "ageing, and the paper's (Q15)": ("origins:Ageing", "master:solve_q15"),
     "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),
@@ -61,9 +62,7 @@ QUESTIONS = {
     "the barrier of an island": ("origins:barrier",),
     "the draw of a threshold in the ensemble": ("eq_model:draw_values",),
     "how to add an origin": "[extending.md](extending.md#a-new-origin)",
-    "how to add a law of a contact": (
-        "[extending.md](extending.md#a-new-law-by-which-contacts-break-early)"
-    ),
+    "how to add a law": "[extending.md](extending.md#a-new-law-by-which-contacts-break-early)",
 }
 HEAD = """# Code map: where things stand
 

@@ -8,18 +8,14 @@ import numpy as np
 from master.outcome import StoppedError
 from master.soft.curve import SlipBegin
 from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths
-from master.soft.regime import Followed, Slips
+from master.soft.regime import Followed, slips_of
 from origins import Contacts
 from origins.drive import Drive
 from origins.thresholds.law import Array
 
 
 class ColdSlider:
-    """A soft slider pulled by a drive along its path (paper, Eq. Q16x2).
-
-    contacts : without laws that depend on time
-    tolerance : of the force, in mean thresholds; until : reading of time.monotonic() at which to stop
-    """
+    """A soft slider at T = 0 pulled by a drive along its path (paper, Eq. Q16x2); see ColdContacts."""
 
     def __init__(self, contacts: Contacts, drive: Drive, tolerance: float, until: float) -> None:
         """Balance the spring with the force of the start, at X = 0."""
@@ -27,8 +23,8 @@ class ColdSlider:
         self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until)
         self._start_force = cold.force_of(contacts.start)
         self._force_after_reset = cold.force_of(cold.formed_again)
-        # X and F at points of the path, one array from each slip to the next
-        self.position, self.force, self.slips = list[Array](), list[Array](), list[Array]()
+        # F at points of the path, one array from each slip to the next; and a row for each slip
+        self.force, self.slips = list[Array](), list[Array]()
         # estimates from above of the errors of the force, and of X_T at slips (lengths)
         self.error = self.drive_error = 0.0
         # X at which the history `_loaded` begins, and the error of that X
@@ -46,9 +42,7 @@ class ColdSlider:
         steps[0] = 0.0 if abs(steps[0]) <= 1e-12 * unit else steps[0]
         # a hold belongs to the move before it
         signs = np.sign(steps)[np.maximum.accumulate(np.where(steps, each, 0))].astype(int)
-        still = np.count_nonzero(signs == 0)
-        self.position.append(np.zeros(still))
-        self.force.append(np.full(still, self._start_force))
+        self.force.append(np.full(np.count_nonzero(signs == 0), self._start_force))
         try:
             for points in np.split(each, np.flatnonzero(np.diff(signs)) + 1):
                 if signs[points[0]]:
@@ -56,13 +50,11 @@ class ColdSlider:
         except StoppedError as why:
             stopped = str(why)
         force = np.concatenate(self.force)
-        drives, before, after, above, below = np.reshape(self.slips, (-1, 5)).T
         return Followed(
             balance=balance,
-            position=np.concatenate(self.position),
             force=force,
             holding=np.ones(force.size),
-            slips=Slips(drives, before, after, above, below, self.drive_error),
+            slips=slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error),
             error=max(self.error, self.spring * self.drive_error) / unit,
             nodes=self.contacts.nodes,
             stopped_because=stopped,
@@ -79,30 +71,28 @@ class ColdSlider:
             curve, count = slip.curve, int(np.searchsorted(loads, slip.load))
             if count:
                 at = curve.travel_at(loads[:count], y, slip.travel)
-                self.position.append(self._base + move.at(at))
                 self.force.append(direction * curve.force(at))
                 off = curve.misplaced(at, self._base_error)
                 self.error = max(self.error, spring * float(off.max()))
             if not np.isfinite(slip.load):
                 # F' jumps to 1 at a turn: the error of its place is one of the force
-                bends = abs(1.0 + spring - float(curve.slope(at[-1])))
-                error = float(curve.error_at(at[-1]) + bends * off[-1])
+                jump = abs(1.0 + spring - float(curve.load_slope(at[-1])))
+                error = float(curve.error_at(at[-1]) + jump * off[-1])
                 self._loaded = move.stopped(at[-1], error)
                 return
             drives = drives[count:]
             if self.rule == "instant":
                 curve, y = move.slip_ends(slip.travel, slip.load, slip)
-                self._note(move, slip, begin, begin + y, float(curve.force(y)))
+                self._note(move, slip, begin, float(curve.force(y)))
             else:
-                jump = self._reset if self.rule == "reset" else self._reform_after
-                self._loaded, y = jump(move, slip, begin), 0.0
+                slips = self._reset if self.rule == "reset" else self._reform_after
+                self._loaded, y = slips(move, slip, begin), 0.0
 
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them."""
         force = move.direction * self._force_after_reset
-        after = begin + (slip.load - force) / self.spring
-        self._note(move, slip, begin, after, force)
-        self._base = move.direction * after
+        self._note(move, slip, begin, force)
+        self._base = move.direction * (begin + (slip.load - force) / self.spring)
         self._base_error += slip.error / self.spring
         return LoadingHistory(self.contacts.formed_again)
 
@@ -111,7 +101,7 @@ class ColdSlider:
         spring, loaded = self.spring, move.stopped(slip.travel, slip.error)
         held = MoveWithoutBirths(self.contacts, move.direction, loaded)
         curve, y = held.slip_ends(0.0, slip.load - spring * slip.travel, slip)
-        self._note(move, slip, begin, begin + slip.travel + y, float(curve.force(y)))
+        self._note(move, slip, begin, float(curve.force(y)))
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         error = (1.0 + spring) * slip.misplaced * y / self.contacts.unit
         self._base_error += float(curve.misplaced(y, 0.0, slip.error + error))
@@ -119,11 +109,10 @@ class ColdSlider:
         error = (error + float(curve.error_at(y))) * held.holding(y)
         return held.formed_again(y, error)
 
-    def _note(self, move: Move, slip: SlipBegin, begin: float, after: float, force: float) -> None:
-        """Record a slip, of a move that begins at `begin`, with X and F after it along the motion."""
+    def _note(self, move: Move, slip: SlipBegin, begin: float, force: float) -> None:
+        """Record a slip, of a move that begins at `begin`, with F after it along the motion."""
         drive, force_before = begin + slip.load / self.spring, float(slip.curve.force(slip.travel))
-        row = np.array([drive, begin + slip.travel, after, force_before, force])
-        self.slips.append(move.direction * row)
+        self.slips.append(move.direction * np.array([drive, force_before, force]))
         self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
         if len(self.slips) > 20_000:  # as many take some 20 s
             raise StoppedError("stopped as slips ask for too much work")

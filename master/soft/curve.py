@@ -2,7 +2,7 @@
 
 With y the travel of the slider, and F along the motion,
 
-    load(y) = F(y) + K y,    slope(y) = F'(y) + K.
+    load(y) = F(y) + K y,    load_slope(y) = F'(y) + K.
 
 The drive at X_T balances the load K X_T, counted from the move's beginning. The slider follows the
 drive as long as the load rises. Where its slope falls below zero, or contacts at one exact threshold
@@ -50,11 +50,11 @@ class LoadCurve:
         """Force along the motion at travels y, just before a drop; same shape as y."""
         return self._values(self.series, y)
 
-    def slope(self, y: Travel) -> Array:
+    def load_slope(self, y: Travel) -> Array:
         """F' + K at travels y."""
         return self._values(self._derivatives(1), y) + self.spring
 
-    def bend(self, y: Travel) -> Array:
+    def curvature(self, y: Travel) -> Array:
         """|F''| at travels y."""
         return np.abs(self._values(self._derivatives(2), y))
 
@@ -117,12 +117,12 @@ class LoadCurve:
         shift : error of the position of slider and contacts together
         more : error of the loads
         """
-        slope = np.maximum(self.slope(y), 0.0)
+        slope = np.maximum(self.load_slope(y), 0.0)
         error = more + self.error_at(y) + np.abs(slope - self.spring) * shift
-        bend = np.maximum(self.bend(y), np.finfo(float).tiny)
-        beyond = np.sqrt(np.maximum(slope**2 - 2.0 * bend * error, 0.0))
+        curvature = np.maximum(self.curvature(y), np.finfo(float).tiny)
+        beyond = np.sqrt(np.maximum(slope**2 - 2.0 * curvature * error, 0.0))
         with np.errstate(divide="ignore"):
-            return np.minimum(2.0 * error / (slope + beyond), 2.0 * np.sqrt(error / bend))
+            return np.minimum(2.0 * error / (slope + beyond), 2.0 * np.sqrt(error / curvature))
 
     def travel_at(self, load: Array, low: float, high: float) -> Array:
         """Travels from low to high, where the load rises, with given loads; same shape as load."""
@@ -163,5 +163,5 @@ class SlipBegin(NamedTuple):
         # Bernstein's and Markov's inequalities: the slope of a polynomial's error, of this degree
         inside = max((y - begin) * (begin + width - y), (0.5 * width / rule.DEGREE) ** 2)
         steep = self.error * rule.DEGREE / np.sqrt(inside)
-        jumps = (curve.drops == y).any() or curve.slope(y) > 10.0 * steep
-        return 0.0 if jumps else float(steep / curve.bend(y))
+        jumps = (curve.drops == y).any() or curve.load_slope(y) > 10.0 * steep
+        return 0.0 if jumps else float(steep / curve.curvature(y))

@@ -32,7 +32,7 @@ class ColdContacts:
 
     formed_again : stretches at which broken contacts form again
     unit, spring : mean threshold (a length), and K/(N_c <k>)
-    tolerance : of the number of breaks on a panel
+    tolerance : given of the force, in mean thresholds; kept of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
     nodes : moments at which number conservation was solved
     """
@@ -187,8 +187,8 @@ class MoveWithoutBirths(Move):
             if wrong[0] <= tolerance or width <= STILL * grain:
                 break
             width *= 0.5
-        late = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
-        march.keep(begin, width, Run(np.zeros_like(force), force, wrong), 1, begin - late)
+        leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
+        march.keep(begin, width, Run(np.zeros_like(force), force, wrong), 1, begin - leg_begin)
         return True
 
     def holding(self, y: float) -> float:
@@ -198,6 +198,6 @@ class MoveWithoutBirths(Move):
 
     def formed_again(self, y: float, error: float) -> LoadingHistory:
         """The history when the slip ends after the travel y, and broken contacts re-form."""
-        loaded = self.stopped(y, error)
-        met = (*self.loaded.moments, Moment(loaded.end, 1.0))
-        return replace(loaded, cut=self.loaded.end, moments=met)
+        history = self.stopped(y, error)
+        moments = (*self.loaded.moments, Moment(history.end, 1.0))
+        return replace(history, cut=self.loaded.end, moments=moments)

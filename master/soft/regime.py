@@ -53,17 +53,22 @@ class Slips:
         return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
 
 
+def slips_of(rows: Array, spring: float, error: float) -> Slips:
+    """The slips with these X_T and forces before and after, shape (3, n), which the spring balances."""
+    drive, above, below = rows
+    return Slips(drive, drive - above / spring, drive - below / spring, above, below, error)
+
+
 class Followed(NamedTuple):
     """Results for a slider as far as it was followed; lengths, and `error` in mean thresholds.
 
     balance, nodes : see SoftSolution
-    position, force, holding : arrays of shape (k,), at the first k points of the path
+    force, holding : arrays of shape (k,), at the first k points of the path
     error, holding_error : estimates from above, of force and load at slips, and of the share that holds
     stopped_because : why the path was not followed to its end, or steps were not halved further
     """
 
     balance: float
-    position: Array
     force: Array
     holding: Array
     slips: Slips
@@ -151,7 +156,7 @@ def _by_slips(
     if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
     silent = abs(float(drive.path[-1] - slips.drive[-1]))
-    first = (spring + 1.0) / spring * _oldest(contacts, drive, found)
+    first = (spring + 1.0) / spring * _oldest_threshold(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     # slips are over if the last is this many times the longest period ago
     if silent > 1.5 * longest:
@@ -161,14 +166,14 @@ def _by_slips(
         return "undecided", f"{counted} are too few to tell; lengthen it"
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
-    # where large and small slips alternate, compare the largest drops of longer intervals
-    last, before = (float(part.max()) for part in (drops[-(count // 3) :], drops[count // 3 :]))
-    if trend is not None or last >= (1.0 - STEADY) * before:
-        return "stick-slip", f"{counted}, their drops not fading: the largest of late is {last:.3g}"
+    # large and small slips may alternate: compare the largest of the last third and of two thirds
+    late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
+    if trend is not None or late >= (1.0 - STEADY) * longer:
+        return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 
 
-def _oldest(contacts: Contacts, drive: Drive, found: Followed) -> float:
+def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:
     """About the mean threshold of the oldest contacts present at the end of the path (a length)."""
     grains = contacts.grains
     if grains is not None and grains.age is not None:
@@ -193,12 +198,12 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
     if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):
-        return ", and K < K*: it ends before the first slip"
-    times, place = drive.arrival_times(found.balance), np.append(0.0, found.position)
+        return ", but it ends before a first slip may come; lengthen it"
+    times, place = drive.arrival_times(found.balance), drive.path - found.force / spring
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
-    slid = abs(place[-1] - np.interp(begin, np.append(0.0, times), place))
+    slid = abs(place[-1] - np.interp(begin, np.append(0.0, times), np.append(0.0, place)))
     # largest thresholds that the slider must have passed without slip, more on a spring below K*
-    far = _oldest(contacts, drive, found) * (1.5 if ages else 3.0)
+    far = _oldest_threshold(contacts, drive, found) * (1.5 if ages else 3.0)
     far += 0.0 if ages else speed * contacts.waiting_time
     if slid <= far:
         return f", but one may come until the slider has gone on by {far:.3g}; lengthen the path"

@@ -1,8 +1,8 @@
 """A soft slider: a spring K between the drive X_T and the slider X, K (X_T - X) = F(X).
 
-Where F'(X) = -K the slider slips, which takes no time; `master.solve` says what a slip does. The
-drive begins where the spring balances the starting force, X_T = F(0)/K at X = 0, and moves from
-there straight to the first point of its path (paper Sec. III D).
+Where F'(X) = -K (where laws depend on time: where no balance follows on), the slider slips, which
+takes no time; `master.solve` says what a slip does. The drive begins where the spring balances the
+starting force, X_T = F(0)/K at X = 0, and moves from there straight to its path (paper Sec. III D).
 """
 
 import time
@@ -75,10 +75,11 @@ def solve_soft(
         found = ColdSlider(contacts, drive, tolerance, until).follow()
         progress(found.error)
     success, message = found.outcome(contacts, drive, tolerance, "X_T")
+    path = drive.path[: found.force.size]
     return SoftSolution(
-        path=drive.path[: found.force.size],
+        path=path,
         balance=found.balance,
-        position=found.position,
+        position=path - found.force / float(drive.spring or 0.0),
         force=found.force,
         force_error=found.error,
         holding=found.holding,

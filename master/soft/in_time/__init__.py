@@ -1,1 +1,1 @@
-"""Soft sliders whose contacts have laws that depend on time: heat, ageing, growing grains, delay."""
+"""Soft sliders in steps of time: heat, ageing, growing grains, delay; re-forming backward and turns."""

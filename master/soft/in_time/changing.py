@@ -72,9 +72,9 @@ class GrainMemory(Memory):
         self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
         # places of the edges are roots of hazards, as small thresholds are proportional to these;
         # the last is at a survival of 2e-14
-        self._set_cells(np.linspace(0.0, 5.6, 48 * 2 ** (level // 2) + 1))
-        self._hazards = self._edges**2
-        self._beyond = np.exp(-self._hazards)
+        edges = np.linspace(0.0, 5.6, 48 * 2 ** (level // 2) + 1)
+        self._hazards = edges**2
+        self._set_cells(edges, np.exp(-self._hazards))
         if contacts.thermal is not None:
             # the rate by which fresh contacts break is that of contacts without thresholds
             self.scales = self.scales._replace(rate=contacts.thermal.rates.scale)
@@ -83,8 +83,8 @@ class GrainMemory(Memory):
         record = np.zeros((stretch.size, self.width))
         record[:, PINNED_FOR] = self._start_since
         excess = self._grains.growth.excess_after(record[:, PINNED_FOR])
-        record[:, BIRTH_HAZARD] = self._grains.hazard_at(stretch, excess)
-        record[:, LARGEST_HAZARD] = record[:, BIRTH_HAZARD]
+        hazard = self._grains.hazard_at(stretch, excess)
+        record[:, LARGEST_HAZARD] = record[:, BIRTH_HAZARD] = hazard
         return record
 
     def fresh(self, stretch: Array, speed: float) -> Array:
@@ -98,15 +98,12 @@ class GrainMemory(Memory):
         out = record.copy()
         out[:, PINNED_FOR] += leg.duration
         excess = self._grains.growth.excess_after(out[:, PINNED_FOR])
-        out[:, LARGEST_HAZARD] = np.maximum(
-            out[:, LARGEST_HAZARD], self._grains.hazard_at(leg.end, excess)
-        )
+        hazard = self._grains.hazard_at(leg.end, excess)
+        out[:, LARGEST_HAZARD] = np.maximum(out[:, LARGEST_HAZARD], hazard)
         if self._hot and leg.duration:
             middle = record[:, PINNED_FOR, None] + 0.5 * leg.duration
-            limit = self._grains.threshold_at(
-                record[:, BIRTH_HAZARD, None] + self._hazards,
-                self._grains.growth.excess_after(middle),
-            )
+            hazards = record[:, BIRTH_HAZARD, None] + self._hazards
+            limit = self._grains.threshold_at(hazards, self._grains.growth.excess_after(middle))
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
             out[:, RATE_INTEGRAL:] += self._rate_integral(leg._replace(furthest=moved), limit)
         return out

@@ -54,10 +54,8 @@ class Strands(NamedTuple):
 class Trial(NamedTuple):
     """A step that is not taken yet: its travel, its end in time, and the state it leads to.
 
-    strands : with a new cohort that has no births yet
-    held_force : their share that holds, and its force, shape (2, n)
-    force : F/(N_c <k>) (a length); holding : share of the contacts
-    breaks, births : per contact since t = 0
+    strands : with a new cohort that has no births yet; `held_force` is what share_and_force says of them
+    force, holding : see Cohorts; breaks, births : per contact since t = 0
     """
 
     travel: float
@@ -75,7 +73,7 @@ class Cohorts:
 
     place, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the share that holds
     unit : mean threshold (a length)
-    pending : times at which births bend, and the shares of the contacts, possibly 0, born at once there
+    pending : times at which the rate of births jumps, and the shares, possibly 0, born at once there
     steps, work : number of steps taken so far, and of operations in them
     unresolved : bound on the force (a length) of contacts whose share that holds steps do not resolve
     """
@@ -83,15 +81,13 @@ class Cohorts:
     def __init__(self, contacts: Contacts, memory: Memory, level: int, until: float) -> None:
         """All contacts at the beginning; `until` is a reading of time.monotonic() to stop at."""
         self.memory, self.delay, self._until = memory, contacts.waiting_time, until
-        self.level = level
-        self.steps, self.work, self.unresolved = 0, 0.0, 0.0
+        self.level, self.steps, self.work, self.unresolved = level, 0, 0.0, 0.0
         self.place, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
         start = stretch_rule(contacts.start, memory.reach, memory.starts)
         # births at many stretches have more nodes with each level
         births = stretch_rule(reforming_law(contacts), memory.reach, 8 + 4 * level)
         self._births = _over_held(memory, births)
-        start = _over_held(memory, start)
-        self._begin(start, memory.start(start.stretch))
+        self._begin(_over_held(memory, start), memory.start(start.stretch))
 
     def relax(self) -> None:
         """Replace all contacts by those just formed again."""
@@ -104,7 +100,7 @@ class Cohorts:
         self.holding, self.force = (held_force @ strands.share).tolist()
         self._started = x.size
         self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
-        # ends of steps with the breaks up to there, in sections between bends; and the births
+        # ends of steps with the breaks up to there, in smooth sections; and the births
         self._began, self._sections, self._born = self.now, [[(self.now, 0.0)]], 0.0
         self.pending: dict[float, float] = {}
 
@@ -113,8 +109,8 @@ class Cohorts:
         """Breaks per contact since t = 0."""
         return self._sections[-1][-1][1]
 
-    def trial(self, travel: float, now: float, frozen: bool = False) -> Trial:
-        """A trial step by `travel` until `now`; where `frozen`, without births."""
+    def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
+        """A trial step by `travel` until `now`."""
         duration, born, many = now - self.now, self._born, self._births.stretch.size
         stretch = self.strands.stretch + travel
         furthest = np.maximum(self.strands.furthest, np.abs(stretch))
@@ -128,8 +124,8 @@ class Cohorts:
         # those born in this step, per contact born
         new = 0.5 * (held_force[:, -2 * many : -many] + held_force[:, -many:]) @ self._births.weight
         last, pull = new.tolist()
-        frozen |= bool(self.delay) and now == self.now
-        slope, rest = (0.0, born) if frozen else self._births_at(now)
+        without_births |= bool(self.delay) and now == self.now
+        slope, rest = (0.0, born) if without_births else self._births_at(now)
         # known + last (J - J_before) + B - J = 1, J = slope B + rest
         breaks = (1.0 - known + last * born + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
         more = slope * breaks + rest - born
@@ -145,7 +141,7 @@ class Cohorts:
         if at <= self._began:
             return 0.0, 0.0
         if at <= last:
-            # a cubic through the nodes beside, across none at which breaks bend
+            # a cubic through the nodes beside, within one section
             nodes = next(part for part in self._sections if part[-1][0] >= at)
             cell = bisect_left(nodes, (at,))
             begin = max(min(cell - 2, len(nodes) - 4), 0)
@@ -187,12 +183,12 @@ class Cohorts:
         self._sections[-1].append((self.now, trial.breaks))
         self._born = trial.births
 
-    def bend(self) -> None:
+    def begin_section(self) -> None:
         """The speed and the rate of breaks may jump at this moment."""
         self._sections.append(self._sections[-1][-1:])
 
     def repeat_later(self, at: float, weight: float = 0.0) -> None:
-        """A bend or jump of the breaks, by a share `weight`, is repeated by births one delay later."""
+        """Breaks jump by a share `weight`, or their rate jumps: births repeat it one delay later."""
         for later, share in ((at + self.delay, weight), (at + 2.0 * self.delay, 0.0)):
             self.pending[later] = self.pending.get(later, 0.0) + share
 

@@ -55,7 +55,6 @@ class Leg(NamedTuple):
 class Memory:
     """The history of contacts with thresholds that stay, which break there or by heat.
 
-    scales : see Scales
     error : of the survival that `share_and_force` returns, however fine cells and steps are
     reach : stretch beyond which no contact holds (a length)
     width : length of a strand's record, of which the first `others` numbers are not A
@@ -70,16 +69,26 @@ class Memory:
         self._hot, self._contacts = contacts.thermal is not None, contacts
         self.starts = 24 + 8 * level if self._hot else 400
         self.reach = max([min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]])
-        self.scales = scales_of(contacts)
+        # births change over the width of the sharpest tenth of P_c
+        self.scales = Scales(min(narrowest(law), contacts.mean_threshold))
+        if contacts.thermal is not None:
+            rates = contacts.thermal.rates
+            # steps need not resolve the rate of the weakest 30 % of fresh contacts: these break soon,
+            # with little effect on the others
+            weak = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * contacts.mean_threshold)
+            fresh_rate = float(rates.rate(0.0, weak, contacts.relative_stiffness(weak))[0])
+            self.scales = self.scales._replace(time=1.0 / rates.scale, rate=fresh_rate)
         ends = np.concatenate([law.ppf(RANKS), law.isf(RANKS), law.breakpoints, [self.reach]])
         # a very narrow cell for each exact threshold
         atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
         ends = np.unique(np.clip(np.concatenate([ends, *atoms]), 1e-12 * self.reach, self.reach))
         cells = 2 ** min(level + 1, level // 2 + 3)
-        self._set_cells(np.unique([np.linspace(*two, cells + 1) for two in pairwise(ends)]))
+        edges = np.unique([np.linspace(*two, cells + 1) for two in pairwise(ends)])
+        self._set_cells(edges, law.sf(edges))
 
-    def _set_cells(self, edges: Array) -> None:
-        self._edges, self._beyond = edges, self._law.sf(edges)
+    def _set_cells(self, edges: Array, beyond: Array) -> None:
+        """Set the places between which ln A is linear, and the shares with thresholds beyond them."""
+        self._edges, self._beyond = edges, beyond
         self.width = self.others + edges.size * self._hot
 
     def start(self, stretch: Array) -> Array:
@@ -107,15 +116,14 @@ class Memory:
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
         """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n). Both are multiplied by the
-        share that holds at birth. stretch, furthest : stretch and largest |x|, shape (n,)."""
+        share that holds at birth; `furthest` is the largest |x| so far."""
         unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
         if not self._hot and self._contacts.stiffness == "independent":
             return np.stack([unmet, stretch * unmet])
         return self._summed(record, stretch, furthest, unmet)
 
     def _summed(self, spent: Array, stretch: Array, least: Array, unmet: Array) -> Array:
-        """Share and force of contacts whose thresholds lie beyond the place `least` of the edges, the share `unmet` of
-        all; arrays (n,)."""
+        """Share and force of the share `unmet`, whose thresholds lie beyond `least` among the edges."""
         edges, every = self._edges, np.arange(least.size)
         weight = np.maximum(np.minimum(unmet[:, None], self._beyond[:-1]) - self._beyond[1:], 0.0)
         # of the cell in which the place lies, only the part beyond it counts
@@ -177,17 +185,3 @@ def mean_share(log: Array) -> Array:
     below, above = (exp1(np.exp(np.clip(end, LEAST, MOST))) for end in ends)
     mean[steep] = (above - below) / (ends[0] - ends[1])
     return mean
-
-
-def scales_of(contacts: Contacts) -> Scales:
-    """The scales that steps resolve; the length is the width of the sharpest tenth of P_c."""
-    law, unit = contacts.thresholds, contacts.mean_threshold
-    width = min(narrowest(law), unit)
-    if contacts.thermal is None:
-        return Scales(width)
-    rates = contacts.thermal.rates
-    # steps need not resolve the rate of the weakest 30 % of fresh contacts: these break soon, with
-    # little effect on the others
-    weak = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * unit)
-    fresh_rate = float(rates.rate(0.0, weak, contacts.relative_stiffness(weak))[0])
-    return Scales(width, 1.0 / rates.scale, fresh_rate)

@@ -19,7 +19,7 @@ from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.memory import MeanRateMemory, Memory
 from master.soft.in_time.slider import Slider, read
-from master.soft.regime import Followed, Slips
+from master.soft.regime import Followed, slips_of
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -97,11 +97,7 @@ def extrapolated(
     levels: list[Slider], contacts: Contacts, drive: Drive, balance: float, asked: Array
 ) -> Followed:
     """The answer at times (n,) of three levels with as many slips; of fewer, with an infinite error."""
-    unit, spring, path = (
-        contacts.mean_threshold,
-        float(drive.spring or 0.0),
-        drive.path[: asked.size],
-    )
+    unit, spring, points = contacts.mean_threshold, float(drive.spring or 0.0), asked.size
     cohorts, error, of_holding = levels[-1].contacts, np.inf, np.inf
     slips = [np.array(one.slips).reshape(-1, 4).T for one in levels]
     moments = [rows[0] for rows in slips]
@@ -134,15 +130,13 @@ def extrapolated(
     stiff = spring if slips[-1].size else min(spring, 1.0)
     rounding = 1e-13 * (1.0 + cohorts.steps) * (1.0 + stiff)
     error = max(error + cohorts.memory.error + rounding, cohorts.unresolved / unit)
-    force, holding = answer[: 2 * n].reshape(2, n)[:, : path.size]
-    load, above, below = answer[2 * n :].reshape(3, -1) * unit
-    drives, off = load / spring, error * unit / spring
+    force, holding = answer[: 2 * n].reshape(2, n)[:, :points]
+    slips_at = answer[2 * n :].reshape(3, -1) * unit / [[spring], [1.0], [1.0]]
     return Followed(
         balance=balance,
-        position=path - force * unit / spring,
         force=force * unit,
         holding=holding,
-        slips=Slips(drives, drives - above / spring, drives - below / spring, above, below, off),
+        slips=slips_of(slips_at, spring, error * unit / spring),
         error=error,
         holding_error=of_holding,
         nodes=cohorts.steps,

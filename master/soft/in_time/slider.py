@@ -15,7 +15,7 @@ from origins.thresholds.law import Array
 
 
 class Node(NamedTuple):
-    """The end of a step: the size of all steps so far of its smooth section, time, force and holding."""
+    """The end of a step: the sizes of its section's steps so far, summed up (see Steps), and the state."""
 
     size: float
     time: float
@@ -26,10 +26,9 @@ class Node(NamedTuple):
 class Slider:
     """The solution along the whole path, with steps of 2^-level of the coarsest.
 
-    contacts : all at X = 0; StoppedError says how far their steps came
     motion : of the drive; None where it does not move
-    sections : list of lists of Node, one for each smooth section
-    slips : list of arrays of shape (4,), time, K X_T, F before and after (lengths), which the spring balances
+    sections : nodes of each smooth section
+    slips : time, K X_T, F before and after (lengths) of each slip
     """
 
     def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
@@ -61,7 +60,7 @@ class Slider:
         """Take steps until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
-        contacts.bend()
+        contacts.begin_section()
         slip = None
         while slip is None and contacts.now < end:
             size = self._size * steps.finer
@@ -80,32 +79,32 @@ class Slider:
 
     def _slip(self, drive: float) -> None:
         """Let the slider slip while the drive holds at this place."""
-        contacts, rule, force = self.contacts, self._rule, self.contacts.force
-        if rule == "reset":
+        contacts, force = self.contacts, self.contacts.force
+        if self._rule == "reset":
             contacts.relax()
             contacts.place = drive - contacts.force / self._spring
         else:
-            self._slip_to_balance(rule == "reform-after" or contacts.delay > 0.0)
+            self._slip_to_balance(self._rule == "reform-after" or contacts.delay > 0.0)
         self.slips.append(np.array([contacts.now, self._spring * drive, force, contacts.force]))
 
-    def _slip_to_balance(self, out: bool) -> None:
-        """Move the slider to the first balance; with `out`, broken contacts stay out until then."""
+    def _slip_to_balance(self, without_births: bool) -> None:
+        """Move the slider to the first balance; `without_births`, broken contacts stay out until then."""
         contacts, steps, scales = self.contacts, self._steps, self.contacts.memory.scales
         # heat has broken the weakest: over this way the others may first carry more as they stretch
         least = 0.5 * scales.length
         # without births only the end has to be found, in small steps so that none is missed
-        size = steps.sign * (0.06 * scales.length if out else self._size * steps.length)
-        contacts.bend()
+        size = steps.sign * (0.06 * scales.length if without_births else self._size * steps.length)
+        contacts.begin_section()
         begin, broken, travel = contacts.place, contacts.breaks, 0.0
 
         def imbalance(way: float) -> float:
-            return steps.imbalance(contacts.trial(way, contacts.now, out))
+            return steps.imbalance(contacts.trial(way, contacts.now, without_births))
 
         slips = any(imbalance(steps.sign * share * least) > 0.0 for share in (0.1, 0.4, 1.0))
         away = False
         while slips and ((missing := imbalance(travel + size)) > 0.0 or not away):
             away |= missing > 0.0 or abs(contacts.place + travel - begin) > least
-            if out:
+            if without_births:
                 travel += size
             else:
                 contacts.take(contacts.trial(size, contacts.now))
@@ -113,9 +112,9 @@ class Slider:
         if slips and imbalance(low) > 0.0:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(imbalance, low, travel + size, xtol=1e-15 * contacts.unit))
-        contacts.take(contacts.trial(low, contacts.now, out))
-        contacts.bend()
-        if out:
+        contacts.take(contacts.trial(low, contacts.now, without_births))
+        contacts.begin_section()
+        if without_births:
             contacts.repeat_later(contacts.now, contacts.breaks - broken)
             contacts.born_now()
 

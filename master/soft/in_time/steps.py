@@ -23,38 +23,39 @@ CLOSE_TO_SLIP = 1e-6
 
 
 class StepCount:
-    """Count of steps: uniform in time, and after a bend, where changes slow down, in its logarithm.
+    """Count of steps: uniform in time, and where changes slow down, in its logarithm.
 
-    begin, end : times of two consecutive bends; held : whether the drive holds
-    rate : uniform steps per time
-    first : the shortest time over which contacts change after a bend; inf where nothing changes then
+    begin, end : times between which a section of the motion is smooth
+    rate : uniform steps per time; 0 while the drive holds
+    first : the shortest time over which contacts change at its begin; inf where nothing changes then
     """
 
-    def __init__(self, begin: float, end: float, held: bool, rate: float, first: float) -> None:
+    def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
         self._begin, self._end, self._rate = begin, end, rate
         self._first = min(first, end - begin)
-        # steps in which the time since a bend grows by a factor e: while the drive holds; and while
-        # it moves, in addition to the steps of its travel
-        per_fold = 2.0 if held else 0.4
-        self._folds = per_fold if held or first < end - begin else 0.0
+        # steps in which the time since the begin grows by a factor e: while the drive holds; and
+        # while it moves, in addition to the steps of its travel
+        per_e_fold = 0.4 if rate else 2.0
+        self._per_e_fold = per_e_fold if not rate or first < end - begin else 0.0
 
     def steps(self, time: float) -> float:
         """Steps since the beginning."""
         later = time - self._begin
-        return self._rate * later + self._folds * float(np.log1p(later / self._first))
+        return self._rate * later + self._per_e_fold * float(np.log1p(later / self._first))
 
     def time(self, steps: float) -> float:
         """The time after so many steps, at most the end."""
-        if not self._folds:
+        if not self._per_e_fold:
             return min(self._begin + steps / self._rate, self._end)
-        # u = (time - begin) / first solves even u + log(1 + u) = steps / folds, also for hardly any `even`
-        even = max(self._rate * self._first / self._folds, 1e-200)
-        omega = float(wrightomega(steps / self._folds + even + np.log(even)))
+        # u = (time - begin) / first solves even u + log(1 + u) = e_folds, also for hardly any `even`
+        e_folds = steps / self._per_e_fold
+        even = max(self._rate * self._first / self._per_e_fold, 1e-200)
+        omega = float(wrightomega(e_folds + even + np.log(even)))
         return min(self._begin + self._first * (omega / even - 1.0), self._end)
 
 
 class Steps:
-    """Steps of contacts on one leg of the drive's motion X_T(t), until the next bend.
+    """Steps of contacts on one leg of the drive's motion X_T(t), as long as births are smooth.
 
     spring : K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
@@ -71,13 +72,13 @@ class Steps:
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
 
     def begin(self, leg: int, end: float) -> None:
-        """Begin steps on a leg of the drive's motion, towards a bend at the time `end`."""
+        """Begin steps on a leg of the drive's motion, smooth up to the time `end`."""
         scales, speed = self._contacts.memory.scales, float(self._drive.speeds[leg])
         self.sign = float(np.sign(speed) or np.sign(self._contacts.force) or 1.0)
         # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
         even = LESS * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
         even = even + scales.rate / COARSEST if speed else 0.0
-        self._count = StepCount(self._contacts.now, end, not speed, even, scales.time)
+        self._count = StepCount(self._contacts.now, end, even, scales.time)
         # share of the uniform steps in the last step, and guess of it in the next one
         self._share, self._guess, self.finer = np.nan, 0.5, 1.0
 
@@ -92,7 +93,7 @@ class Steps:
         return float(self.sign * (self._spring * ahead - trial.force))
 
     def step(self, size: float) -> tuple[float, Trial]:
-        """The uniform steps of time that a balanced step of this size, or up to the next bend, takes; and it. If there
+        """The uniform steps of time that a balanced step of this size, or up to the end, takes; and it. If there
         is no balance from now on, they are below 0, and the step takes no time."""
         now, steep = self._contacts.now, self._steep
         done = self._count.steps(now)
