@@ -14,11 +14,10 @@ from origins.thresholds.law import Array
 
 
 class Legs(NamedTuple):
-    """The straight legs between the births of contacts and a later moment.
+    """The straight legs between the births of contacts and a later moment; those before a birth have no duration.
 
     displacement : array of shape (..., k + 1), the slider's displacement since the birth, at the
-        beginning of the first leg and at the end of each; legs before the birth are included, with
-        no displacement and no duration
+        beginning of the first leg and at the end of each
     duration : array of shape (..., k), the time that the contact spent on each leg
     speed : array of shape (k,), dX/dt on each leg, of either sign
     """
@@ -56,14 +55,10 @@ class Motion:
     @classmethod
     def along(cls, positions: Array) -> Motion:
         """The motion through these positions from the first, t being the distance travelled."""
-        way = np.append(0.0, np.cumsum(np.abs(np.diff(positions))))
-        return cls(way, positions)
+        return cls(np.append(0.0, np.cumsum(np.abs(np.diff(positions)))), positions)
 
     def counted_from(self, leg: int) -> Motion:
-        """The same motion with times and positions counted from the beginning of a leg.
-
-        Times shortly after a knot then keep their digits, however late the knot is.
-        """
+        """The same motion, its times and positions counted from the beginning of a leg to keep their digits there."""
         other = copy(self)
         other.times = self.times - self.times[leg]
         other.positions = self.positions - self.positions[leg]
@@ -76,8 +71,7 @@ class Motion:
 
     def leg(self, t: Array | float) -> npt.NDArray[np.intp]:
         """Index of the leg on which t lies; a knot belongs to the leg that it ends."""
-        found = np.searchsorted(self.times, t) - 1
-        return np.clip(found, 0, self.speeds.size - 1)
+        return np.clip(np.searchsorted(self.times, t) - 1, 0, self.speeds.size - 1)
 
     def leg_of_all(self, t: Array) -> int:
         """Index of the leg on which all t lie; the smallest t may be the leg's first knot."""
@@ -95,10 +89,7 @@ class Motion:
         return high[born], low[born]
 
     def history(self, t: Array, s: Array) -> History:
-        """The displacements from s to t of contacts born at s.
-
-        t and s broadcast to shape (rows, columns); all t lie on one leg, and so do the s of a row.
-        """
+        """The displacements from s to t of contacts born at s; all t lie on one leg, and so do the s of a row."""
         return History(self, t, s)
 
 
@@ -111,10 +102,10 @@ def drive_motion(drive: Drive, balance: float) -> Motion | None:
 class History:
     """The slider's displacement X(t) - X(s) since contacts were born at s, and on the way there.
 
-    Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact
-    threshold, or where another leg begins. So the middle column determines on which side of such a
-    point the whole row lies.
+    Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
+    another leg begins. So the middle column determines on which side of such a point the whole row lies.
 
+    t, s : moments and births, which broadcast to shape (rows, columns)
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)
         and its smallest (at most 0) value since s
     """

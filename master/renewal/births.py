@@ -1,8 +1,7 @@
 """Births: what is born along a motion, on panels or together, and pieces of it to integrate over.
 
-A contact that breaks at s is out until s + delay, where it is born again at a stretch r. As long as
-it is out it counts among the contacts, but carries no force. So with E and K of its life the kernels
-of number and force are
+A contact that breaks at s is out until s + delay, where it is born again at a stretch r. Meanwhile it counts among
+the contacts, but carries no force. So with E and K of its life the kernels of number and force are
 
     number: 1 for t < s + delay, E(t, s + delay) after,      force: 0, then K(t, s + delay).
 
@@ -28,8 +27,7 @@ from origins.thresholds.law import Array
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)
-# Work (see Births.work) after which panels and pieces are no longer halved: it takes some 30 s, and two
-# minutes with heat on hundreds of legs.
+# Work (see Births.work) after which nothing is halved any more: some 30 s, two minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
 
 
@@ -73,8 +71,8 @@ class Lump(NamedTuple):
 
 
 class Panels(NamedTuple):
-    """Solved panels, in the order of time; since is counted from the beginning of a leg; breaks, values
-    at 0 and the nodes, have shape (n, DEGREE + 1)."""
+    """Solved panels in the order of time; since: `begin` counted from the beginning of a leg; breaks: values at 0 and
+    the nodes, shape (n, DEGREE + 1)."""
 
     begin: Array
     since: Array
@@ -119,10 +117,8 @@ class Nodes(NamedTuple):
 
 
 def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
-    """Births on pieces from left to right, weighted by each one's own Legendre polynomials: (pieces, size).
-
-    ends : of the panels; slopes : Legendre coefficients of the breaks' derivative, a row a panel
-    """
+    """Births on pieces from left to right, weighted by each one's own Legendre polynomials: (pieces, size); slopes :
+    Legendre coefficients of the breaks' derivative, a row for each panel between `ends`."""
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]

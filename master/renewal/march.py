@@ -37,8 +37,8 @@ class March:
     grain : length over which the number of breaks has to be resolved: the first guess of a panel
     stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
 
-    begin, width, breaks, force, wrong : arrays, one entry or row a panel
-    since : array, the panels' beginnings counted from that of their leg, which keeps all digits
+    begin, since, width, breaks, force, wrong : arrays, one entry or row a panel; `since` is `begin` counted from the
+        beginning of its leg, which keeps all digits
     lumps : the start first; widest : largest width of the next panels
     steady_since : when the march ended because breaks were steady; inf where they were not
     unfinished : whether the march was stopped before the last edge
@@ -114,8 +114,7 @@ class March:
                 width = (end - t) / left
             run = self._run(t, width, min(count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
-            # beyond the allowed work, and on panels that are the narrowest or spoiled by rounding of
-            # the time, the error is accepted
+            # the error is accepted beyond the allowed work, and on panels that are spoiled by rounding or the narrowest
             hurried = self.births.work > MOST_WORK or width < max(narrowest, 1e-13 * t)
             bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.wrong.size
@@ -125,14 +124,13 @@ class March:
                 far = run.wrong[good] > 100.0 * self.tolerance
                 self.widest, count, easy = (0.25 if far else 0.5) * width, 1, 0
                 continue
-            # the error grows as the width to the power DEGREE; where contacts break at rates of all
-            # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
+            # the error grows as the width to the power DEGREE; where contacts break at rates of all sizes, and behind a
+            # point that no polynomial resolves, wider panels soon suffice
             still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
             soon = still or not quick or width <= 0.5 * grain
             spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
-            # each width needs its own kernel: wide panels are widened only if that serves many, and those
-            # with hardly any breaks at once by three doublings
+            # each width needs its own kernel: wide panels are widened only if that serves many, or hardly any break
             many = 0 if still or width <= 0.5 * grain else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
@@ -186,11 +184,8 @@ class March:
         return solve_run(kernel, known, self.breaks[self.width.size - same :], self.stretch)
 
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
-        """Number and force at later times, of lumps and of all panels but the last `same`.
-
-        grid : array of shape (panels, TARGETS.size) of times, all on one leg; with `leg`, counted
-            from its beginning
-        """
+        """Number and force, of lumps and of all panels but the last `same`, at later times of shape (panels,
+        TARGETS.size) that lie on one leg; with `leg`, counted from its beginning."""
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
@@ -243,10 +238,8 @@ class March:
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
     def cut(self, t: float, births: Births) -> March:
-        """A march that has the contacts of this one at the time t; set its edges before it runs.
-
-        births : along a motion that is the same up to t, of the same life, which is timeless
-        """
+        """A march that has the contacts of this one at the time t, with births of the same timeless life along a motion
+        that is the same up to t; set its edges before it runs."""
         other, births.work = copy(self), self.births.work
         other.births, other.motion, other._past = births, births.motion, Past(births)
         other.widest = min(self.widest, self.grain)
