@@ -28,9 +28,7 @@ class Legs(NamedTuple):
 
 
 class Motion:
-    """X(t), straight between knots.
-
-    t is a time, or the distance travelled where nothing that the contacts do depends on time.
+    """X(t), straight between knots; t is a time, or the distance travelled where contacts do not depend on time.
 
     times, positions : arrays of shape (n + 1,), knots of X(t); times increase. Knots at which the
         speed stays the same are dropped, and knots that share a time are merged

@@ -50,7 +50,7 @@ def edges(
     motion, life, again, delay = births.motion, births.life, births.law, births.delay
     end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
     grain = life.grain / fastest if fastest else 0.0
-    # contacts born at stretches that are alike break together where thresholds are alike, to a tenth: panels end there
+    # contacts born alike break together where thresholds are alike, to a tenth: panels end there, or miss a narrow peak
     alike = life.quiet > 0.9 * life.reach
     bends = np.union1d(life.bends, [life.quiet, life.reach] if alike else [])
 

@@ -21,15 +21,13 @@ from origins.thresholds.law import Array
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
-# Allowed error of a table at the ends of its panels, over its last coefficients: larger than inside beside
-# a root of the survival.
+# Allowed error of a table at its panels' ends, over the last coefficients: larger beside a root of the survival.
 AT_ENDS = 10.0
 # Pieces of births that are summed together: 0.1 GB.
 TOGETHER_PIECES = 100_000
 # Width of the narrowest panel of a table, in units of the typical lag from a birth to the break.
 SHORTEST = 1e-13
-# Ratio of the lags at which the survival is sampled to find where contacts break; and how many lags
-# are sampled together, from the longest down.
+# Ratio of lags at which the survival is sampled to find where contacts break, and how many are sampled together.
 RATIO, TOGETHER = 4.0, 6
 # Shares of contacts: until UNBROKEN have broken a table needs no further edges; NONE is negligible in integrals.
 UNBROKEN, NONE = 1e-3, 1e-17
@@ -51,8 +49,6 @@ class Straight:
 
     Raises InputError where contacts break within lags that underflow.
     """
-
-    table: Table
 
     def __init__(
         self,

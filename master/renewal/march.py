@@ -114,7 +114,7 @@ class March:
                 width = (end - t) / left
             run = self._run(t, width, min(count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
-            # the error is accepted beyond the allowed work, and on panels that are spoiled by rounding or the narrowest
+            # beyond the allowed work, on the narrowest panels and on those spoiled by rounding, the error is accepted
             hurried = self.births.work > MOST_WORK or width < max(narrowest, 1e-13 * t)
             bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.wrong.size
@@ -184,8 +184,8 @@ class March:
         return solve_run(kernel, known, self.breaks[self.width.size - same :], self.stretch)
 
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
-        """Number and force, of lumps and of all panels but the last `same`, at later times of shape (panels,
-        TARGETS.size) that lie on one leg; with `leg`, counted from its beginning."""
+        """Number and force of lumps, and of all panels but the last `same`, at times `grid` on one leg, of shape
+        (panels, TARGETS.size); with `leg`, counted from its beginning."""
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]

@@ -1,7 +1,6 @@
 """Past: number and force, on the present leg, of the births on all legs before and of all lumps.
 
 Lumps are contacts that are born together, the start among them (G_0 and M_0 of the equation).
-
 Where the slider has turned round, rested or changed its speed since a birth, the survival depends on the moves since.
 As a function of the time of birth on one leg it bends where the largest |x| of a contact changes sides or meets a bend
 of the law; between bends it is a polynomial. Times are counted from the beginning of the present leg, to keep digits.
@@ -26,7 +25,6 @@ from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
     from master.renewal.strand_births import StrandBirths
-
 
 # Where the survival takes long: nodes of a piece, and numbers of times to interpolate from, that are tried first.
 FEW, TIMES = 5, (5, 11)

@@ -43,9 +43,8 @@ class StrandBirths:
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)
-        found = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
         # weights of the pieces' nodes in a sum over all births
-        self._weight = found @ basis.series.T
+        self._weight = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE) @ basis.series.T
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Follow the strands to the leg that begins at t = 0 of this motion; whether more than is negligible hold."""
