@@ -16,17 +16,14 @@ from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
-# Longest path, in mean thresholds, and most lives of a contact on it: no physics lies beyond, and squares
-# of lengths stay far from overflow in any unit.
+# Longest path, in mean thresholds, and most lives of a contact on it: squares of lengths stay far from overflow.
 FURTHEST = 1e100
-# The same for a path that turns round or changes its speed: stretches on later legs are differences
-# of positions, which lose digits to rounding far from 0, and each leg's births are followed on the next.
+# The same for a path that turns round or changes its speed: stretches on later legs are differences of positions, which
+# lose digits far from 0, and each leg's births are followed on the next.
 FURTHEST_TURN, MOST_LIVES = 1e6, 1e7
-# Smallest tolerance of a panel: conservation itself is rounded at about 1e-15, and the survival of a law of scipy at
-# some ten times as much.
+# Smallest tolerance of a panel: conservation is rounded at 1e-15, the survival of a law of scipy at some 1e-14.
 FINEST = 3e-14
-# First guess of a panel's width at a tolerance of 1e-8, in units of the life's grain (the length over
-# which the survival is resolved); the error grows with the width to the power DEGREE.
+# First guess of a panel's width at a tolerance of 1e-8, in units of the life's grain (over which the survival falls).
 GRAINS = 6.0
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
@@ -79,9 +76,8 @@ def solve_rigid(
 
 
 def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:
-    """The slider's motion to just beyond the path's end, and the times of the path's points. With `timeless`, distance
-    travelled takes the place of time. Raises InputError for a path that is too long: one that turns round is limited by
-    the rounding of its positions."""
+    """The slider's motion to just beyond the path's end, and the times (`timeless`: distances travelled) of the path's
+    points. Raises InputError for a path that is too long: one that turns round is limited by rounding."""
     away = np.abs(drive.path) / mean
     furthest, most = int(np.argmax(away)), FURTHEST if drive.forward else FURTHEST_TURN
     if not away[furthest] <= most:
@@ -102,8 +98,7 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
 
 
 def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
-    """Raise InputError where heat breaks contacts so fast that positions or times lose their digits,
-    or that too many lives would have to be followed."""
+    """Raise InputError where heat breaks contacts so fast that times lose their digits, or lives are too many."""
     if life.timeless or contacts.thermal is None:
         return
     scale = contacts.thermal.rates.scale
@@ -158,10 +153,8 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
 
 def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> float:
     """Round-off of the force, in mean thresholds; none is added once breaks are steady."""
-    way = float(np.abs(np.diff(motion.positions)).sum())
-    if np.isfinite(steady_since):
-        way = steady_since * abs(float(motion.speeds[0]))
-    return ROUND_OFF * (1.0 + way / mean)
+    places = motion.at(np.minimum(motion.times, steady_since))
+    return ROUND_OFF * (1.0 + float(np.abs(np.diff(places)).sum()) / mean)
 
 
 def breaks_until(march: March, t: Array) -> Array:
@@ -174,8 +167,7 @@ def breaks_until(march: March, t: Array) -> Array:
 
 
 def _read(march: March, values: Array, t: Array) -> Array:
-    """At times t, polynomials with these values at the beginning and the nodes of each panel; after a
-    jump where they jump."""
+    """At times t, polynomials with these values at the beginning and nodes of each panel; after a jump at jumps."""
     begin, width = march.begin, march.width
     near = begin * (1.0 - CLOSE) - CLOSE * width.min(initial=np.inf)
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)

@@ -149,8 +149,8 @@ class Solution:
 
 
 def _deltas(march: March, t: float) -> dict[float, float]:
-    """Stretches (lengths) that a finite share of the contacts has at the time t, and these shares. They are those of
-    lumps, and of births in holds: contacts born in one hold share one stretch."""
+    """Stretches (lengths) that finite shares of the contacts have at the time t, those of lumps and of births in one
+    hold each, and these shares."""
     motion, law = march.motion, march.births.law
     at, found = np.full((1, 1), t), dict[float, float]()
     for lump in march.lumps:

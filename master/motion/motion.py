@@ -12,10 +12,10 @@ from origins.thresholds.law import Array
 
 
 class Legs(NamedTuple):
-    """The straight legs between the births of contacts and a later moment.
+    """The straight legs between the births of contacts and a later moment; those before a birth have no duration.
 
-    displacement : array of shape (..., k + 1), the slider's displacement since the birth, at the beginning of the first
-        leg and at the end of each; legs before the birth are included, with no displacement and no duration
+    displacement : array of shape (..., k + 1), the slider's displacement since the birth, at the
+        beginning of the first leg and at the end of each
     duration : array of shape (..., k), the time that the contact spent on each leg
     speed : array of shape (k,), dX/dt on each leg, of either sign
     """
@@ -26,9 +26,7 @@ class Legs(NamedTuple):
 
 
 class Motion:
-    """X(t), straight between knots.
-
-    t is a time, or the distance travelled where nothing that the contacts do depends on time.
+    """X(t), straight between knots; t is a time, or the distance travelled where contacts do not depend on time.
 
     times, positions : arrays of shape (n + 1,), knots of X(t); times increase. Knots at which the
         speed stays the same are dropped, and knots that share a time are merged
@@ -56,8 +54,7 @@ class Motion:
         return cls(np.append(0.0, np.cumsum(np.abs(np.diff(positions)))), positions)
 
     def counted_from(self, leg: int) -> "Motion":
-        """The same motion with times and positions counted from the beginning of a leg. Times shortly after a knot then
-        keep their digits, however late the knot is."""
+        """The same motion, its times and positions counted from the beginning of a leg to keep their digits there."""
         other = copy(self)
         other.times = self.times - self.times[leg]
         other.positions = self.positions - self.positions[leg]
@@ -88,8 +85,7 @@ class Motion:
         return high[born], low[born]
 
     def history(self, t: Array, s: Array) -> "History":
-        """The displacements from s to t of contacts born at s. t and s broadcast to shape (rows, columns); all t lie on
-        one leg, and so do the s of a row."""
+        """The displacements from s to t of contacts born at s; all t lie on one leg, and so do the s of a row."""
         return History(self, t, s)
 
 
@@ -105,6 +101,7 @@ class History:
     Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
     another leg begins. So the middle column determines on which side of such a point the whole row lies.
 
+    t, s : moments and births, which broadcast to shape (rows, columns)
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)
         and its smallest (at most 0) value since s
     """

@@ -1,10 +1,9 @@
 """(Q16) with (Q15), Fig. A06: the speed v_c above which contacts that age no longer stick and slip.
 
-With the paper's reset every slip puts all contacts back to Q_ini, with fresh thresholds of age 0:
-each run up to a slip repeats the first, so there is stick-slip if and only if -F'(X) reaches the
-spring K on the way. Slow sliding gives the thresholds time to age, which makes the drop steeper.
-D_X = D/v holds for the slider's own X, as in (Q15). Where the drive's X_T = X + F/K moves at v, more time passes
-before the drop and less in it, and v_c is larger; `master.solve` with a spring finds it.
+With the paper's reset every slip puts all contacts back to Q_ini, with fresh thresholds of age 0: each run up to a slip
+repeats the first, so there is stick-slip if and only if -F'(X) reaches the spring K on the way. Slow sliding gives the
+thresholds time to age, which makes the drop steeper. D_X = D/v holds for the slider's own X, as in (Q15). Where X_T =
+X + F/K moves at v, more time passes before the drop and less in it, and v_c, which `master.solve` finds, is larger.
 """
 
 from dataclasses import dataclass

@@ -25,8 +25,7 @@ from origins.thresholds.law import Array
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)
-# Work (see Births.work) after which panels and pieces are no longer halved: it takes some 30 s, and two
-# minutes with heat on hundreds of legs.
+# Work (see Births.work) after which nothing is halved any more: some 30 s, two minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
 
 
@@ -70,8 +69,8 @@ class Lump(NamedTuple):
 
 
 class Panels(NamedTuple):
-    """Solved panels, in the order of time; since is counted from the beginning of a leg; breaks, values
-    at 0 and the nodes, have shape (n, DEGREE + 1)."""
+    """Solved panels in the order of time; since: `begin` counted from the beginning of a leg; breaks: values at 0 and
+    the nodes, shape (n, DEGREE + 1)."""
 
     begin: Array
     since: Array

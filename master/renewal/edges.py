@@ -12,11 +12,10 @@ from master.renewal.births import Births
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Births that jump or bend make later breaks bend wherever these contacts meet a bend of P_c, one order
-# smoother each time: on panels of 17 nodes the effect is about two digits smaller.
+# Births that jump or bend make later breaks bend where these contacts meet a bend of P_c, one order smoother each time,
+# and about two digits smaller in its effect on panels of 17 nodes.
 SMOOTHER = 1e-2
-# Most edges: further bends are resolved by halving panels; and most where exact thresholds make breaks
-# jump, which halving does not resolve.
+# Most edges, as halving resolves further bends; and most where breaks jump, at exact thresholds, which it does not.
 MOST, MOST_JUMPS = 400, 4000
 # Two edges nearer than this share of their time count as equal, and a point nearer than this before
 # an edge counts as after it: times are rounded.
@@ -24,8 +23,7 @@ CLOSE = 1e-12
 
 
 class Moment(NamedTuple):
-    """A time at which breaks jump or bend, and the size of the jump, or about that of the bend's effect
-    on a panel: 1 where all contacts break."""
+    """A time at which breaks jump or bend, and the share of contacts that the jump, or the bend's effect, counts."""
 
     time: float
     size: float
@@ -46,21 +44,19 @@ def edges(
     """Where panels begin and end.
 
     start : law of the stretches at t = 0
-    tolerance : of the number of breaks; moments of a size below SMOOTHER times this are left out: the
-        panels' own errors, at points between their nodes, count them
+    tolerance : of the number of breaks; the panels' own errors count moments of a size below SMOOTHER times this
     since, known : for a march that is continued, the time that it has reached, and the moments that it has met
     """
     motion, life, again, delay = births.motion, births.life, births.law, births.delay
     end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
     grain = life.grain / fastest if fastest else 0.0
-    # contacts born together, at stretches that are alike, break together where their thresholds are alike, to a
-    # tenth: panels end there, so that those elsewhere may be wide
+    # contacts born alike break together where thresholds are alike, to a tenth: panels end there, or miss a narrow peak
     alike = life.quiet > 0.9 * life.reach
     bends = np.union1d(life.bends, [life.quiet, life.reach] if alike else [])
 
     def breaks(birth: float, size: float, law: Start) -> Iterator[Moment]:
-        """When births with a jump or bend of this size make breaks jump or bend: one order smoother where
-        P_c jumps; as sharp at an exact threshold, times the share of the contacts that have it."""
+        """When births with a jump or bend of this size make breaks jump or bend: one order smoother where P_c jumps;
+        as sharp at an exact threshold, times the share of the contacts that have it."""
         ends = law.span if np.ptp(law.span) < 0.1 * life.reach else []
         for stretch in np.union1d(law.breakpoints, ends).tolist():
             for t, bend in passings(motion, birth, stretch, bends):
@@ -105,8 +101,8 @@ def edges(
 def passings(
     motion: Motion, born: float, stretch: float, bends: Array
 ) -> Iterator[tuple[float, float]]:
-    """When the |x| of contacts born at a time, at a stretch, first passes each of the lengths `bends`,
-    and that length; and when it comes back to its largest (nan)."""
+    """When the |x| of contacts born at a time, at a stretch, first passes each of the lengths `bends`, and that length;
+    and when it comes back to its largest (nan)."""
     furthest, begin, x = abs(stretch), born, stretch
     first = int(motion.leg(born + CLOSE * motion.times[-1]))
     for leg in range(first, motion.speeds.size):

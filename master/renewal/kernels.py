@@ -21,28 +21,25 @@ from origins.thresholds.law import Array
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
-# Allowed error of a table at the ends of its panels, over its last coefficients: larger than inside beside
-# a root of the survival.
+# Allowed error of a table at its panels' ends, over the last coefficients: larger beside a root of the survival.
 AT_ENDS = 10.0
 # Pieces of births that are summed together: 0.1 GB.
 TOGETHER_PIECES = 100_000
 # Width of the narrowest panel of a table, in units of the typical lag from a birth to the break.
 SHORTEST = 1e-13
-# Ratio of the lags at which the survival is sampled to find where contacts break; and how many lags
-# are sampled together, from the longest down.
+# Ratio of lags at which the survival is sampled to find where contacts break, and how many are sampled together.
 RATIO, TOGETHER = 4.0, 6
 # Shares of contacts: until UNBROKEN have broken a table needs no further edges; NONE is negligible in integrals.
 UNBROKEN, NONE = 1e-3, 1e-17
 
 
 class Straight:
-    """E and K over the lag since birth: a time, or the slider's way.
+    """E and K over the lag since birth, a time or the slider's way, at the speed dX/dt of either sign, or 0.
 
     born : law of the stretches at birth
-    speed : dX/dt, of either sign, or 0
     longest : the longest lag, or an earlier one after which no contact holds
     accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
-    steady : whether lags are ways instead of times, and followed beyond the longest until hardly any contact holds
+    steady : whether lags are ways instead of times, and followed until hardly any contact holds
 
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
@@ -52,8 +49,6 @@ class Straight:
 
     Raises InputError where contacts break within lags that underflow.
     """
-
-    table: Table
 
     def __init__(
         self,
@@ -76,7 +71,6 @@ class Straight:
             return
         lags, held = self._ladder(longest, steady)
         self.longest = float(lags[-1])
-        self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
         way = self.typical * abs(speed) / self._per_time
         self.scale = max(way, *(abs(end) for end in born.span)) or life.reach
         first = max(int(np.argmax(held < 1.0 - UNBROKEN)) - 1, 0)
@@ -88,8 +82,7 @@ class Straight:
         self.edges, self.error = self.table.edges, self.table.error
 
     def scaled(self, lag: Array, born: Array | None = None) -> Array:
-        """E and K over `scale` after lags of shape (rows, columns), from the life itself; `born` (see
-        Life.left) takes the place of the law's stretches."""
+        """E and K/`scale` after lags of shape (rows, columns), from the life itself; `born`: see Life.left."""
         if not lag.size:
             return np.zeros((2, *lag.shape))
         far = max(float(lag.max()), self.longest) / self._per_time
@@ -100,8 +93,7 @@ class Straight:
         return found
 
     def look_up(self, lag: Array) -> Array:
-        """E and K after lags of shape (rows, columns), from the table if there is one. The middle column decides on
-        which side of an exact threshold a row is."""
+        """E and K after lags in rows, from a table if there is one; the middle column tells the side of a threshold."""
         ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
@@ -127,9 +119,10 @@ class Straight:
                 refuse("velocity", abs(self._speed), f"{told}; slide faster")
             lower = lags[0] * RATIO ** -np.arange(TOGETHER, 0.0, -1.0)
             lags, held = np.append(lower, lags), np.append(self.scaled(lower[:, None])[0], held)
-        typical = lags[np.flatnonzero(held > 0.5 * held.max())[-1]]
+        self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
         # not even the heaviest tail is followed beyond 1e120 times the reach
-        while steady and held[-1] * (lags[-1] / typical) ** 2 > NONE and lags[-1] < 1e120 * longest:
+        end = 1e120 * longest if steady else longest
+        while held[-1] * (lags[-1] / self.typical) ** 2 > NONE and lags[-1] < end:
             lags = np.append(lags, 2.0 * lags[-1])
             held = np.append(held, self.scaled(lags[-1:, None])[0])
         over = held < NONE_LEFT
@@ -144,7 +137,7 @@ def _edges(longest: float, lags: Array) -> Array:
 
 
 class Kernel(NamedTuple):
-    """Contributions of a panel to panels of its own width: to number, then force, of shape (panels apart,
+    """Contributions of a panel to the number, then the force, of panels of its own width, of shape (panels apart,
     2 * TARGETS.size, DEGREE + 1); and the matrix from 1 - number at the nodes to the breaks there."""
 
     values: Array
@@ -152,12 +145,8 @@ class Kernel(NamedTuple):
 
 
 class Run(NamedTuple):
-    """Solved panels of one width, one after the other.
-
-    breaks, force : arrays of shape (panels, DEGREE + 1), at 0 and nodes; breaks since a panel's beginning
-    wrong : array of shape (panels,), estimate from above of the error of the number of breaks, and of
-        the force divided by the longest stretch
-    """
+    """Solved panels of one width: breaks since a panel's beginning, and force, at 0 and nodes, shape (panels,
+    DEGREE + 1); wrong, shape (panels,): bound of the error of the breaks, and of the force/the longest stretch."""
 
     breaks: Array
     force: Array
@@ -216,8 +205,7 @@ class Kernels:
         return self._known[speed, width]
 
     def sums(self, speed: float, t: Array, ends: Array, breaks: Array) -> Array:
-        """Number and force at times t, shape (n,), of births on a leg of this speed, by the breaks on panels with these
-        ends, shape (panels + 1,); shape (2, n)."""
+        """Number and force, shape (2, n), at times t of `breaks` that are born on a leg, on panels with these ends."""
         pieces, sums = t.size * (ends.size + self.straight(speed).edges.size), []
         for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
             nodes, values = self._integrals(speed, some, ends)
@@ -238,11 +226,10 @@ class Kernels:
 
 
 def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:
-    """Solve panels of one width by conservation.
+    """Solve panels of one width by conservation; `stretch`: the longest |x| of a contact.
 
-    known : array of shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
+    known : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
     earlier : breaks on the panels of this width that directly precede the first
-    stretch : the longest |x| of a contact
     """
     count, size, targets = known.shape[1], rule.DEGREE + 1, TARGETS.size
     before = min(kernel.values.shape[0], len(earlier) + count) - 1

@@ -35,8 +35,8 @@ class March:
     grain : length over which the number of breaks has to be resolved: the first guess of a panel
     stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
 
-    begin, width, breaks, force, wrong : arrays, one entry or row a panel
-    since : array, the panels' beginnings counted from that of their leg, which keeps all digits
+    begin, since, width, breaks, force, wrong : arrays, one entry or row a panel; `since` is `begin` counted from the
+        beginning of its leg, which keeps all digits
     lumps : the start first; widest : largest width of the next panels
     steady_since : when the march ended because breaks were steady; inf where they were not
     unfinished : whether the march was stopped before the last edge
@@ -114,8 +114,7 @@ class March:
                 width = (end - t) / left
             run = self._run(t, width, min(count, left), leg)
             bad = np.flatnonzero(run.wrong > self.tolerance)
-            # beyond the allowed work, and on panels that are the narrowest or spoiled by rounding of
-            # the time, the error is accepted
+            # beyond the allowed work, on the narrowest panels and on those spoiled by rounding, the error is accepted
             hurried = self.births.work > MOST_WORK or width < max(narrowest, 1e-13 * t)
             bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.wrong.size
@@ -138,8 +137,7 @@ class March:
             soon = still or not quick or width <= 0.5 * grain
             spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.wrong.max() < spare else 0
-            # each width needs its own kernel: wide panels are widened only if that serves many, and those
-            # with hardly any breaks at once by three doublings
+            # each width needs its own kernel: wide panels are widened only if that serves many, or hardly any break
             many = 0 if still or width <= 0.5 * grain else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):

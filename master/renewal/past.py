@@ -1,12 +1,9 @@
 """Past: number and force, on the present leg, of the births on all legs before and of all lumps.
 
 Lumps are contacts that are born together, the start among them (G_0 and M_0 of the equation).
-
-Where the slider has turned round, rested or changed its speed since a birth, the survival depends on
-the moves since. As a function of the time of birth on one leg it bends where the largest |x| of a
-contact changes sides or meets a bend of the law. Between bends its values at a few nodes tell it.
-
-Times are counted from the beginning of the present leg, so that they keep their digits late on.
+Where the slider has turned round, rested or changed its speed since a birth, the survival depends on the moves since.
+As a function of the time of birth on one leg it bends where the largest |x| of a contact changes sides or meets a bend
+of the law; between bends it is a polynomial. Times are counted from the beginning of the present leg, to keep digits.
 """
 
 import time as clock
@@ -24,11 +21,9 @@ from master.renewal.strand_births import StrandBirths
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Where the survival takes long: nodes of a piece that are tried first, and numbers of times from which
-# the sums are interpolated where these suffice.
+# Where the survival takes long: nodes of a piece, and numbers of times to interpolate from, that are tried first.
 FEW, TIMES = 5, (5, 11)
-# The survival jumps at exact thresholds: on panels that begin or end there it is evaluated this share
-# of the panel inside.
+# The survival jumps at exact thresholds: on panels that end there it is evaluated this share of the panel inside.
 INSIDE = 1e-9
 
 
@@ -74,9 +69,8 @@ class Past:
         self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
 
     def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force, at times in rows, of births on the legs before, and of all lumps. Each row lies within one
-        panel of the leg, at the same shares of it. Returns an array of shape (2, rows, columns), interpolated from
-        fewer times where these suffice."""
+        """Number and force of births on the legs before, and of all lumps, (2, rows, columns), at times in rows: each
+        lies within one panel of the leg, at the same shares. Interpolated from fewer times where these suffice."""
         first, width = grid.min(axis=1, keepdims=True), np.ptp(grid, axis=1, keepdims=True)
         way = float(width[0, 0]) * abs(float(self._motion.speeds[self.leg]))
         often = [size for size, wide in self._wide.items() if 0.0 < way < wide and self._legs.size]
@@ -90,8 +84,7 @@ class Past:
         return self._summed(grid, lumps)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
-        """Number and force of lumps at times of shape (rows, columns), (2, rows, columns). The middle column decides on
-        which side of an exact threshold a row lies."""
+        """Number and force of lumps at times in rows, whose middle column tells the side of an exact threshold."""
         births, motion, middle = self._births, self._motion, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
         for law in dict.fromkeys(lump.law for lump in lumps):
@@ -125,7 +118,7 @@ class Past:
         self.error = max(self.error, sum(each.missed for each in self._strands))
 
     def _summed(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """See `at`."""
+        """See `at`, without interpolation."""
         t = grid
         if self._life.atoms.size and not self._motion.speeds[: self.leg].all():
             # at an edge the births of a hold may meet an exact threshold, all at once
@@ -148,8 +141,8 @@ class Past:
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
-        """Pieces of the births, as seen from times t; their number, force and error, shape (3, pieces);
-        pieces are halved until the survival is a polynomial on each."""
+        """Pieces of the births as seen from times t, halved until the survival is a polynomial on each; their number,
+        force and error, shape (3, pieces)."""
         if not self._legs.size:
             return
         births, pieces = self._births, self._pieces(t)
@@ -172,8 +165,7 @@ class Past:
             good = pieces.pick(~rough)
             weights = moments(self._ends, self._slopes, good.low, good.high, size)
             found = (held[:, ~rough] @ few.series * weights).sum(axis=-1)
-            # as births are nearly a polynomial, too, errors are smaller: at the nodes the survival's
-            # coefficient k beyond the last counts among those k before it
+            # births are nearly a polynomial, too: the survival's coefficient k beyond the last counts in those k before
             fading = fall[~rough, None] ** np.arange(size)[::-1]
             missed = left_out[~rough] * (np.abs(weights) * fading).sum(axis=1)
             yield good, np.append(found, missed[None], axis=0)

@@ -18,8 +18,7 @@ from origins.thresholds.law import Array
 
 Rows = npt.NDArray[np.intp]
 
-# Degree of a panel's polynomial: 12 needs more panels for the same error, 20 needs more work on each
-# (measured on Gaussian thresholds to 1e-10).
+# Degree of a panel's polynomial: 12 needs more panels, 20 more work on each (measured on Gaussian thresholds to 1e-10).
 DEGREE = 16
 # Two edges of a range nearer than this share of it count as equal.
 CLOSE = 1e-13

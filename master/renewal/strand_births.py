@@ -43,13 +43,11 @@ class StrandBirths:
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)
-        found = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
         # weights of the pieces' nodes in a sum over all births
-        self._weight = found @ basis.series.T
+        self._weight = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE) @ basis.series.T
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
-        """Follow the strands to the end of the present leg, which begins at t = 0 of this motion; whether
-        more contacts than is negligible hold there."""
+        """Follow the strands to the leg that begins at t = 0 of this motion; whether more than is negligible hold."""
         leg, self._strands.spent = int(motion.leg(np.finfo(float).tiny)), negligible
         while self._seen < leg:
             self._seen += 1
@@ -69,10 +67,9 @@ class StrandBirths:
 def _missed(told: Array, weight: Array) -> Array:
     """Error of the sums over each piece's nodes; told, the survival, has shape (times, pieces, SIZE).
 
-    The coefficients of the survival alone (extrapolated by their decay; at a bend they fall as the
-    inverse square of their order) overestimate it up to 1e4 times, as the rate of births is nearly
-    constant. The contribution of the last coefficients to the sums underestimates it up to 20
-    times. The geometric mean of both is about right, twice that a bound.
+    The survival's coefficients alone, extrapolated by their decay, overestimate it up to 1e4 times, as the rate of
+    births is nearly constant; what the last ones contribute to the sums underestimates it up to 20 times. The
+    geometric mean of both is about right, twice that a bound.
     """
     basis = rule.gauss(SIZE)
     size = np.abs(told @ basis.series)

@@ -24,13 +24,12 @@ class Table:
     edges : sorted; the functions may jump or bend there
     accuracy : a panel is halved while one of its last two coefficients is larger
     shortest : length of the shortest panel
-    ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy; 0: not
-        checked. The check detects a fall that is over before the first node.
+    ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy, which detects a fall that
+        is over before the first node; 0: not checked
     size : number of coefficients of the polynomials
     felt : takes values, as `function` gives them, and the panels' widths; returns the factor on the
         accuracy on each panel, shape (panels,), or (functions, panels)
-    rounding : in units of the accuracy: panels whose last coefficients are below it are no longer
-        halved once halving hardly reduces these
+    rounding : in units of the accuracy: panels whose last coefficients are below it are halved only while that helps
 
     begin, end, widths, edges : of the panels; edges has one entry more
     error : largest error at the ends of panels, where polynomials are off most; unchecked, last coefficient
@@ -97,9 +96,8 @@ class Table:
         return np.asarray(self._parts[0] @ self.widths)
 
     def missed(self) -> Array:
-        """Errors of the integrals, from the decay of the coefficients; shape (functions,). Gauss nodes integrate
-        polynomials of twice the degree exactly: the coefficients are taken to keep, up to there, the decay that the
-        last four show."""
+        """Errors of the integrals, shape (functions,): Gauss nodes integrate polynomials of twice the degree exactly,
+        and up to there the coefficients are taken to keep the decay that the last four show."""
         size = np.abs(self._parts)
         last, fall = rule.last_and_fall(np.moveaxis(size, 0, -1))
         rounding = np.finfo(float).eps * size.max(axis=0)
@@ -112,8 +110,8 @@ class Table:
         way = np.minimum(x, self.end[panel]) - self.begin[panel]
         # the mean up to x keeps its digits where x is close to an edge, unlike the integral
         gauss = rule.gauss(self._parts.shape[0])
-        share = gauss.nodes
-        grown = legendre.legval(2.0 * share - 1.0, legendre.legint(self._parts[:, 0], lbnd=-1.0))
-        mean = (0.5 * grown / share) @ gauss.series
+        integral = legendre.legint(self._parts[:, 0], lbnd=-1.0)
+        grown = legendre.legval(2.0 * gauss.nodes - 1.0, integral)
+        mean = (0.5 * grown / gauss.nodes) @ gauss.series
         z = 2.0 * way / self.widths[panel] - 1.0
         return np.asarray(whole[panel] + way * legendre.legval(z, mean.T[:, panel], tensor=False))
