@@ -48,13 +48,11 @@ class Along:
 
 
 class Points:
-    """The points at which to solve, checked and broadcast to one `shape`.
-
-    rows : array of shape (n, 4), speed, temperature, rate and delay; 0 for a law that the contacts do not have
-    """
+    """The points at which to solve, of one `shape`; `rows`, of shape (n, 4), are their speeds, temperatures, rates
+    and delays, 0 for a law that the contacts do not have."""
 
     def __init__(self, contacts: Contacts, **asked: npt.ArrayLike | None) -> None:
-        """asked : velocity, temperature, rate and delay, in this order; None: the contacts' own value"""
+        """Check and broadcast velocity, temperature, rate and delay, in this order; None: the contacts' own."""
         self._began, self._contacts = time.perf_counter(), contacts
         # a rate law of the user's own has no temperature
         thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
@@ -62,8 +60,9 @@ class Points:
             rule = 'thermal = Thermal("soft", 0.1), or a rate law of your own at each temperature'
             raise InputError(f"temperature: these contacts have no law for it; give them {rule}")
         if asked["rate"] is not None and contacts.ageing is None:
-            rule = "give them ageing = Ageing(final, rate)"
-            raise InputError(f"rate: these contacts do not age; {rule}")
+            raise InputError(
+                "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
+            )
         own = {
             "temperature": thermal.temperature if thermal else None,
             "rate": contacts.ageing.rate if contacts.ageing else None,

@@ -7,6 +7,8 @@ at any temperature, and the speed only shifts the weight of u, so that the same 
     C = <x_b>,    integral of the force = <k x_b^2>/2.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from master.renewal.table import Table
@@ -36,7 +38,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
     """C (lengths) and the integral of the force over a cycle (lengths squared), each with its error, shape (2, 2, n),
     of contacts with heat (closure "exact"), born relaxed, at speeds of shape (n,)."""
     check_finite(contacts)
-    law, unit, breaks = contacts.thresholds, contacts.mean_threshold, _Breaks(contacts, speeds)
+    law, unit, breaks = contacts.thresholds, contacts.mean_threshold, _make_breaks(contacts, speeds)
     positions, shares = law.atoms
     total, off = np.zeros((2, 2, speeds.size))
     if positions.size:
@@ -64,46 +66,43 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
     return np.stack([total, off], axis=1) * np.array([1.0, 0.5])[:, None, None]
 
 
-class _Breaks:
-    """Mean x_b and k x_b^2 of relaxed contacts at given thresholds, at all speeds."""
+def _make_breaks(contacts: Contacts, speeds: Array) -> Callable[[Array], Array]:
+    """Mean x_b and k x_b^2 of relaxed contacts as a function of thresholds, at all speeds."""
+    assert contacts.thermal is not None
+    rates, log_speeds = contacts.thermal.rates, np.log(speeds)
+    bottom, top = float(log_speeds.min()) + EVEN, float(log_speeds.max()) + MOST
+    even = np.linspace(bottom, top, 2 + int((top - bottom) / WIDTH))
+    wider = np.linspace(1.0, 0.0, 13)[:-1] ** 1.5  # the next to the even ones is 0.75 wide
+    edges = np.append(bottom - (EVEN - LEAST) * wider, even)
+    every_u, shares = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
+    at_speeds = shares[:, None] * _weight(every_u[:, None] - log_speeds)
+    # the rate may vanish at the threshold: a panel must be at least its width away from it
+    usable_from = edges[1:] + np.diff(edges)
 
-    def __init__(self, contacts: Contacts, speeds: Array) -> None:
-        assert contacts.thermal is not None
-        self._contacts, self._rates = contacts, contacts.thermal.rates
-        self._log_speeds = np.log(speeds)
-        slow, fast = float(self._log_speeds.min()), float(self._log_speeds.max())
-        top, bottom = fast + MOST, slow + EVEN
-        even = np.linspace(bottom, top, 2 + int((top - bottom) / WIDTH))
-        wider = np.linspace(1.0, 0.0, 13)[:-1] ** 1.5  # the next to the even ones is 0.75 wide
-        self._edges = np.append(bottom - (EVEN - LEAST) * wider, even)
-        nodes, weights = gauss(self._edges[:-1], self._edges[1:])
-        self._u = nodes.ravel()
-        self._weights = weights.ravel()[:, None] * _weight(self._u[:, None] - self._log_speeds)
-        # the rate may vanish at the threshold: a panel must be at least its width away from it
-        self._usable_from = self._edges[1:] + np.diff(self._edges)
-
-    def __call__(self, thresholds: Array) -> Array:
+    def breaks(thresholds: Array) -> Array:
         """Shape (2, thresholds, speeds)."""
-        stiffness = np.asarray(self._contacts.relative_stiffness(thresholds))
+        stiffness = np.asarray(contacts.relative_stiffness(thresholds))
         given = 0.0, thresholds[:, None], stiffness[:, None]
-        ends = self._rates.log_passed(0.0, thresholds, thresholds, stiffness)
-        whole = np.searchsorted(self._usable_from, ends, side="right")
+        ends = rates.log_passed(0.0, thresholds, thresholds, stiffness)
+        whole = np.searchsorted(usable_from, ends, side="right")
         count = NODES * int(whole.max(initial=0))
-        x = self._rates.reached(self._u[:count], *given)
+        x = rates.reached(every_u[:count], *given)
         x = np.where(np.arange(count) < NODES * whole[:, None], x, 0.0)
-        rest = np.exp(-np.exp(np.minimum(ends[:, None] - self._log_speeds, OVER)))
-        limit, weights = thresholds[:, None], self._weights[:count]
+        rest = np.exp(-np.exp(np.minimum(ends[:, None] - log_speeds, OVER)))
+        limit, weights = thresholds[:, None], at_speeds[:count]
         out = np.stack([x @ weights + rest * limit, (x * x) @ weights + rest * limit**2])
         # from the last whole panel to the threshold
-        end = np.clip(ends, self._edges[0], self._edges[-1])
-        roots = np.cbrt(end - self._edges[whole])[:, None] * CUTS
+        end = np.clip(ends, edges[0], edges[-1])
+        roots = np.cbrt(end - edges[whole])[:, None] * CUTS
         nodes, weights = (part.reshape(end.size, -1) for part in gauss(roots[:, 1:], roots[:, :-1]))
         u = end[:, None] - nodes**3
-        x = 3.0 * nodes * nodes * weights * self._rates.reached(u, *given) ** [[[1.0]], [[2.0]]]
-        for i, log_speed in enumerate(self._log_speeds):
+        x = 3.0 * nodes * nodes * weights * rates.reached(u, *given) ** [[[1.0]], [[2.0]]]
+        for i, log_speed in enumerate(log_speeds):
             out[:, :, i] += np.einsum("nj,knj->kn", _weight(u - log_speed), x)
         out[1] *= stiffness[:, None]
         return out
+
+    return breaks
 
 
 def _weight(log_e: Array) -> Array:

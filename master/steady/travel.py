@@ -25,18 +25,16 @@ FEW, NONE = 1e-4, 1e-290
 class Travel(Straight):
     """E and K of contacts born at some stretches, tabulated over the way, and their integrals (paper, Eq. Q11c).
 
-    velocity : v > 0, length per time
-    accuracy : last two Legendre coefficients of E, and of K over `scale`, below which a panel is not halved: the error
-        of integrals is then about its square
-    born : law of the stretches at birth; None: that of re-forming
+    `born` is the law of the stretches at birth (None: that of re-forming). A panel of the table is halved until the
+    last two Legendre coefficients of E, and of K over `scale`, are below `accuracy`: the error of integrals is about
+    its square.
 
-    Beside these and the attributes of Straight, where lags are ways:
+    Beside the attributes of Straight, where lags are ways (lengths, areas lengths squared):
     atoms : array of shape (n,), ways after which contacts reach exact thresholds together
     grain : the length over which E falls
-    most : the largest value of |K|, a length
-    wait : v tau, the travel during which a broken contact is out (a length)
-    length, length_error : C, the integral of E, and its error; lengths
-    area, area_error : the integral of K and its error; lengths squared
+    most : the largest value of |K|
+    wait : v tau, the travel during which a broken contact is out
+    length, area : C, the integral of E, and that of K; `length_error`, `area_error` their errors
     """
 
     def __init__(
@@ -54,8 +52,8 @@ class Travel(Straight):
         born = born or reforming_law(contacts)
         longest = life.reach + max(-2.0 * float(born.span[0]), 0.0)
         # panels that follow E more closely than it is known would follow its rounding
-        finest = min(life.error, COARSEST)
-        super().__init__(life, born, velocity, longest, max(self.accuracy, finest), steady=True)
+        finest = max(accuracy, min(life.error, COARSEST))
+        super().__init__(life, born, velocity, longest, finest, steady=True)
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
         table = self.table
         held, borne = table(table.edges)
@@ -142,7 +140,6 @@ def check_finite(contacts: Contacts) -> None:
     have a largest."""
     power, changing = power_of(contacts), {"ageing", "grains"}.intersection(contacts.laws)
     if not changing and not np.isfinite(contacts.thresholds.moment(power)):
-        raise InputError(
-            f"thresholds: <x_s^{power}> is infinite, and with it the kinetic force: the force grows for ever; use a "
-            f"law whose tail falls faster than x^-{power + 1}"
-        )
+        fault = f"<x_s^{power}> is infinite, and with it the kinetic force: it grows for ever"
+        rule = f"use a law whose tail falls faster than x^-{power + 1}"
+        raise InputError(f"thresholds: {fault}; {rule}")

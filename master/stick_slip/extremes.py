@@ -29,12 +29,8 @@ class Largest(NamedTuple):
 
 
 class Extremes(NamedTuple):
-    """Extremes of F(X) from a start.
-
-    fall : the largest -dF/dX (no unit), K*/(N_c <k>): 0 where F never falls, inf where it drops at one X
-    force : F_s, the largest F (a length)
-    travel : E and K of contacts that re-form, in steady sliding
-    """
+    """The largest -dF/dX, K*/(N_c <k>): 0 where F never falls, inf where it drops at one X; F_s, the largest F (a
+    length); and E and K of contacts that re-form, in steady sliding."""
 
     fall: Largest
     force: Largest

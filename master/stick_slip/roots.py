@@ -36,21 +36,15 @@ BROAD = 1e4
 
 
 class Values(NamedTuple):
-    """At numbers s, arrays of shape (n,), with E and K per contact born.
+    """The transforms of E, K and D at numbers s, per contact born, with their errors; arrays of shape (n,)."""
 
-    held, held_error : transform of E, and its error (lengths)
-    force, force_error : transform of K, and its error (lengths squared)
-    conserved, conserved_error : D, and its error (lengths)
-    slope : dD/ds (a length squared)
-    """
-
-    held: Complex
+    held: Complex  # of E, a length
     held_error: Array
-    force: Complex
+    force: Complex  # of K, a length squared
     force_error: Array
-    conserved: Complex
+    conserved: Complex  # D, a length
     conserved_error: Array
-    slope: Complex
+    slope: Complex  # dD/ds, a length squared
 
     def root_error(self) -> Array:
         """Error of s (per length) where s is a root: the residual and the error of D over |dD/ds|."""
@@ -80,7 +74,7 @@ class Transform:
 
     def __init__(self, travel: Travel, deepest: float) -> None:
         """Extend the table of E until hardly any contact holds; deepest: the fastest decay of a wave (per length)."""
-        self.travel, self.wait, self.deepest = travel, travel.wait, deepest
+        self.travel, self.deepest = travel, deepest
         life, edges = travel.life, travel.table.edges
         for _ in range(40):  # doublings of the way
             edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
@@ -130,7 +124,7 @@ class Transform:
         """The transforms at s (per length) of shape (n,), none of which is 0; nodes are for all s near."""
         if nodes is None:
             nodes = self.nodes(np.abs(s).max(initial=0.0), -s.real.min(initial=0.0))
-        way, sums, errors = nodes
+        wait, (way, sums, errors) = self.travel.wait, nodes
         rounded = way * np.abs(sums[::2])  # a rounded way turns the wave
         transforms, off = np.empty((3, s.size), dtype=complex), np.empty((2, s.size))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -139,10 +133,10 @@ class Transform:
                 transforms[:, i] = sums @ wave
                 off[:, i] = (errors + ROUND_OFF * abs(number) * rounded) @ np.abs(wave)
             held, held_slope, force = transforms
-            waited, out = np.exp(-s * self.wait), -np.expm1(-s * self.wait) / s
+            waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
             conserved = held * waited + out
-            slope = waited * (held_slope - self.wait * held) + (self.wait * waited - out) / s
-            cancelled = 1.0 + (1.0 + np.abs(s) * self.wait) * np.abs(waited)
+            slope = waited * (held_slope - wait * held) + (wait * waited - out) / s
+            cancelled = 1.0 + (1.0 + np.abs(s) * wait) * np.abs(waited)
             error = off[0] * np.abs(waited) + np.finfo(float).eps * cancelled / np.abs(s)
         return Values(held, off[0], force, off[1], conserved, error, slope)
 

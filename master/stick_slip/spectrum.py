@@ -148,23 +148,23 @@ def decoherence_spectrum(
 
 def _deepest(travel: Travel) -> float:
     """The decay rate to which roots are searched; InputError where none can be resolved."""
-    contacts, wait, why = travel.contacts, travel.wait, ""
+    contacts, wait = travel.contacts, travel.wait
     if wait > LONGEST * travel.length:
         grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
-        rule = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
-        refuse("velocity", travel.velocity, f"{rule}; roots are told up to {LONGEST:g} times")
+        fault = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
+        refuse("velocity", travel.velocity, f"{fault}; roots are told up to {LONGEST:g} times")
     crowd, tail = crowding_rate(travel), tail_rate(contacts)[0]
     if crowd * travel.cycle < 1e-2:
-        why = "thresholds: so much of their weight is in exact values alone: their roots come as near to Re s = 0 as "
-        why += "one likes, and none is the slowest; give each a width, or follow F(X) with master.solve"
-    elif tail == 0.0:
-        why = "thresholds: the tail falls slower than any exponential, and with it F - F_k: no root exists"
-    elif travel.longest > BROAD * travel.length:
-        times = f"{travel.longest / travel.length:.1g} times the mean"
-        why = f"thermal: contacts live for all lengths up to {times}: among so many"
-        why += " no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
-    if why:
-        raise InputError(why)
+        fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
+        rule = "and none is the slowest; give each a width, or follow F(X) with master.solve"
+        raise InputError(f"thresholds: {fault}, {rule}")
+    if tail == 0.0:
+        fault = "the tail falls slower than any exponential, and with it F - F_k: no root exists"
+        raise InputError(f"thresholds: {fault}")
+    if travel.longest > BROAD * travel.length:
+        fault = f"contacts live for all lengths up to {travel.longest / travel.length:.1g} times the mean: among so"
+        rule = "many no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
+        raise InputError(f"thermal: {fault} {rule}")
     return deepest_wave(travel, min(tail, crowd))
 
 
