@@ -114,15 +114,6 @@ def test_claims_at_coarse_tolerances_bound_the_error(name: str) -> None:
     assert all(found.success for found in coarse) and max(offs) > 1e-9
 
 
-def test_claims_of_critical_springs_hold_at_coarse_tolerances() -> None:
-    ahead = Contacts(origins.rectangular(0.2856, 1.0892), reforming=0.1356)
-    for contacts in (ahead, Contacts(scipy.stats.triang(0.3208, 0.2, 1.0), 0.2912)):
-        fine = master.propensity(contacts, 1e-9)
-        for found in (master.propensity(contacts, tolerance) for tolerance in (1e-2, 1e-3)):
-            off = abs(found.critical_spring - fine.critical_spring)
-            assert off <= found.critical_spring_error + fine.critical_spring_error
-
-
 def test_slow_contacts_age_and_let_go_more_steeply() -> None:
     # the laws of Fig. A06; where ageing ends stick-slip is found by another road
     contacts = Contacts(FRESH, 0.02, ageing=Ageing(origins.gaussian(1.0, 0.02), 5e-4))
