@@ -21,8 +21,7 @@ from origins.thresholds.law import Array
 class StretchDistribution:
     """Density of stretches at one moment, and the delta functions beside it.
 
-    delta_positions, delta_weights : stretches (lengths) shared by a finite fraction of the contacts, and that fraction,
-        shape (n,).
+    delta_positions, delta_weights : stretches (lengths) of finite shares of the contacts, and these shares, shape (n,).
     """
 
     delta_positions: Array

@@ -103,3 +103,12 @@ def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
     assert turned.success, turned.message
     np.testing.assert_allclose(turned.force, [0.0, 0.0, -0.4], atol=1e-10)
     np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_heat_and_one_exact_value(law):
+    """Those that heat has left break together, again and again; a start just beside the births takes another road."""
+    thermal, path = origins.Thermal(law, 0.05, 2.0), np.linspace(0.1, 3.0, 8)
+    starts = (origins.Contacts(origins.identical(1.0), x, thermal) for x in (None, 1e-10))
+    relaxed, beside = (master.solve(contacts, path) for contacts in starts)
+    assert np.abs(relaxed.force - beside.force).max() < 1e-8 and relaxed.force[3] < 0.4

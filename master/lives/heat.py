@@ -125,7 +125,7 @@ class Replay:
             return np.maximum(level, least)
         spent, (contact, leg) = np.zeros(threshold.shape), np.nonzero(self._duration[row] * on)
         # moves whose rates stay in the processor's cache
-        together = max(4096 // threshold.shape[1], 1)
+        together = max(4096 // max(threshold.shape[1], 1), 1)
         for begin in range(0, contact.size, together):
             which, some = leg[begin : begin + together, None], contact[begin : begin + together]
             own = row[some, None]

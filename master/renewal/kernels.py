@@ -64,6 +64,7 @@ class Straight:
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale = life.reach
         bends = self._bends(np.append(life.bends, life.reach))
+        self._last = float(bends.max(initial=0.0)) or np.inf  # the lag at which the last contacts break
         self._read: Callable[[Array], Array] = self.scaled
         if life.quick and born.is_single and not steady:  # the life is as quick as a table
             self._bounds = _edges(longest, bends)
@@ -97,7 +98,7 @@ class Straight:
         ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
-        found = self._read(lag)
+        found = self._read(lag) * (middle < self._last)
         found[1] *= self.scale
         return found
 

@@ -105,8 +105,7 @@ class Move:
 
     def slip_ends(self, after: float, load: float, begin: SlipBegin) -> tuple[LoadCurve, float]:
         """The curve, and the travel where a slip ends that begins after a travel with this load."""
-        # the slope is surely negative ten errors of the place away; a slip is at least 1e-4 of the
-        # travel long
+        # the slope is surely negative ten errors of the place away; a slip is at least 1e-4 of the travel long
         falling, travel = min(10.0 * begin.misplaced, 1e-4 * begin.curve.end), after
         while True:
             curve = self.reach(travel)
