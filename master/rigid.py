@@ -1,6 +1,7 @@
 """A rigid slider on any path: sets up the march for contacts and drive, reads force and error."""
 
 import time as clock
+from copy import copy
 
 import numpy as np
 
@@ -127,6 +128,13 @@ def march_of(
     """The march along a motion, with panels that end where the number of breaks may bend; `most` is an upper limit of
     |x| of contacts that hold, where the caller knows one."""
     again, mean = reforming_law(contacts), contacts.mean_threshold
+    moving = np.abs(motion.speeds[motion.speeds != 0.0])
+    if contacts.thermal is not None and life.bends.size and moving.size:
+        # before a jump of P_c heat breaks contacts in a thin layer, which F hardly shows, but later F and F' do
+        given = 0.0, life.bends, contacts.relative_stiffness(life.bends)
+        layers = contacts.thermal.rates.reached(np.log(moving.min()) - 25.0, *given)
+        life = copy(life)
+        life.bends = np.union1d(life.bends, layers[layers > 0.8 * life.bends])
     stretch = min(longest_stretch(contacts, motion, life), most)
     # panels get the part of the tolerance that rounding and the life's own error leave
     taken = round_off(motion, mean) + life.error * stretch / mean

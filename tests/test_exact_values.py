@@ -112,3 +112,14 @@ def test_heat_and_one_exact_value(law):
     starts = (origins.Contacts(origins.identical(1.0), x, thermal) for x in (None, 1e-10))
     relaxed, beside = (master.solve(contacts, path) for contacts in starts)
     assert np.abs(relaxed.force - beside.force).max() < 1e-8 and relaxed.force[3] < 0.4
+
+
+@pytest.mark.parametrize(("velocity", "tolerance"), [(0.1, 1e-4), (1.0, 1e-5)])
+def test_a_thin_layer_of_heat_before_an_exact_value(velocity, tolerance):
+    """After turns thin layers of early breaks show in F, where panels end before them and at them."""
+    thermal, start = origins.Thermal("soft", 1.3e-3, 500.0), origins.gaussian_start(0.0, 0.07)
+    contacts = origins.Contacts(origins.identical(1.0), start, thermal)
+    path = [0.0, 0.87, -0.65, 0.6, 0.9, 1.0, 1.09]
+    found, known = (master.solve(contacts, path, x, velocity=velocity) for x in (tolerance, 1e-8))
+    assert np.abs(found.force - known.force).max() <= found.force_error + known.force_error
+    assert found.success and known.success

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.lives.life import NONE_LEFT, Life
+from master.lives.life import NONE_LEFT, TIE, Life
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.births import Births, Nodes
@@ -97,8 +97,9 @@ class Straight:
         """E and K after lags in rows, from a table if there is one; the middle column tells the side of a threshold."""
         ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
+        holds = (middle < self._last) | (lag < self._last * (1.0 - TIE))
         lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
-        found = self._read(lag) * (middle < self._last)
+        found = self._read(lag) * holds
         found[1] *= self.scale
         return found
 

@@ -1,6 +1,5 @@
 """The steepest fall and the largest value of F(X) on a slider that moves forward at one speed."""
 
-from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -75,12 +74,7 @@ def births_table(contacts: Contacts, velocity: float, tolerance: float) -> Trave
 def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
     """The march of contacts with this `births_table` from their start to X = `horizon` (a length), not yet run;
     the tolerance of the force, in mean thresholds, is limited by the error of the survival."""
-    contacts, life, mean = travel.contacts, copy(travel.life), travel.contacts.mean_threshold
-    if contacts.thermal is not None and life.bends.size:
-        # before a jump of P_c heat breaks contacts in a thin layer, which F hardly shows, but F' does
-        given = 0.0, life.bends, contacts.relative_stiffness(life.bends)
-        layers = contacts.thermal.rates.reached(np.log(travel.velocity) - 25.0, *given)
-        life.bends = np.union1d(life.bends, layers)
+    contacts, life, mean = travel.contacts, travel.life, travel.contacts.mean_threshold
     motion = Motion(np.array([0.0, horizon / travel.velocity]), np.array([0.0, horizon]))
     # with heat contacts break long before they reach the longest stretch; a limit below a tenth of the mean
     # threshold would make the march's tolerance finer than rounding
