@@ -10,7 +10,18 @@ from rate_laws import Tilted
 from solving import held_to_claim
 
 import master
-from origins import Ageing, Contacts, Delay, Thermal, gaussian, gaussian_start, growing_grains
+from origins import (
+    Ageing,
+    Contacts,
+    Delay,
+    Thermal,
+    gaussian,
+    gaussian_start,
+    growing_grains,
+    identical,
+    mixture,
+    rectangular,
+)
 from origins.drive import SlipRule
 
 WIDE = gaussian(1.0, 0.2)
@@ -61,6 +72,58 @@ def test_the_force_is_that_of_a_rigid_slider_on_the_same_way(name: str) -> None:
     assert np.abs(soft.force - spring * (path - soft.position)).max() < 1e-12
     clock = np.cumsum(np.diff(path, prepend=begin)) / velocity
     held_to_claim(contacts, soft.position, 1e-3, soft, more=5e-4, time=clock)
+
+
+LATE, COOL = {"delay": Delay(0.3)}, {"thermal": Thermal("soft", 0.01, 1e-25)}
+
+
+@pytest.mark.parametrize(
+    "path, time, force",
+    [
+        ([1.9], None, [0.95]),
+        ([1.9, 1.0], None, [0.95, 0.5]),
+        ([1.9, 1.9, 1.95], [1.0, 2.0, 3.0], [0.95, 0.95, 0.975]),
+        ([1.9, 2.5], [1.0, 4.0], [0.95, 0.25]),
+    ],
+)
+@pytest.mark.parametrize("laws", [LATE, COOL], ids=["delay", "hardly any heat"])
+def test_equal_contacts_slip_where_they_all_break_and_never_before(
+    laws: dict[str, Any], path: list[float], time: list[float] | None, force: list[float]
+) -> None:
+    """At X_T = 2, where the slider jumps by 1; every step before ends at a balance."""
+    contacts, times = Contacts(identical(1.0), **laws), {} if time is None else {"time": time}
+    solved = master.solve(contacts, path, 1e-3, spring=1.0, **times)
+    assert solved.success and np.abs(solved.force - force).max() <= solved.force_error < 1e-5
+    assert solved.slips.drive.size == (path[-1] > 2.0)
+    assert solved.slips.drive == pytest.approx(2.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "laws, rule, force",
+    [
+        (COOL, "reform-after", np.array([1.81, 1.9]) / 2.0 - 0.3 / 13),
+        (COOL, "instant", np.array([1.81, 1.9]) / 2.0 - 0.0225),
+        (LATE, "reform-after", np.array([1.81, 1.9]) * 0.95 / 1.95),
+    ],
+)
+def test_a_slip_ends_a_hundredth_of_a_threshold_beyond_an_exact_value(
+    laws: dict[str, Any], rule: SlipRule, force: np.ndarray
+) -> None:
+    """One in twenty breaks at X_T = 1.8. It re-forms at once, where the slip ends, or later than 1.9."""
+    contacts = Contacts(mixture([identical(0.9), identical(1.0)], [0.05, 0.95]), **laws)
+    solved = master.solve(contacts, [1.81, 1.9], 1e-3, spring=1.0, slip=rule)
+    assert solved.success and np.abs(solved.force - force).max() <= solved.force_error < 1e-3
+
+
+def test_a_path_may_end_just_before_a_slip() -> None:
+    """There the slider moves ever faster, and no step goes beyond the path's last point."""
+    late, end = Contacts(rectangular(1.0, 1.1), delay=Delay(1e-3)), np.array([1.997, 1.9999])
+    solved = master.solve(late, end, 1e-3, spring=1.0)
+    assert solved.success and np.abs(solved.force - end / 2.0).max() <= solved.force_error < 1e-8
+    plain, cool = (Contacts(gaussian(1.0, 0.02), **laws) for laws in ({}, COOL))
+    begin = master.solve(plain, [3.0], 1e-10, spring=1.0).slips.drive[0]
+    exact = master.solve(plain, [begin - 1e-4], 1e-10, spring=1.0)
+    held_to_claim(cool, [begin - 1e-4], 1e-3, exact, spring=1.0)
 
 
 LARGE = 0.05  # of all contacts, which an avalanche at a standing drive breaks: a slip

@@ -60,13 +60,15 @@ class Memory:
     width : length of a strand's record, of which the first `others` numbers are not A
     starts : most nodes for a start with a width
     finer_before_slips : whether steps become finer towards a slip
+    exact : whether there are exact thresholds
     """
 
-    error, others, finer_before_slips = 1e-15, 0, False
+    error, others, finer_before_slips, exact = 1e-15, 0, False, False
 
     def __init__(self, contacts: Contacts, level: int) -> None:
         law = self._law = contacts.thresholds
         self._hot, self._contacts = contacts.thermal is not None, contacts
+        self.exact = bool(law.atoms[0].size)
         self.starts = 24 + 8 * level if self._hot else 400
         self.reach = max([min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]])
         # births change over the width of the sharpest tenth of P_c

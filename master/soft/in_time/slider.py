@@ -61,17 +61,15 @@ class Slider:
         contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
         contacts.begin_section()
-        slip = None
-        while slip is None and contacts.now < end:
-            size = self._size * steps.finer
-            takes, trial = steps.step(size)
-            slip = steps.up_to_slip(takes, trial, size)
-            trial = slip or trial
+        slips = False
+        while not slips and contacts.now < end:
+            size = min(self._size * steps.finer, max(steps.longest(), 1e-6 * self._size))
+            trial, slips = steps.up_to_slip(*steps.step(size), size)
             if trial.travel or trial.now > contacts.now:
                 done = nodes[-1].size + max(steps.size(trial), 0.0)
                 contacts.take(trial)
                 nodes.append(self._node(done))
-        return slip is not None
+        return slips
 
     def _node(self, size: float) -> Node:
         state = self.contacts
@@ -100,15 +98,17 @@ class Slider:
         def imbalance(way: float) -> float:
             return steps.imbalance(contacts.trial(way, contacts.now, without_births))
 
-        slips = any(imbalance(steps.sign * share * least) > 0.0 for share in (0.1, 0.4, 1.0))
-        away = False
+        ways = [steps.sign * share * least for share in (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)]
+        slipped = next((way for way in ways if imbalance(way) > 0.0), 0.0)
+        slips, away = bool(slipped), 0.0 < abs(slipped) < abs(size)
+        low = slipped or 1e-4 * size  # the shortest slip
         while slips and ((missing := imbalance(travel + size)) > 0.0 or not away):
             away |= missing > 0.0 or abs(contacts.place + travel - begin) > least
             if without_births:
                 travel += size
             else:
                 contacts.take(contacts.trial(size, contacts.now))
-        low = travel if slips else 1e-4 * size  # the shortest slip
+            low = travel
         if slips and imbalance(low) > 0.0:
             # accuracy of a slip's end, in mean thresholds
             low = float(brentq(imbalance, low, travel + size, xtol=1e-15 * contacts.unit))

@@ -8,7 +8,7 @@ diverges. A slip begins at a fold, where the time of balance, as a function of t
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 from scipy.special import wrightomega
 
 from master.motion.motion import Motion
@@ -20,6 +20,8 @@ COARSEST = 0.5
 LESS = 0.25
 # Accuracy of the beginning of a slip, where X_T is flat, as a share of the step.
 CLOSE_TO_SLIP = 1e-6
+# Shares of a step that it may take in time, where a balance before exact thresholds is looked for.
+PROBES = np.array([1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03])
 
 
 class StepCount:
@@ -78,7 +80,7 @@ class Steps:
         # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
         even = LESS * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
         even = even + scales.rate / COARSEST if speed else 0.0
-        self._count = StepCount(self._contacts.now, end, even, scales.time)
+        self._count, self._end = StepCount(self._contacts.now, end, even, scales.time), end
         # share of the uniform steps in the last step, and guess of it in the next one
         self._share, self._guess, self.finer = np.nan, 0.5, 1.0
 
@@ -86,6 +88,12 @@ class Steps:
         """The size of a step."""
         takes = self._count.steps(trial.now) - self._count.steps(self._contacts.now)
         return takes + self.sign * trial.travel / self.length
+
+    def longest(self) -> float:
+        """The size of a step to the end of the section on which the slider moves as far as the drive."""
+        now, drive = self._contacts.now, self._drive
+        way = float(np.abs(np.diff(drive.at(np.array([now, self._end])))[0]))
+        return self._count.steps(self._end) - self._count.steps(now) + way / self.length
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion."""
@@ -105,11 +113,20 @@ class Steps:
             return self.imbalance(self._trial) + steep * back
 
         found, self._steep = secant(imbalance, self._guess * size, steep, self._close * size)
+        if found < 0.0 and self._contacts.memory.exact:
+            # a guess beyond an exact threshold misses the balance before it
+            steps = size * PROBES
+            ahead = next((k for k in range(1, steps.size) if imbalance(steps[k]) < 0.0), 0)
+            if ahead:
+                low, high = steps[ahead], steps[ahead - 1]
+                held = imbalance(high) <= 0.0
+                found = high if held else brentq(imbalance, low, high, xtol=self._close * size)
+            imbalance(found)
         return found, self._trial
 
-    def up_to_slip(self, takes: float, trial: Trial, size: float) -> Trial | None:
-        """The step up to the beginning of a slip, if one begins within the step `trial`, which was asked for with this
-        size and `takes` so many steps of time, as `step` returns both."""
+    def up_to_slip(self, takes: float, trial: Trial, size: float) -> tuple[Trial, bool]:
+        """The step `trial`, which was asked for with this size and `takes` so many steps of time, as `step` returns
+        both, or that up to a slip that begins within it; and whether one does."""
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
         # no slip is near while a step takes more than 0.3 LESS of its size in time, as it does where the
         # slider follows the drive, or while a shorter step would take less time
@@ -122,12 +139,20 @@ class Steps:
             finer = self._contacts.memory.finer_before_slips and change < 0.0
             away = share * size / -change if finer else np.inf
             self.finer = min(max(away / 4.0, 0.03), 1.0)
-            return None
+            return trial, False
         options = {"xatol": CLOSE_TO_SLIP * size}
         found = minimize_scalar(
             lambda part: -self.step(part)[0], bounds=(0.0, size), method="bounded", options=options
         )
-        return self.step(float(found.x))[1]
+        trial = self.step(float(found.x))[1]
+        low, high = 0.0, size if self._contacts.memory.exact else 0.0
+        while high - low > 1e-14 * size:  # the largest size before exact thresholds break
+            middle = 0.5 * (low + high)
+            takes = self.step(middle)[0]
+            low, high = (middle, high) if takes > 0.0 else (low, middle)
+            self._guess = takes / middle if takes > 0.0 else self._guess
+        trial = max(trial, self.step(low)[1] if low else trial, key=lambda each: each.now)
+        return trial, trial.now < self._end  # where the section ends, a slip may still be to come
 
 
 def secant(
