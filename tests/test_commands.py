@@ -183,18 +183,16 @@ def test_a_table_that_misses_its_tolerance_is_status_1_and_says_what_has_laws(ca
     """Contacts that heat breaks long before their thresholds: K* is zero within an error of some 1e-6."""
     contacts = {"thresholds": WIDE, "thermal": {"law": "soft", "temperature": 0.3}}
     hot = write("hot", contacts=contacts, drive={"to": 1e-3, "points": 3, "velocity": 1e-6})
-    for command, success in (("thresholds", 1), ("compare", 1), ("run", 0)):
+    for command, expected in (("thresholds", 1), ("compare", 1), ("run", 0)):
         status, out, _ = said(capsys, command, hot)
-        assert status == success and ("not as asked: " in "".join(out)) == (success == 1)
+        assert status == expected == ("not as asked: " in "".join(out))
     assert not read("hot-output/thresholds.json")["success"]
     warm = contacts | {"thresholds": ROUGH, "stiffness": "linked"}
     warm["thermal"] = {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e9}
-    file = write("warm", contacts=warm, drive={"to": 1e-7, "points": 3}, master=None)
-    status, out, err = said(capsys, "thresholds", file)
+    status, out, err = said(capsys, "thresholds", write("warm", contacts=warm, master=None))
     rows = [row.split("  ")[1] for row in out if row.endswith(("  (with laws)", "  (P_c alone)"))]
     assert status == 0 and rows[::4] == ["kinetic force", "friction coefficient"]
-    assert rows[1] == "critical spring" and rows[5] == "kinetic stress"
-    assert err[0].endswith("linked contacts carry more than the load, and F may exceed mu times it")
+    assert err[-1].endswith("linked contacts carry more than the load, and F may exceed mu times it")
 
 
 def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) -> None:
