@@ -42,8 +42,7 @@ class Drive:
         self.spring = None if spring is None else positive("spring", spring)
         one_of("slip", slip, get_args(SlipRule))
         if self.spring is None and slip != "reset":
-            rule = "is what a slip of a soft slider does, and without spring the slider is rigid"
-            refuse("slip", slip, rule)
+            refuse("slip", slip, "is what a slip of a soft slider does; without spring it is rigid")
         self.slip = slip
         self._back = np.flatnonzero(np.diff(self.path, prepend=0.0) < 0.0)
         self.forward = not self._back.size

@@ -179,6 +179,22 @@ def test_thresholds_print_moments_within_their_errors_and_draw(capsys: Any) -> N
         assert abs(numbers[name]["value"] - value) <= numbers[name]["error"] < 1e-6, name
 
 
+def test_a_table_that_misses_its_tolerance_is_status_1_and_says_what_has_laws(capsys: Any) -> None:
+    """Contacts that heat breaks long before their thresholds: K* is zero within an error of some 1e-6."""
+    contacts = {"thresholds": WIDE, "thermal": {"law": "soft", "temperature": 0.3}}
+    hot = write("hot", contacts=contacts, drive={"to": 1e-3, "points": 3, "velocity": 1e-6})
+    for command, expected in (("thresholds", 1), ("compare", 1), ("run", 0)):
+        status, out, _ = said(capsys, command, hot)
+        assert status == expected == ("not as asked: " in "".join(out))
+    assert not read("hot-output/thresholds.json")["success"]
+    warm = contacts | {"thresholds": ROUGH, "stiffness": "linked"}
+    warm["thermal"] = {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e9}
+    status, out, err = said(capsys, "thresholds", write("warm", contacts=warm, master=None))
+    rows = [row.split("  ")[1] for row in out if row.endswith(("  (with laws)", "  (P_c alone)"))]
+    assert status == 0 and rows[::4] == ["kinetic force", "friction coefficient"]
+    assert err[-1].endswith("contacts carry more than the load, and F may exceed mu times it")
+
+
 def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) -> None:
     narrow, drive = {"kind": "gaussian", "mean": 2.0, "std": 0.1}, {"to": 4.0, "points": 41}
     wide, exact = {"kind": "gw-plastic", "B": 1.251}, {"kind": "identical", "value": 1.0}

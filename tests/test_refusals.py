@@ -319,7 +319,7 @@ drive = {"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}  for drive.from a
 drive = {"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}  drive.velocity = 2.0: the times of
 drive = {"points": 11, "to": 1.0, "hold_scale": 1.0}  drive.hold_scale = 1.0
 drive.spring = 0.0  drive.spring = 0.0: expected a number > 0.0
-drive.slip = "instant"  drive.slip = 'instant': is what a slip of a soft slider does, and without
+drive.slip = "instant"  drive.slip = 'instant': is what a slip of a soft slider does; without spring
 master.tolerance = 0.0  master.tolerance = 0.0: expected a number > 0.0
 eq.seed = -1  eq.seed = -1: expected a whole number >= 0
 eq.threads = 2  eq.threads: unknown key; known here: contacts, replicas, seed, tolerance, wall
@@ -331,8 +331,8 @@ colour = "red"  colour: unknown key; known here: contacts, drive, title, master,
 sweep = {}  sweep: goes along nothing
 sweep = {"velocity": "fast"}  sweep.velocity = 'fast': expected a number | table | array
 sweep = {"velocity": [1.0, 0.0]}  sweep.velocity[1] = 0.0: expected a number > 0.0
-sweep = {"velocity": SPEEDS | {"from": 0.0}}  sweep.velocity = 0.0: must be above zero
-sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing = 'wide': invalid enum value
+sweep = {"velocity": SPEEDS | {"from": 0.0}}  sweep.velocity.from = 0.0: must be above zero
+sweep = {"velocity": SPEEDS | {"spacing": "wide"}}  sweep.velocity.spacing = 'wide': must be "log" or "even"
 sweep = {"temperature": SPEEDS | {"from": 0.0}}  sweep.temperature: 0 has no logarithm; write spacing = "e
 sweep = {"rate": [0.0, 1.0]}  sweep.rate: the contacts have no law for it; add [contacts.ageing]
 sweep = {"kelvin": [1.0, 2.0]}  sweep.kelvin: needs <k> in N/m

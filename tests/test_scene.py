@@ -181,13 +181,15 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
     each = interface.contact_density * interface.mean_stiffness
     assert pulled(spring="0.5 N_c<k>").drive.spring == 0.5
     assert pulled(spring="50 N/m", area=1e-4).drive.spring == pytest.approx(50.0 / (each * 1e-4))
+    with pytest.raises(InputError, match="spring = '50 N/m': precision takes a rigid slider"):
+        pulled(spring="50 N/m", area=1e-4).only_forward("precision")
     few = {"to": 1e-7, "points": 5, "spring": "50 N/m", "area": 1e-10}
     told = toolkit.run(scene(ROUGH, drive=few)).master.regime.reason
     assert told.endswith("infinitely many contacts: the area holds 9.47; run [eq] contacts = 9")
     for drive, rule in (
-        ({"spring": 50.0}, r'has no unit; .*spring = "50 N/m" with area.* or spring = "50 N_c<k>"'),
-        ({"spring": "50 N/m"}, "needs drive.area"),
-        ({"spring": "50 N/m", "area": 1e-16}, r"it holds 9.5e-06, give at least"),
+        ({"spring": 50.0, "area": 1e-4}, r'no unit; .*= "50 N/m" with area.* or .* = "50 N_c<k>"'),
+        ({"spring": "50 N/m"}, r"^drive\.spring = '50 N/m': needs drive\.area, the nominal area"),
+        ({"spring": "50 N/m", "area": 1e-16}, "area = 1e-16: holds 9.5e-06 contacts; give over"),
         ({"spring": "50 kN"}, "must be a number and a unit"),
         ({"law": GAUSSIAN, "spring": "5 N/m", "area": 1.0}, "needs <k> in N/m"),
         ({"spring": "0.5 N_c<k>", "area": 1.0}, "drive.area = 1.0: is for a spring in N/m"),
@@ -210,7 +212,8 @@ def test_files_dicts_and_names(tmp_path: Path) -> None:
     for wrong, told in (
         ("gausian", r"^scene = 'gausian': .* did you mean gaussian or .*\? `mesofriction "),
         (tmp_path / "min.toml", r"no shipped scene; did you mean .*mine\.toml"),
-        (tmp_path / "broken.toml", "'utf-8' codec"),
+        (tmp_path / "broken.toml", "is no text in UTF-8; name another file"),
+        (tmp_path, "is a folder; name a file in it"),
         (3, r"^scene = 3: must be a dict"),
         (
             scene(GAUSSIAN | {"std": object()}),

@@ -155,6 +155,7 @@ HARDER, SOFTER = replace(MATERIAL, hardness=1e10), replace(MATERIAL, hardness=2.
 SOFT = replace(MATERIAL, hardness=None)
 EVEN = origins.PowerLaw(1e3, 0.0)
 EVENLY_STIFF = replace(SOFT, shear_modulus=None, contact_stiffness=EVEN)
+POINTED = origins.moments_of_summits(radius=1e-8, std=5e-8, density=1e12)
 PATCHES = {"model": "persson", "patch_area": PATCH}
 
 
@@ -171,6 +172,8 @@ PATCHES = {"model": "persson", "patch_area": PATCH}
         ({"moments": replace(SCAN, size=(0.2, 1e-4))}, "0.2 m across: is the unit right?"),
         (PATCHES | {"moments": SCAN, "patch_area": 9.9e-15}, "is below the 1e-14 m² of a pixel"),
         ({"material": EVENLY_STIFF}, "is above the local 0.4: Eq. Q6"),
+        ({"moments": POINTED}, "m is not far below the summits' 1e-08 m, as Hertz' theory needs"),
+        ({"material": replace(SOFT, shear_modulus=1e3)}, "contacts stretch by 0.06 m, over the"),
     ],
 )
 def test_one_strain_at_a_time_is_said(change: dict, says: str) -> None:

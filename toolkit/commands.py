@@ -11,7 +11,7 @@ from typing import Any
 from origins.errors import refuse
 from toolkit.judge import compare as judge
 from toolkit.judge import precision as ladders
-from toolkit.judge.describe import Description, describe
+from toolkit.judge.describe import PROPENSITY, Description, describe
 from toolkit.pictures import compare as pictures
 from toolkit.pictures.thresholds import save_thresholds_picture
 from toolkit.results.files import another, write_json
@@ -115,7 +115,8 @@ def _agreement(result: Any) -> str:
 
 
 def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
-    """P_c, its survival and hazard as a picture, moments and propensity as a table, which is printed."""
+    """P_c, its survival and hazard as a picture, moments and propensity as a table; returns 1 where a number of the
+    table misses its tolerance."""
     scene = load_scene(arguments.scene, solved=False, comm=comm)
     folder = arguments.out or f"{scene.name}-output"
 
@@ -142,17 +143,20 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
         "thresholds.json": lambda path: write_json(record, path),
     }
     on_root(comm, lambda: write_folder(folder, writers))
-    print("\n".join([title, *_lines(found), f"written to {folder}"]))
-    return 0
+    print("\n".join([title, *_lines(found, scene.contacts.laws), f"written to {folder}"]))
+    return 0 if found.success else 1
 
 
-def _lines(found: Description) -> list[str]:
-    """The table as lines of text."""
-    named = {name.replace("_", " "): number for name, number in found.numbers.items()}
-    width, out = max(map(len, named)) + 2, list[str]()
-    for name, number in named.items():
+def _lines(found: Description, laws: tuple[str, ...]) -> list[str]:
+    """The table as lines of text; where contacts have `laws`, the numbers of sliding say whether these are in them."""
+    sliding = (*PROPENSITY, "kinetic_force", "critical_spring_of_the_area")
+    labels = dict.fromkeys(sliding, "with laws")
+    labels |= dict.fromkeys(("friction_coefficient", "kinetic_stress"), "P_c alone")
+    width, out = max(map(len, found.numbers)) + 2, list[str]()
+    for name, number in found.numbers.items():
         value = with_error(number.value, number.error or 0.0, 8)
-        out.append(f"  {name:{width}}{value} {number.unit}".rstrip())
+        row = f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip()
+        out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)
     out += [f"  {note}" for note in found.notes]
     return [*out, f"  {'run time':{width}}{found.run_time:.2g} s"]
 
@@ -165,8 +169,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
         with inside(given, {}):
             scene = load_scene(given, comm=comm)
         if scene.name in scenes:
-            rule = "two scenes of this name could not be told apart; rename one of the files"
-            refuse("scenes", scene.name, rule)
+            refuse("scenes", scene.name, "two scenes have this name; rename one of the files")
         scenes[scene.name] = scene
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
@@ -175,7 +178,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     draw = partial(pictures.draw_comparison, verdicts)
     on_root(comm, lambda: _write(folder, "compare", draw, lines, numbers))
     print("\n".join([*lines, f"written to {folder}"]))
-    return 0 if all(verdict.result.success for verdict in verdicts) else 1
+    return 0 if all(one.result.success and one.found.success for one in verdicts) else 1
 
 
 def precision(arguments: argparse.Namespace) -> int:

@@ -92,9 +92,7 @@ def fourier_substrate(
     return Substrate(G[kept], sums[kept], constant)
 
 
-def vectors(
-    value: object, name: str = "wavevectors", such: str = "[[1.0, 0.0], [0.0, 1.0]]"
-) -> Array:
+def vectors(value: object, name: str = "wavevectors", such: str = "[[1.0, 0], [0, 1.0]]") -> Array:
     """`value` as an array of shape (n, 2), n >= 1; unless they are finite, InputError says what to write, `such`."""
     try:
         array = np.asarray(value, dtype=float)

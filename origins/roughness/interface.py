@@ -200,9 +200,9 @@ class Interface:
     @property
     def cautions(self) -> tuple[str, ...]:
         """Sentences about surface or load at the limits of the theory; empty where there are none."""
-        moments, mu, stretch = self.moments, self.friction_coefficient, self.mean_threshold
+        moments, mu, reach = self.moments, self.friction_coefficient, self.mean_threshold
         covered, radius, slope = self.area_fraction, self.mean_radius, moments.rms_slope
-        local = self.material.local_friction or np.inf
+        local, tops = self.material.local_friction or np.inf, moments.summit_radius
         plastic, by_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
         uneven = np.sqrt(np.divide(max(moments.m2_axes), min(moments.m2_axes)))
         # without a scan, or without patches, there are no cautions about their size
@@ -214,6 +214,7 @@ class Interface:
         too_elastic = self.regime == "plastic" and by_hertz < 0.01
         # the scan need not resolve the area of Persson's patches
         too_small = self.model == "gw" and radius < 2.0 * max(pixel)
+        too_wide = self.model == "gw" and radius > 0.5 * tops
         too_high = self.law != "strength" and mu > local
         strained = {
             f"the scan is {max(size):.3g} m across: is the unit right?": np.inf > max(size) > 0.1,
@@ -225,7 +226,8 @@ class Interface:
             f"slopes of the two axes differ by a factor {uneven:.2g}: not isotropic": uneven > 1.5,
             f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic": too_plastic,
             f"{by_hertz:.1%} would be plastic by Hertz' theory, and all are taken as such": too_elastic,
-            f"contacts slip after {stretch:.2g} m, over their {radius:.2g} m": stretch > radius,
+            f"contacts stretch by {reach:.2g} m, over their radius {radius:.2g} m": reach > radius,
+            f"mean radius {radius:.2g} m is not far below the summits' {tops:.2g} m, as Hertz' theory needs": too_wide,
             f"mean radius {radius:.2g} m is below 2 pixels: the scan does not resolve it": too_small,
             f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random": too_high,
         }

@@ -1,5 +1,6 @@
 """Continuous scipy.stats distributions, frozen ones and those of the newer interface, as Thresholds."""
 
+import warnings
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,8 +22,7 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     """
     if isinstance(law, Thresholds):
         return law
-    frozen = as_frozen(law)
-    if frozen is None:
+    if (frozen := as_frozen(law)) is None:
         such = "origins.gaussian(mean=1.0, std=0.05), or be a frozen continuous scipy.stats distribution"
         refuse(name, law, f"must come from origins, such as {such}")
     mean = single_mean(name, frozen)
@@ -53,7 +53,8 @@ def as_frozen(law: Any) -> Any:
 def single_mean(name: str, frozen: Any) -> float:
     """Mean of a distribution; InputError where its parameters are missing or are arrays."""
     try:
-        mean = frozen.mean()
+        with warnings.catch_warnings(action="ignore"):  # of integrals: the value is judged
+            mean = frozen.mean()
     except TypeError as error:
         rule = "freeze it, as in scipy.stats.gamma(3.0)"
         raise InputError(f"{name}: the distribution lacks its parameters; {rule}") from error
@@ -76,10 +77,10 @@ class ScipyDensity(Thresholds):
         if below == 0.0:
             self._fit_onset()
 
-    def _ask(self, method: str, x: Array) -> Array:
+    def _ask(self, method: str, *x: Array | float) -> Array:
         # warnings inside the distribution are ignored: only its result counts
-        with np.errstate(all="ignore"):
-            return np.asarray(getattr(self.distribution, method)(x))
+        with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
+            return np.asarray(getattr(self.distribution, method)(*x))
 
     def _log_weight(self, x: Array) -> Array:
         return self._ask("logpdf", x)
@@ -104,7 +105,7 @@ class FrozenThresholds(ScipyDensity):
     """
 
     def __init__(self, distribution: Any, ends: tuple[float, float], below: float) -> None:
-        self.distribution, self._mean = distribution, float(distribution.mean())
+        self.distribution, self._mean = distribution, single_mean("thresholds", distribution)
         median = float(distribution.ppf(0.5))
         x = np.minimum(median * np.append(1.0, 2.0**2.0 ** np.arange(10)), ends[1])
         tail = self._ask("sf", x)
@@ -143,7 +144,7 @@ class FrozenThresholds(ScipyDensity):
     def _moment(self, n: float, centre: float = 0.0) -> float:
         mean = self._mean
         if n == 2 and centre != 0.0:
-            return float(self.distribution.var()) + (mean - centre) ** 2
-        value = mean if n == 1 else float(self.distribution.moment(n))
+            return float(self._ask("var")) + (mean - centre) ** 2
+        value = mean if n == 1 else float(self._ask("moment", n))
         # where a moment is infinite some distributions evaluate a formula that is not valid there
         return value if value >= mean**n * (1.0 - 1e-9) else np.inf

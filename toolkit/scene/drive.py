@@ -31,17 +31,17 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
         if interface is None:
             rule = "in N/m needs <k> in N/m, which thresholds from a rough surface know"
             raise InputError(f"drive.spring: {rule}; give a number")
-        held = interface.contact_density * (table.area or 0.0)
-        if held < 1.0:
-            rule = "needs drive.area, the nominal area in m² of a whole slider, with some contacts"
-            rule += f"; it holds {held:.2g}, give at least {1.0 / interface.contact_density:.2g}"
-            refuse("drive.spring", table.spring, rule)
+        if table.area is None:
+            refuse("drive.spring", table.spring, "needs drive.area, the nominal area in m²; add it")
+        if (held := interface.contact_density * table.area) < 1.0:
+            rule = f"holds {held:.2g} contacts; give over {1.0 / interface.contact_density:.2g} m²"
+            refuse("drive.area", table.area, rule)
         return positive("drive.spring", given) / (held * interface.mean_stiffness)
-    if table.area is not None:
-        refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
     if interface is not None and given is not None and not unit:
         rule = f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m²'
         refuse("drive.spring", given, f'{rule}, or spring = "{given:g} N_c<k>"')
+    if table.area is not None:
+        refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
     return given
 
 

@@ -127,7 +127,8 @@ def foreseen(scene: Scene) -> list[str]:
     there = ", ".join(named.get(name, name) for name in contacts.laws)
     if surface is not None and there:
         load = "F_k/load and the stress of the surface are those of its thresholds alone"
-        said.append(f"{load}, without {there}")
+        more = "; sliding, linked contacts carry more than the load, and F may exceed mu times it"
+        said.append(f"{load}, without {there}{more * (contacts.stiffness == 'linked')}")
     return said
 
 

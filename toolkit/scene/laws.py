@@ -161,11 +161,15 @@ def read_file(
     def checked() -> T:
         path = folder / file
         try:
+            if path.is_dir():
+                refuse(key, file, f"is a folder; name a {what} in it")
             if path.is_file() and path.stat().st_size <= 1 << 30:
                 return read(path)
         except InputError:
             raise
-        except (OSError, ValueError) as error:  # a name too long for the disk, or no text
+        except UnicodeDecodeError:
+            refuse(key, file, "is no text in UTF-8; name another file, or save it as UTF-8")
+        except (OSError, ValueError) as error:  # a name too long for the disk
             refuse(key, file, f"cannot be read: {getattr(error, 'strerror', None) or error}")
         rule = f"no such file in {path.parent.resolve()}, or no plain {what} of at most a gigabyte"
         refuse(key, file, rule)

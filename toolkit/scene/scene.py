@@ -52,8 +52,7 @@ class Scene:
     def drive(self) -> Drive:
         """The drive; InputError for a scene without [drive]."""
         if self.given_drive is None:
-            rule = "is missing; say where the slider goes, such as to = 5.0 with points = 501"
-            raise InputError(f"drive: {rule}")
+            raise InputError("drive: is missing; write such as to = 5.0 with points = 501")
         return self.given_drive
 
     @property
@@ -78,7 +77,10 @@ class Scene:
 
     def only_forward(self, what: str) -> "Scene":
         """`self` if its slider is rigid and moves forward; else InputError, which says that `what` takes only that."""
-        with laws.inside("drive", {"spring": "spring"}):
+        if self.drive.spring is not None:  # as the scene writes it, with its unit
+            given = tomllib.loads(self.text)["drive"]["spring"]
+            refuse("drive.spring", given, f"{what} takes a rigid slider; leave it out")
+        with laws.inside("drive", {}):
             self.drive.only_forward(what)
         return self
 
@@ -107,8 +109,7 @@ def load_scene(
         text = laws.read_file("scene", str(file), Path(), comm, laws.read_text)
         return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
     except RecursionError as error:
-        rule = "its lists or tables are nested too deeply; a scene needs a few levels"
-        raise InputError(f"scene: {rule}") from error
+        raise InputError("scene: is nested too deeply; it needs a few levels") from error
     except InputError:
         raise
     except ValueError as error:  # of tomllib: bad TOML, and whole numbers of thousands of digits
@@ -143,8 +144,7 @@ def _checked(
     if not name.isprintable():
         refuse("scene", name, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
-        rule = "so nothing would be computed; add one"
-        raise InputError(f"scene: has neither [master] nor [eq] nor [sweep], {rule}")
+        raise InputError("scene: has neither [master] nor [eq] nor [sweep]; add one of them")
     contacts = _contacts(table.contacts, folder, comm)
     drive = sweep = None
     if table.drive is not None:

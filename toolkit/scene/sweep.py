@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from origins.brief import brief
 from origins.contacts import Contacts, TooHot
-from origins.errors import InputError, refuse
+from origins.errors import InputError, non_negative, one_of, positive
 from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import RangeTable, SweepTable
@@ -89,14 +89,13 @@ def _values(name: str, value: float | list[float] | RangeTable) -> Array:
     """One value, those of a list, or those of a range."""
     if not isinstance(value, RangeTable):
         return np.atleast_1d(np.asarray(value, float))
-    lowest = min(value.begin, value.to)
-    if name == "velocity" and lowest == 0.0:
-        refuse(f"sweep.{name}", lowest, "must be above zero")
-    if value.spacing == "even":
-        return np.linspace(value.begin, value.to, value.points)
-    if lowest == 0.0:
+    check = positive if name == "velocity" else non_negative
+    begin, end = check(f"sweep.{name}.from", value.begin), check(f"sweep.{name}.to", value.to)
+    if one_of(f"sweep.{name}.spacing", value.spacing, ("log", "even")) == "even":
+        return np.linspace(begin, end, value.points)
+    if min(begin, end) == 0.0:
         raise InputError(f'sweep.{name}: 0 has no logarithm; write spacing = "even"')
-    return np.geomspace(value.begin, value.to, value.points)
+    return np.geomspace(begin, end, value.points)
 
 
 def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
