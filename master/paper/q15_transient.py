@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
-from master.outcome import Progress, outcome, unheard
+from master.outcome import Progress, outcome
 from master.paper.q15_steady import ageing_of, make_ageing
 from origins import Contacts, Drive
 from origins.brief import brief
@@ -137,23 +137,27 @@ def paper_transient(
 
 
 def solve_q15(
-    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> AgeingTransient:
-    """F along drive.path (paper, Eq. Q15): steps are halved until the extrapolated force changes by less than
-    `tolerance` (in mean fresh thresholds), or until some ten seconds are spent."""
+    """F along drive.path (paper, Eq. Q15), extrapolated in h². The step h is halved until the force is known to
+    `tolerance` (in mean fresh thresholds), or further steps would take more than some ten seconds, or end after the
+    reading `until` of time.monotonic(). Twice the change of the extrapolated force counts as its error."""
     began, end = time.perf_counter(), float(drive.path[-1])
     step = 0.5 * narrowest(contacts)  # coarser steps do not resolve the laws
     fine = paper_transient(contacts, drive.path, step, drive.velocity)
-    better, error, stuck = fine.force, np.inf, False
+    better, error, stuck, late = fine.force, np.inf, False, ""
     while error > tolerance and not stuck and CELLS * fine.edges.size * end / step <= 2.5e7:
-        step, coarse, worse = 0.5 * step, fine, better
+        if time.monotonic() + 4.0 * fine.run_time > until:  # halved steps take four times as long
+            late = ", as wall_time leaves no time for finer ones"
+            break
+        step, coarse, before = 0.5 * step, fine, better
         fine = paper_transient(contacts, drive.path, step, drive.velocity)
         better = (4.0 * fine.force - coarse.force) / 3.0
-        change = 2.0 * float(np.abs(better - worse).max()) / contacts.mean_threshold
+        change = 2.0 * float(np.abs(better - before).max()) / contacts.mean_threshold
         # where contacts have outrun P_c, finer steps may not reduce the error
         stuck, error = fine.outrun < end and change > 0.5 * error, change
         progress(error)
-    reason = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
+    reason = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}{late}"
     success, message = outcome(contacts, error, tolerance, reason)
     message, run_time = f"{message}; {fine.message}", time.perf_counter() - began
     return replace(
