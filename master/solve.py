@@ -76,9 +76,7 @@ def solve(
     """
     tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
-    if wall_time is not None:
-        wall_time = positive("wall_time", wall_time)
-    until = np.inf if wall_time is None else clock.monotonic() + wall_time
+    until = np.inf if wall_time is None else clock.monotonic() + positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         drive.only_forward("the paper's closure of ageing")
