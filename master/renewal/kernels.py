@@ -29,7 +29,7 @@ TOGETHER_PIECES = 100_000
 SHORTEST = 1e-13
 # Ratio of lags at which the survival is sampled to find where contacts break, and how many are sampled together.
 RATIO, TOGETHER = 4.0, 6
-# Shares of contacts: until UNBROKEN have broken a table needs no further edges; NEGLIGIBLE is negligible in integrals.
+# Shares of contacts: until UNBROKEN have broken a table needs no further edges; NEGLIGIBLE adds nothing to integrals.
 UNBROKEN, NEGLIGIBLE = 1e-3, 1e-17
 
 
