@@ -10,7 +10,7 @@ from master.motion.motion import Motion
 from master.outcome import Progress, outcome
 from master.renewal import rule
 from master.renewal.births import Births, reforming_law
-from master.renewal.edges import CLOSE, edges
+from master.renewal.edges import SAME_TIME, edges
 from master.renewal.march import March
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
@@ -21,7 +21,7 @@ from origins.thresholds.law import Array
 FURTHEST = 1e100
 # The same for a path that turns round or changes its speed: stretches on later legs are differences of positions, which
 # lose digits far from 0, and each leg's births are followed on the next.
-FURTHEST_TURN, MOST_LIVES = 1e6, 1e7
+FURTHEST_TURN, MOST_LIVES_TURN = 1e6, 1e7
 # Smallest tolerance of a panel: conservation is rounded at 1e-15, the survival of a law of scipy at some 1e-14.
 FINEST = 3e-14
 # First guess of a panel's width at a tolerance of 1e-8, in units of the life's grain (over which the survival falls).
@@ -47,10 +47,10 @@ def solve_rigid(
     march = march_of(contacts, motion, life, tolerance, until).run()
     kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
     kept |= not march.unfinished
-    wrong = march.wrong.max(initial=0.0 if march.wrong.size else np.inf) + march.life_error
-    error = float(wrong * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
+    worst = march.error.max(initial=0.0 if march.error.size else np.inf) + march.life_error
+    error = float(worst * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
     progress(error)
-    at = march.begin[int(np.argmax(march.wrong))] if march.begin.size else 0.0
+    at = march.begin[int(np.argmax(march.error))] if march.begin.size else 0.0
     near = f"above the tolerance {tolerance:.1e}, near X = {motion.at(np.array(at)):.6g}"
     reason = f"error estimate {error:.1e} is {near}; loosen the tolerance"
     success, message = outcome(contacts, error, tolerance, reason)
@@ -108,7 +108,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     held = life.left(reforming_law(contacts), at_rest.history(times, np.zeros((1, 1))))[0, :, 0]
     lasts = float(times[min(int((held > 0.5).sum()), times.size - 1), 0])
     moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
-    most = FURTHEST if motion.one_leg else MOST_LIVES
+    most = FURTHEST if motion.one_leg else MOST_LIVES_TURN
     if moving > most * lasts:
         many = f"contacts break some {moving / lasts:.0e} times on the way, of which {most:.0e}"
         refuse("attempt_frequency", scale, f"{many} can be followed on such a path; slide faster")
@@ -177,7 +177,7 @@ def breaks_until(march: March, t: Array) -> Array:
 def _read(march: March, values: Array, t: Array) -> Array:
     """At times t, polynomials with these values at the beginning and nodes of each panel; after a jump at jumps."""
     begin, width = march.begin, march.width
-    near = begin * (1.0 - CLOSE) - CLOSE * width.min(initial=np.inf)
+    near = begin * (1.0 - SAME_TIME) - SAME_TIME * width.min(initial=np.inf)
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))

@@ -65,7 +65,8 @@ def solve(
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional
-        Seconds after which the solver stops: the path is cut at the point reached, success is False.
+        Seconds after which the solver stops: the path is cut at the point reached, success is False. The paper's
+        closure of ageing takes its coarsest steps along the whole path, and halves them as far as the time allows.
 
     Returns a Solution, with a spring a SoftSolution, for the paper's closure of ageing an AgeingTransient; with success
     = False and the reason in `message` where the tolerance was not reached.
@@ -75,19 +76,17 @@ def solve(
     """
     tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip)
-    if wall_time is not None:
-        wall_time = positive("wall_time", wall_time)
-    until = np.inf if wall_time is None else clock.monotonic() + wall_time
+    until = np.inf if wall_time is None else clock.monotonic() + positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed; write velocity=")
-        return solve_q15(contacts, drive, tolerance, progress)
+        return solve_q15(contacts, drive, tolerance, progress, until)
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            return solve_stiff(contacts, drive, tolerance, progress, wall_time)
+            return solve_stiff(contacts, drive, tolerance, progress, until)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)
     return solve_soft(contacts, drive, tolerance, progress, until)

@@ -123,6 +123,9 @@ def test_examples_of_extending_run(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_allclose(law.cdf(x), x + np.sin(np.pi * x) / np.pi, rtol=1e-12)
     held = master.steady_state(names["contacts"])
     assert held.success and 0.0 < held.force < law.moment(2) / (2.0 * law.mean())
+    by_master, by_ensemble = names["by_master"], names["by_ensemble"]
+    off = np.abs(by_master.force - by_ensemble.force)
+    assert by_master.success and (off <= 5.0 * by_ensemble.force_standard_error + 1e-15).all()
     named = names["Tilted"](0.1)
     monkeypatch.setitem(RATE_LAWS, named.name, names["Tilted"])
     assert names["Contacts"](law, thermal=named).thermal == origins.Thermal("tilted", 0.1)

@@ -137,3 +137,9 @@ def test_defects_of_figure_a04() -> None:
     other = paper_transient(figure_a04(), np.linspace(0.0, 1.5, 16), 0.005, keep="mass")
     assert not other.success and other.path[-1] < 1.5 and "no thresholds are left" in other.message
     assert np.abs(other.mass_defect).max() < 1e-9
+
+
+def test_wall_time_ends_the_halving_of_steps() -> None:
+    found = master.solve(figure_a04(), np.linspace(0.0, 1.0, 5), wall_time=1e-9)
+    assert not found.success and "wall_time" in found.message and found.force.size == 5
+    assert found.force_error == np.inf

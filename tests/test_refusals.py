@@ -215,7 +215,7 @@ Contacts(BOX, start=origins.gaussian_start(0.0, 0.21))  start: a weight of 1.92e
 Contacts(GAUSSIAN, start=np.nan)  start = nan:
 Contacts(GAUSSIAN, start=stats.cauchy())  start: the mean of the distribution is
 Contacts(GAUSSIAN, thermal=0.1)  thermal = 0.1: must be an origins.Thermal
-Contacts(GAUSSIAN, thermal=origins.RateLaw)  or a RateLaw
+Contacts(GAUSSIAN, thermal=origins.RateLaw)  or of a subclass of RateLaw
 Contacts(GAUSSIAN, stiffness="equal")  stiffness = 'equal':
 Contacts(GAUSSIAN, reforming="relaxed")  reforming = 'relaxed': must be None, a
 Contacts(GAUSSIAN, stiffness="linked", thermal=PAPER)  stiffness = 'linked': not defined with thermal closure

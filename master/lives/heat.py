@@ -37,7 +37,7 @@ class ThermalLife(LawLife):
     """
 
     pair_work = 6
-    FEW = 1e-10  # a share that sums over thresholds still resolve
+    RARE = 1e-10  # a share that sums over thresholds still resolve
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         super().__init__(contacts)

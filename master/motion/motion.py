@@ -77,12 +77,12 @@ class Motion:
         """X(t), same shape as t."""
         return np.interp(t, self.times, self.positions)
 
-    def knots_between(self, last: int, born: npt.NDArray[np.intp]) -> tuple[Array, Array]:
-        """Highest and lowest knot between legs up to `last` and that one; -inf and inf for none."""
+    def knots_between(self, last: int, first: npt.NDArray[np.intp]) -> tuple[Array, Array]:
+        """Highest and lowest knot between each leg `first` and the leg `last`; -inf and inf for none."""
         later = self.positions[last:0:-1]
         high = np.append(np.maximum.accumulate(later)[::-1], -np.inf)
         low = np.append(np.minimum.accumulate(later)[::-1], np.inf)
-        return high[born], low[born]
+        return high[first], low[first]
 
     def history(self, t: Array, s: Array) -> "History":
         """The displacements from s to t of contacts born at s; all t lie on one leg, and so do the s of a row."""
@@ -118,9 +118,9 @@ class History:
         highest = lowest = self.now
         if self._first < last:
             # on one leg the difference of two positions far from 0 would lose digits
-            born, (highest, lowest) = motion.at(s), motion.knots_between(last, first)
-            self.now = np.where(np.equal(first, last)[:, None], self.now, motion.at(t) - born)
-            highest, lowest = highest[:, None] - born, lowest[:, None] - born
+            at_birth, (highest, lowest) = motion.at(s), motion.knots_between(last, first)
+            self.now = np.where(np.equal(first, last)[:, None], self.now, motion.at(t) - at_birth)
+            highest, lowest = highest[:, None] - at_birth, lowest[:, None] - at_birth
         self.high = np.maximum(np.maximum(self.now, highest), 0.0)
         self.low = np.minimum(np.minimum(self.now, lowest), 0.0)
 

@@ -13,13 +13,13 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 
-from master.paper.q15_transient import narrowest, paper_transient
+from master.paper.q15_transient import narrowest_half_width, paper_transient
 from master.stick_slip.extremes import Largest, extremes
 from origins import Contacts, InputError
 from origins.contacts import check_contacts
 from origins.errors import positive
 
-CLOSE = 1e-7  # tolerance of ln v_c, and of K* with closure "exact" in units of 0.1 (1 + K*)
+TOLERANCE = 1e-7  # tolerance of ln v_c, and of K* with closure "exact" in units of 0.1 (1 + K*)
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def critical_velocity(
         """The steepest -F'(X) at one speed: K* where each contact's own threshold diffuses."""
         velocity = float(np.exp(log_velocity))
         if exact:
-            return extremes(contacts, velocity, 0.1 * CLOSE).fall
+            return extremes(contacts, velocity, 0.1 * TOLERANCE).fall
         return _printed_fall(contacts, velocity, 1)
 
     def excess(log_velocity: float) -> float:
@@ -77,27 +77,26 @@ def critical_velocity(
         found = f"{slow + spring:.4g} at v = {slowest:g} and {fast + spring:.4g} at v = {fastest:g}"
         rule = f"the spring {spring:g} must lie between them"
         raise InputError(f"slowest, fastest: -F' is at most {found}; {rule}")
-    root = brentq(excess, *ends, xtol=CLOSE)
+    root = brentq(excess, *ends, xtol=TOLERANCE)
     slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
     steepest = fall(root)
     if not exact:  # finer steps move v_c by little
         finer = _printed_fall(contacts, float(np.exp(root)), 2)
         steepest = finer._replace(error=abs(finer.value - steepest.value))
     velocity = float(np.exp(root + (steepest.value - spring) / slope))
-    error = velocity * (steepest.error / abs(slope) + CLOSE)
+    error = velocity * (steepest.error / abs(slope) + TOLERANCE)
     return CriticalVelocity(velocity, error, steepest.position)
 
 
 def _printed_fall(contacts: Contacts, velocity: float, parts: int) -> Largest:
     """Where all contacts have one P_c: the first fall of (Q15), extrapolated in h² from two steps."""
     assert contacts.ageing is not None
-    step = 0.25 * narrowest(contacts)
+    step = 0.25 * narrowest_half_width(contacts)
     # by then nearly all contacts have broken, fresh or aged
     end = max(float(law.isf(1e-3)) for law in (contacts.thresholds, contacts.ageing.final))
     path = np.arange(0.0, end - min(contacts.start.span[0], 0.0) + 3.0 * step, step)
-    coarse, fine = (
-        paper_transient(contacts, path, step / n, velocity).force for n in (parts, 2 * parts)
-    )
+    found = (paper_transient(contacts, path, step / n, velocity) for n in (parts, 2 * parts))
+    coarse, fine = (each.force for each in found)
     slope = make_interp_spline(path, (4.0 * fine - coarse) / 3.0, k=5).derivative()
     x = np.linspace(0.0, path[-1], 100 * path.size)
     down = -slope(x)

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
-from master.outcome import Progress, outcome, unheard
+from master.outcome import Progress, outcome
 from master.paper.q15_steady import ageing_of, make_ageing
 from origins import Contacts, Drive
 from origins.brief import brief
@@ -42,8 +42,8 @@ class AgeingTransient:
     force_error : estimate of its largest error in units of the mean fresh threshold; inf for a single step.
     holding : fraction of contacts that hold: 1.
     mass_defect, positivity_defect : mass of P_c minus 1, and negative weight of P_c, without its sign.
-    edges : ends of cells of P_c, shape (m + 1,), lengths, one step wide except for the outermost.
-    weights : P_c at each X, as weights of the cells, shape (n, m).
+    edges : thresholds from the lowest to the largest, shape (m + 1,), lengths, one step apart except for the outermost.
+    weights : P_c at each X, as its weight between each edge and the next, shape (n, m).
     step : h, a length.
     outrun : X from which on contacts have stretches at which no thresholds are left, a length; inf if that never
         happens. From there on (Q15) does not determine the answer: it depends on `keep`, and on where the table of P_c
@@ -126,7 +126,7 @@ def paper_transient(
         holding=np.ones(kept.size),
         mass_defect=np.interp(kept, at, mass),
         positivity_defect=np.interp(kept, at, below),
-        edges=state.walls,
+        edges=state.group_ends,
         weights=np.array([shown[n] for n in last_step[: kept.size].tolist()]),
         step=step,
         outrun=outrun,
@@ -137,23 +137,27 @@ def paper_transient(
 
 
 def solve_q15(
-    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress = unheard
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> AgeingTransient:
-    """F along drive.path (paper, Eq. Q15): steps are halved until the extrapolated force changes by less than
-    `tolerance` (in mean fresh thresholds), or until some ten seconds are spent."""
+    """F along drive.path (paper, Eq. Q15), extrapolated in h². The step h is halved until the force is known to
+    `tolerance` (in mean fresh thresholds), or further steps would take more than some ten seconds, or end after the
+    reading `until` of time.monotonic(). Twice the change of the extrapolated force counts as its error."""
     began, end = time.perf_counter(), float(drive.path[-1])
-    step = 0.5 * narrowest(contacts)  # coarser steps do not resolve the laws
+    step = 0.5 * narrowest_half_width(contacts)  # coarser steps do not resolve the laws
     fine = paper_transient(contacts, drive.path, step, drive.velocity)
-    better, error, stuck = fine.force, np.inf, False
+    better, error, stuck, late = fine.force, np.inf, False, ""
     while error > tolerance and not stuck and CELLS * fine.edges.size * end / step <= 2.5e7:
-        step, coarse, worse = 0.5 * step, fine, better
+        if time.monotonic() + 4.0 * fine.run_time > until:  # halved steps take four times as long
+            late = ", as wall_time leaves no time for finer ones"
+            break
+        step, coarse, before = 0.5 * step, fine, better
         fine = paper_transient(contacts, drive.path, step, drive.velocity)
         better = (4.0 * fine.force - coarse.force) / 3.0
-        change = 2.0 * float(np.abs(better - worse).max()) / contacts.mean_threshold
+        change = 2.0 * float(np.abs(better - before).max()) / contacts.mean_threshold
         # where contacts have outrun P_c, finer steps may not reduce the error
         stuck, error = fine.outrun < end and change > 0.5 * error, change
         progress(error)
-    reason = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}"
+    reason = f"error estimate {error:.1e} at the step {step:.2g} is above {tolerance:.1e}{late}"
     success, message = outcome(contacts, error, tolerance, reason)
     message, run_time = f"{message}; {fine.message}", time.perf_counter() - began
     return replace(
@@ -164,9 +168,10 @@ def solve_q15(
 class _State:
     """Cohorts of contacts and cells of P_c, one step of X at a time.
 
-    Contacts are cohorts at (i + 1/2) h, which a step moves across whole groups of cells of P_c, from one of the `walls`
-    (lengths, shape (m + 1,)) to the next. Each step is half a step of ageing, the breaks, with the survival in the
-    middle of the step, and half a step of ageing. Errors fall as h² while mass and sign are kept, and as h after that.
+    Contacts are cohorts at (i + 1/2) h, which a step moves across a whole group of cells of P_c, from one of
+    `group_ends` (lengths, shape (m + 1,)) to the next. Each step is half a step of ageing, the breaks, with the
+    survival in the middle of the step, and half a step of ageing. Errors fall as h² while mass and sign are kept, and
+    as h after that.
     """
 
     def __init__(self, contacts: Contacts, step: float, amount: float, cells: int) -> None:
@@ -179,28 +184,29 @@ class _State:
             example = f"write step={(high - low) / 2000.0:.3g} or so"
             refuse("step", step, f"needs more than {MOST_STEPS:,} cells; {example}")
         first, last = int(np.floor(low / step)) - 1, int(np.ceil(high / step)) + 1
-        ends: Array = step * np.arange(first, last + 1, dtype=float)
-        self._stretches, self._born = ends[:-1] + 0.5 * step, -first  # the index of h/2
-        self._cohorts = np.diff(start.cdf(ends))
+        cohort_ends: Array = step * np.arange(first, last + 1, dtype=float)
+        self._stretches, self._born = cohort_ends[:-1] + 0.5 * step, -first  # the index of h/2
+        self._cohorts = np.diff(start.cdf(cohort_ends))
         self._cohorts /= self._cohorts.sum()
 
-        # no cell lies beyond the wall of P_cf, and none is narrower than a quarter of a step
+        # no cell lies beyond the end of P_cf, and none is narrower than a quarter of a step
         top = min(float(self._stretches[np.searchsorted(self._stretches, upper)]), end)
         apart = (self._stretches > lower + 0.25 * step) & (self._stretches < top - 0.25 * step)
-        self.walls = np.concatenate([[lower], self._stretches[apart], [top]])
-        groups = self.walls.size - 1
+        self.group_ends = np.concatenate([[lower], self._stretches[apart], [top]])
+        groups = self.group_ends.size - 1
         place = np.arange(cells * groups + 1) / cells
-        edges = np.interp(place, np.arange(groups + 1), self.walls)
-        self._group = np.clip(np.searchsorted(self.walls, ends[1:-1], "right") - 1, 0, groups - 1)
-        self._cells, self._fresh = cells, np.diff(fresh.cdf(edges))
+        cell_ends = np.interp(place, np.arange(groups + 1), self.group_ends)
+        after = np.searchsorted(self.group_ends, cohort_ends[1:-1], "right")
+        self._group = np.clip(after - 1, 0, groups - 1)
+        self._cells, self._fresh = cells, np.diff(fresh.cdf(cell_ends))
         self._fresh /= self._fresh.sum()
-        hops = Diffusion(final, edges)
+        hops = Diffusion(final, cell_ends)
         self._half, self._whole = (_exponential(hops, part * amount) for part in (0.5, 1.0))
         # P_c after a step's breaks, and after the ageing up to the next breaks
         self._broken, self._aged = self._fresh, self._half(self._fresh)
 
     def histogram(self) -> Array:
-        """P_c, as weights between the walls."""
+        """P_c, as weights of the groups of cells."""
         return np.asarray(self._half(self._broken).reshape(-1, self._cells).sum(axis=1))
 
     def numbers(self) -> Array:
@@ -213,7 +219,7 @@ class _State:
         begun = middle = self._aged
         for _ in range(2):  # the second time with the survival in the middle of the step
             tail = np.append(middle[::-1].cumsum()[:: -self._cells], 0.0)
-            survival = np.interp(self._stretches, self.walls, tail)
+            survival = np.interp(self._stretches, self.group_ends, tail)
             standing, dead = self._cohorts[:-1], survival[:-1] <= 0.0
             # a share of 1e-14, where no thresholds are left, counts as none
             if keep == "mass" and (dead & (standing > 1e-14)).any():
@@ -246,7 +252,7 @@ def _exponential(hops: Diffusion, amount: float) -> Callable[[Array], Array]:
     return lambda weights: np.asarray(((1.0 - 1.0j) * age(weights)).real, dtype=float)
 
 
-def narrowest(contacts: Contacts) -> float:
+def narrowest_half_width(contacts: Contacts) -> float:
     """The narrowest half width (a length) of the middle two thirds of start and laws."""
     laws = contacts.thresholds, contacts.start, ageing_of(contacts).final
     widths = [0.5 * float(law.isf(0.16) - law.ppf(0.16)) for law in laws]

@@ -81,7 +81,7 @@ class Panels(NamedTuple):
         """Times in the middle of the births, one delay after the breaks."""
         return self.begin + 0.5 * self.width + delay
 
-    def born(self, leg_begin: Array | float, delay: float) -> Array:
+    def births_begin(self, leg_begin: Array | float, delay: float) -> Array:
         """When their births begin, counted from the beginning of the leg on which these are."""
         return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
 
@@ -118,8 +118,8 @@ def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) ->
     """Births on pieces from left to right, weighted by each one's own Legendre polynomials, shape (pieces, size);
     `ends` are those of the panels, `slopes` Legendre coefficients of the breaks' derivative, a row a panel."""
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
-    born = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
+    births = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
     z = np.clip((2.0 * nodes.place - middle) / width, -1.0, 1.0)
-    weights = (born[:, None] @ legendre.legvander(z, size - 1))[:, 0]
+    weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]
     return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))

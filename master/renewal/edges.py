@@ -19,7 +19,7 @@ SMOOTHER = 1e-2
 MOST, MOST_JUMPS = 400, 4000
 # Two edges nearer than this share of their time count as equal, and a point nearer than this before
 # an edge counts as after it: times are rounded.
-CLOSE = 1e-12
+SAME_TIME = 1e-12
 
 
 class Moment(NamedTuple):
@@ -60,7 +60,7 @@ def edges(
         ends = law.span if np.ptp(law.span) < 0.1 * life.reach else []
         for stretch in np.union1d(law.breakpoints, ends).tolist():
             for t, bend in passings(motion, birth, stretch, bends):
-                if t > since + CLOSE * (t + grain):
+                if t > since + SAME_TIME * (t + grain):
                     yield Moment(t, size * (life.atom_share(bend, stretch) or SMOOTHER))
 
     first = [*known, *breaks(0.0, 1.0, start)]
@@ -79,7 +79,7 @@ def edges(
         heapq.heapify(coming)
         while coming:
             time, size = heapq.heappop(coming)
-            close = CLOSE * (time + grain)
+            close = SAME_TIME * (time + grain)
             while coming and coming[0].time <= time + close:
                 size = min(size + heapq.heappop(coming).size, 1.0)
             if size > least and time < end - close:
@@ -99,16 +99,16 @@ def edges(
 
 
 def passings(
-    motion: Motion, born: float, stretch: float, bends: Array
+    motion: Motion, birth: float, stretch: float, bends: Array
 ) -> Iterator[tuple[float, float]]:
     """When the |x| of contacts born at a time, at a stretch, first passes each of the lengths `bends`, and that length;
     and when it comes back to its largest (nan)."""
-    furthest, begin, x = abs(stretch), born, stretch
-    first = int(motion.leg(born + CLOSE * motion.times[-1]))
+    furthest, begin, x = abs(stretch), birth, stretch
+    first = int(motion.leg(birth + SAME_TIME * motion.times[-1]))
     for leg in range(first, motion.speeds.size):
         end, speed = float(motion.times[leg + 1]), float(motion.speeds[leg])
         last = x + speed * (end - begin)
-        reached = abs(last) * (1.0 + CLOSE)
+        reached = abs(last) * (1.0 + SAME_TIME)
         if reached > furthest and speed and end > begin:
             back = [(furthest, np.nan)] if leg > first or x * speed < 0.0 else []
             new = bends[(furthest < bends) & (bends <= reached)].tolist()

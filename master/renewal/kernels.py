@@ -29,8 +29,8 @@ TOGETHER_PIECES = 100_000
 SHORTEST = 1e-13
 # Ratio of lags at which the survival is sampled to find where contacts break, and how many are sampled together.
 RATIO, TOGETHER = 4.0, 6
-# Shares of contacts: until UNBROKEN have broken a table needs no further edges; NONE is negligible in integrals.
-UNBROKEN, NONE = 1e-3, 1e-17
+# Shares of contacts: until UNBROKEN have broken a table needs no further edges; NEGLIGIBLE adds nothing to integrals.
+UNBROKEN, NEGLIGIBLE = 1e-3, 1e-17
 
 
 class Straight:
@@ -64,7 +64,8 @@ class Straight:
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale = life.reach
         bends = self._bends(np.append(life.bends, life.reach))
-        self._last = float(bends.max(initial=0.0)) or np.inf  # the lag at which the last contacts break
+        # the lag at which the last contacts break
+        self._last = float(bends.max(initial=0.0)) or np.inf
         self._read: Callable[[Array], Array] = self.scaled
         if life.quick and born.is_single and not steady:  # the life is as quick as a table
             self._bounds = _edges(longest, bends)
@@ -115,7 +116,7 @@ class Straight:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
         lags = np.array([longest])
         held = self.scaled(lags[:, None])[0, :, 0]
-        while held[0] < 1.0 - UNBROKEN and lags[0] > NONE * float(held[1:] @ np.diff(lags)):
+        while held[0] < 1.0 - UNBROKEN and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
             if lags[0] < 1e-150 * longest:
                 told = "contacts break before they have moved a length that is a number"
                 refuse("velocity", abs(self._speed), f"{told}; slide faster")
@@ -124,7 +125,7 @@ class Straight:
         self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
         # not even the heaviest tail is followed beyond 1e120 times the reach
         end = 1e120 * longest if steady else longest
-        while held[-1] * (lags[-1] / self.typical) ** 2 > NONE and lags[-1] < end:
+        while held[-1] * (lags[-1] / self.typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
             lags = np.append(lags, 2.0 * lags[-1])
             held = np.append(held, self.scaled(lags[-1:, None])[0])
         over = held < NONE_LEFT
@@ -148,11 +149,11 @@ class Kernel(NamedTuple):
 
 class Run(NamedTuple):
     """Solved panels of one width: breaks since a panel's beginning, and force, at 0 and nodes, shape (panels,
-    DEGREE + 1); wrong, shape (panels,): bound of the error of the breaks, and of the force/the longest stretch."""
+    DEGREE + 1); error, shape (panels,): estimate, by residuals, of that of breaks, and of force/longest stretch."""
 
     breaks: Array
     force: Array
-    wrong: Array
+    error: Array
 
 
 class Kernels:
@@ -250,5 +251,5 @@ def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> R
     bent = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
     # the residual of conservation is the share of contacts miscounted, which bear the longest stretch at
     # most; of samples at a few points the largest is at least half of the true one (measured)
-    wrong = np.nan_to_num(2.0 * (missing + bent / stretch), nan=np.inf)
-    return Run(panels[before:], force[:, :size], wrong)
+    error = np.nan_to_num(2.0 * (missing + bent / stretch), nan=np.inf)
+    return Run(panels[before:], force[:, :size], error)

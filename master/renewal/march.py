@@ -35,14 +35,14 @@ class March:
     grain : length over which the number of breaks has to be resolved: the first guess of a panel
     stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
 
-    begin, since, width, breaks, force, wrong : arrays, one entry or row a panel; `since` is `begin` counted from the
-        beginning of its leg, which keeps all digits
+    begin, since, width, breaks, force, error : arrays, one entry or row a panel; `since` is `begin` counted from the
+        beginning of its leg, which keeps all digits; the others as in Run
     lumps : the start first; widest : largest width of the next panels
     steady_since : when the march ended because breaks were steady; inf where they were not
     unfinished : whether the march was stopped before the last edge
     """
 
-    STORED = "begin", "since", "width", "breaks", "force", "wrong"
+    STORED = "begin", "since", "width", "breaks", "force", "error"
 
     def __init__(
         self,
@@ -57,7 +57,7 @@ class March:
         self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
         self.life, self.motion = births.life, births.motion
         self.stretch, self.unfinished = stretch, False
-        self.begin = self.since = self.width = self.wrong = np.empty(0)
+        self.begin = self.since = self.width = self.error = np.empty(0)
         self.breaks = self.force = np.empty((0, rule.DEGREE + 1))
         self.lumps = [Lump(0.0, 1.0, start)]
         self._as_births = start.is_single and start.span == births.law.span and self.life.fresh
@@ -81,7 +81,7 @@ class March:
                 if self.motion.one_leg and self._steady():
                     # nothing changes later, while times and numbers of breaks would lose digits
                     self.steady_since = self.reached - 0.5 * self.width[-1]
-                    self.wrong[-1] += 0.25 * self.tolerance
+                    self.error[-1] += 0.25 * self.tolerance
                     break
         except StoppedError:
             self.unfinished = True
@@ -113,15 +113,15 @@ class March:
             if abs((end - t) / left - width) > 1e-9 * width:
                 width = (end - t) / left
             run = self._run(t, width, min(count, left), leg)
-            bad = np.flatnonzero(run.wrong > self.tolerance)
+            bad = np.flatnonzero(run.error > self.tolerance)
             # beyond the allowed work, on the narrowest panels and on those spoiled by rounding, the error is accepted
             hurried = self.births.work > MOST_WORK or width < max(narrowest, 1e-13 * t)
             bad = bad[:0] if hurried else bad
-            good = int(bad[0]) if bad.size else run.wrong.size
+            good = int(bad[0]) if bad.size else run.error.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
             t = t + good * width if good < left else end
             if bad.size:
-                missed = float(run.wrong[good]) / self.tolerance
+                missed = float(run.error[good]) / self.tolerance
                 part = 0.25 if missed > 100.0 else 0.5
                 if not good and missed < 0.5 * worse:
                     # beside a power of t the error is one of the width, which two panels tell
@@ -136,12 +136,12 @@ class March:
             still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
             soon = still or not quick or width <= 0.5 * grain
             spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
-            easy = easy + good if run.wrong.max() < spare else 0
+            easy = easy + good if run.error.max() < spare else 0
             # each width needs its own kernel: wide panels are widened only if that serves many, or hardly any break
             many = 0 if still or width <= 0.5 * grain else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
-                wide = (8.0 if still else 4.0 if run.wrong.max() < 1e-4 * spare else 2.0) * width
+                wide = (8.0 if still else 4.0 if run.error.max() < 1e-4 * spare else 2.0) * width
                 self.widest = min(wide, self._duration(self.life.reach, leg))
                 count, easy = 1 if soon else max(1, count // 4), 0
             yield
@@ -223,8 +223,8 @@ class March:
         if not felt.size:
             return np.zeros((2, t.size))
         panels = Panels(*(part[felt[0] : felt[-1] + 1] for part in panels))
-        born = panels.born(self.motion.times[leg], self.births.delay)
-        ends = np.append(born, born[-1] + panels.width[-1])
+        begin = panels.births_begin(self.motion.times[leg], self.births.delay)
+        ends = np.append(begin, begin[-1] + panels.width[-1])
         return self.kernels.sums(float(self.motion.speeds[leg]), t, ends, panels.breaks)
 
     def _break_lumps(self, t: float, end: float) -> None:
@@ -259,7 +259,7 @@ class March:
         other.lumps = [self.lumps[0], *(lump for lump in self.lumps[1:] if lump.time < t)]
         return other
 
-    def hold(self, begin: float, end: float) -> None:
+    def postpone_births(self, begin: float, end: float) -> None:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
         number, _ = self.known(np.full((1, TARGETS.size), end))
         leg_begin = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])

@@ -22,7 +22,7 @@ from origins.start import Start
 from origins.thresholds.law import Array
 
 # Where the survival takes long: nodes of a piece, and numbers of times to interpolate from, that are tried first.
-FEW, TIMES = 5, (5, 11)
+FIRST_NODES, FIRST_TIMES = 5, (5, 11)
 # The survival jumps at exact thresholds: on panels that end there it is evaluated this share of the panel inside.
 INSIDE = 1e-9
 
@@ -46,18 +46,18 @@ class Past:
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
         # the slider's way on a panel for which so many times do not suffice
-        self._wide = dict.fromkeys(() if births.life.quick else TIMES, np.inf)
+        self._wide = dict.fromkeys(() if births.life.quick else FIRST_TIMES, np.inf)
 
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
         whole, before, delay = self._births.motion, self.leg, self._births.delay
         self.leg, self.began = leg, float(whole.times[leg])
         self._motion = whole.counted_from(leg)
-        born = panels.middle_of_births(delay)
-        self.first = int(np.searchsorted(born, self.began))
-        legs = whole.leg(born[: self.first])
+        middle = panels.middle_of_births(delay)
+        self.first = int(np.searchsorted(middle, self.began))
+        legs = whole.leg(middle[: self.first])
         panels = Panels(*(part[: self.first] for part in panels))
-        panels = panels._replace(since=panels.born(whole.times[legs], delay))
+        panels = panels._replace(since=panels.births_begin(whole.times[legs], delay))
         if self._life.has_strands:
             self._follow(range(max(before, 0), leg), panels, legs)
             return
@@ -148,16 +148,16 @@ class Past:
         births, pieces = self._births, self._pieces(t)
         # pieces may end at exact thresholds, where the survival jumps
         nodes = rule.gauss if self._life.atoms.size else rule.lobatto
-        size = rule.GAUSS if self._life.quick else FEW
+        size = rule.GAUSS if self._life.quick else FIRST_NODES
         while pieces.owner.size:
             owner, low, high = pieces
             few = nodes(size)
             place = low[:, None] + (high - low)[:, None] * few.nodes
             births.count(owner.size * size // rule.GAUSS)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
-            born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
+            number = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
             left_out, fall = few.beyond(held, self._life.reach)
-            wrong = left_out * born
+            wrong = left_out * number
             leg = self._motion.leg(place[:, 1])
             narrowest = rule.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
             rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)

@@ -67,7 +67,7 @@ class ColdSlider:
             move = self._begun(direction, self._loaded)
             begin = direction * (self._base + move.at(0.0))
             loads = spring * (direction * drives - begin)
-            slip = move.slip_begins(y, loads[-1])
+            slip = move.next_slip(y, loads[-1])
             curve, count = slip.curve, int(np.searchsorted(loads, slip.load))
             if count:
                 at = curve.travel_at(loads[:count], y, slip.travel)
@@ -82,7 +82,7 @@ class ColdSlider:
                 return
             drives = drives[count:]
             if self.rule == "instant":
-                curve, y = move.slip_ends(slip.travel, slip.load, slip)
+                curve, y = move.end_of_slip(slip.travel, slip.load, slip)
                 self._note(move, slip, begin, float(curve.force(y)))
             else:
                 slips = self._reset if self.rule == "reset" else self._reform_after
@@ -100,14 +100,14 @@ class ColdSlider:
         """Slip in which broken contacts stay out until the slider stops."""
         spring, loaded = self.spring, move.stopped(slip.travel, slip.error)
         held = MoveWithoutBirths(self.contacts, move.direction, loaded)
-        curve, y = held.slip_ends(0.0, slip.load - spring * slip.travel, slip)
+        curve, y = held.end_of_slip(0.0, slip.load - spring * slip.travel, slip)
         self._note(move, slip, begin, float(curve.force(y)))
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         error = (1.0 + spring) * slip.misplaced * y / self.contacts.unit
         self._base_error += float(curve.misplaced(y, 0.0, slip.error + error))
         # errors of the history do not affect contacts that broke
         error = (error + float(curve.error_at(y))) * held.holding(y)
-        return held.formed_again(y, error)
+        return held.after_slip(y, error)
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float) -> None:
         """Record a slip, of a move that begins at `begin`, with F after it along the motion."""

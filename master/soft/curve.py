@@ -20,8 +20,6 @@ from scipy.optimize.elementwise import find_root
 from master.renewal import rule
 from origins.thresholds.law import Array
 
-Travel = float | Array
-
 
 @dataclass(frozen=True)
 class LoadCurve:
@@ -46,27 +44,27 @@ class LoadCurve:
         """The travel up to which the load is known."""
         return float(self.begin[-1] + self.width[-1])
 
-    def force(self, y: Travel) -> Array:
+    def force(self, y: float | Array) -> Array:
         """Force along the motion at travels y, just before a drop; same shape as y."""
         return self._values(self.series, y)
 
-    def load_slope(self, y: Travel) -> Array:
+    def load_slope(self, y: float | Array) -> Array:
         """F' + K at travels y."""
         return self._values(self._derivatives(1), y) + self.spring
 
-    def curvature(self, y: Travel) -> Array:
+    def curvature(self, y: float | Array) -> Array:
         """|F''| at travels y."""
         return np.abs(self._values(self._derivatives(2), y))
 
-    def error_at(self, y: Travel) -> Array:
+    def error_at(self, y: float | Array) -> Array:
         """Estimate from above of the error of the force at travels y."""
         return np.asarray(self.error[self.panel(y)])
 
-    def panel(self, y: Travel) -> npt.NDArray[np.intp]:
+    def panel(self, y: float | Array) -> npt.NDArray[np.intp]:
         """Index of the panel on which travels lie; an edge belongs to the panel that it ends."""
         return np.clip(np.searchsorted(self.begin, y) - 1, 0, self.begin.size - 1)
 
-    def _values(self, series: Array, y: Travel) -> Array:
+    def _values(self, series: Array, y: float | Array) -> Array:
         panel = self.panel(y)
         z = np.clip(2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
         return np.asarray(legendre.legval(z, np.moveaxis(series[panel], -1, 0), tensor=False))
@@ -108,7 +106,7 @@ class LoadCurve:
                 return float(points[np.argmax(above)])
         return np.inf
 
-    def misplaced(self, y: Travel, shift: float = 0.0, more: float = 0.0) -> Array:
+    def misplaced(self, y: float | Array, shift: float = 0.0, more: float = 0.0) -> Array:
         """Errors of travels y that were computed from given loads; same shape as y.
 
         An error e of the force displaces them by e over the slope; near a slip, where the slope

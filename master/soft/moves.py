@@ -89,7 +89,7 @@ class Move:
         """X after the travel y, relative to where the history began (lengths)."""
         return self.loaded.places[-1] + self.direction * y
 
-    def slip_begins(self, after: float, target: float) -> SlipBegin:
+    def next_slip(self, after: float, target: float) -> SlipBegin:
         """The first slip after a travel, if it begins before the load reaches the target."""
         travel = after
         while True:
@@ -103,9 +103,10 @@ class Move:
                 return SlipBegin(curve, y, load)
             travel = curve.end + self.contacts.life.grain
 
-    def slip_ends(self, after: float, load: float, begin: SlipBegin) -> tuple[LoadCurve, float]:
-        """The curve, and the travel where a slip ends that begins after a travel with this load."""
-        # the slope is surely negative ten errors of the place away; a slip is at least 1e-4 of the travel long
+    def end_of_slip(self, after: float, load: float, begin: SlipBegin) -> tuple[LoadCurve, float]:
+        """The curve, and the travel at the end of the slip that begins at the travel `after` with this load."""
+        # next to the beginning, which is known to `misplaced`, the computed load may still rise: its rise at the end
+        # is looked for from ten times as far on, at most 1e-4 of the travel, as slips are longer
         falling, travel = min(10.0 * begin.misplaced, 1e-4 * begin.curve.end), after
         while True:
             curve = self.reach(travel)
@@ -127,14 +128,14 @@ class Move:
                 self._plan(self._march, self._march.reached, self._march.reached)
             self.contacts.nodes += (len(self._march.begin) - before) * rule.DEGREE
         loaded, march, reach = self.loaded, self._march, self.contacts.life.reach
-        lists = march.begin, march.width, march.force, march.wrong
-        begin, width, force, wrong = (np.array(values[self._first :]) for values in lists)
+        lists = march.begin, march.width, march.force, march.error
+        begin, width, force, missed = (np.array(values[self._first :]) for values in lists)
         begin -= loaded.end
         # a drop by more than this share of the contacts, well above rounding, makes a slip
         times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
-        error = loaded.error + np.maximum.accumulate(wrong) * reach + rounding
+        error = loaded.error + np.maximum.accumulate(missed) * reach + rounding
         drops, series = np.array(times) - loaded.end, self.direction * force @ rule.TO_LEGENDRE.T
         return LoadCurve(begin, width, series, error, drops, self.contacts.spring)
 
@@ -161,7 +162,7 @@ class Move:
         else:
             march = march.cut(cut_at, births)
             if cut_at < since:
-                march.hold(cut_at, since)
+                march.postpone_births(cut_at, since)
         plan = edges(births, start, tolerance, since, self._moments)
         if plan.too_many_jumps:
             raise StoppedError("stopped as exact thresholds break too often to be followed")
@@ -182,12 +183,12 @@ class MoveWithoutBirths(Move):
         width = min(WIDE * grain, float(later[0]) - begin)
         while True:
             force = march.known(begin + width * TARGETS[None])[1, :, : rule.DEGREE + 1]
-            wrong = np.abs(force @ rule.TO_LEGENDRE[-2:].T).max(axis=1) / self.contacts.life.reach
-            if wrong[0] <= tolerance or width <= STILL * grain:
+            error = np.abs(force @ rule.TO_LEGENDRE[-2:].T).max(axis=1) / self.contacts.life.reach
+            if error[0] <= tolerance or width <= STILL * grain:
                 break
             width *= 0.5
         leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
-        march.keep(begin, width, Run(np.zeros_like(force), force, wrong), 1, begin - leg_begin)
+        march.keep(begin, width, Run(np.zeros_like(force), force, error), 1, begin - leg_begin)
         return True
 
     def holding(self, y: float) -> float:
@@ -195,7 +196,7 @@ class MoveWithoutBirths(Move):
         at = np.full((1, TARGETS.size), self.loaded.end + y)
         return float(self._march.known(at)[0, 0, 0])
 
-    def formed_again(self, y: float, error: float) -> LoadingHistory:
+    def after_slip(self, y: float, error: float) -> LoadingHistory:
         """The history when the slip ends after the travel y, and broken contacts re-form."""
         history = self.stopped(y, error)
         moments = (*self.loaded.moments, Moment(history.end, 1.0))

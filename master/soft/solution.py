@@ -25,7 +25,8 @@ class SoftSolution:
 
     path : positions X_T of the drive, shape (n,), lengths.
     balance : X_T = F(0)/K, the drive's position at t = 0, a length.
-    position : positions X of the slider, shape (n,), lengths; at a slip, after it.
+    position : positions X of the slider, shape (n,), lengths; where X_T is just that of a slip, after it, but before it
+        where the drive turns there or its path ends.
     force : F/(N_c <k>) = K (X_T - X), shape (n,), lengths.
     force_error : estimate from above of the largest error of `force` along the path, and of K X_T at slips, in units of
         the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.

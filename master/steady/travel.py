@@ -19,7 +19,7 @@ from origins.thresholds.law import Array
 # Accuracy of tables of which only integrals are needed; and the coarsest, where E itself is known to no better.
 ACCURACY, COARSEST = 1e-9, 1e-7
 # Share of contacts below which the error of the survival is relative, not absolute; and below which numbers underflow.
-FEW, NONE = 1e-4, 1e-290
+FEW, UNDERFLOW = 1e-4, 1e-290
 
 
 class Travel(Straight):
@@ -77,7 +77,7 @@ class Travel(Straight):
         own = life.error * np.array([weights.sum(), weights @ table.end / self.scale])
         off = table.missed() + own
         if isinstance(life, ThermalLife):
-            alive = np.clip(table(life.law.isf([life.FEW]))[0] / life.FEW, 0.0, 1.0)
+            alive = np.clip(table(life.law.isf([life.RARE]))[0] / life.RARE, 0.0, 1.0)
             far = max(self.longest, float(contacts.thresholds.isf(1e-30)))
             off += alive * (life.rounded_away() + thresholds_beyond(contacts, far)) / units
         elif contacts.stiffness == "linked":  # farther thresholds are missing in the table of <k x>
@@ -118,7 +118,7 @@ def tail_rate(contacts: Contacts) -> tuple[float, float]:
     # the survival is sampled outwards, since many distributions cannot compute far quantiles
     x = contacts.mean_threshold * 2.0 ** np.arange(0.0, 400.0, 0.25)
     with np.errstate(over="ignore"):
-        last = x[np.flatnonzero(law.logsf(x) > np.log(NONE))[-1]]
+        last = x[np.flatnonzero(law.logsf(x) > np.log(UNDERFLOW))[-1]]
     ends = last * np.array([0.125, 0.25, 0.5, 1.0])
     # where log S = a - rate x + power log x, each doubling of x halves the slopes' distance to -rate
     slopes = -np.diff(law.logsf(ends)) / np.diff(ends)

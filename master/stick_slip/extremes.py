@@ -14,9 +14,9 @@ from master.steady.travel import Travel
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# F is followed for LIVES typical lives, and one more than those of all but the share FEW of the
-# contacts in steady sliding, but for at most MOST_LIVES.
-LIVES, FEW, MOST_LIVES = 10.0, 1e-6, 1000.0
+# How far F is followed, in units of `unit_of`: for UNITS, and to one unit beyond the longest way that more than
+# the share OLD of the contacts in steady sliding have lived through, but for at most MOST_UNITS.
+UNITS, OLD, MOST_UNITS = 10.0, 1e-6, 1000.0
 
 
 class Largest(NamedTuple):
@@ -29,7 +29,7 @@ class Largest(NamedTuple):
 
 class Extremes(NamedTuple):
     """The largest -dF/dX, K*/(N_c <k>): 0 where F never falls, inf where it drops at one X; F_s, the largest F (a
-    length); and E and K of contacts that re-form, in steady sliding."""
+    length); their errors are absolute. And E and K of contacts that re-form, in steady sliding."""
 
     fall: Largest
     force: Largest
@@ -51,7 +51,7 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
         if march.tolerance >= solved_to:  # the finest already
             break
         solved_to = march.tolerance
-        fall, force = _of(march.run(), travel)
+        fall, force = _steepest_and_highest(march.run(), travel)
         good = fall.error <= tolerance * (1.0 + fall.value) and force.error <= tolerance * unit
         if good or diverges:
             break
@@ -98,12 +98,12 @@ def unit_of(travel: Travel) -> float:
     return contacts.mean_threshold if plain else travel.length
 
 
-def _of(march: March, travel: Travel) -> tuple[Largest, Largest]:
+def _steepest_and_highest(march: March, travel: Travel) -> tuple[Largest, Largest]:
     """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `travel` as in `forward_march`."""
     begin, width = travel.velocity * np.array([march.begin, march.width])
     series = np.array(march.force) @ rule.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
-    errors = (np.maximum(march.wrong, 2e-15) + march.life_error) * march.stretch
+    errors = (np.maximum(march.error, 2e-15) + march.life_error) * march.stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
     # over which contacts break: conservation puts the number right at the panel's end
     shifted = np.maximum.accumulate(errors * np.minimum(width / travel.grain, 1.0))
@@ -143,9 +143,9 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
         # F is followed for 0.01 mean thresholds beyond the last break of the first generation
         return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
-    many = end[travel.table(begin)[0] * end > FEW * travel.length].max(initial=0.0)
-    furthest = max(LIVES * unit, many + unit)
-    horizon = min(furthest, MOST_LIVES * unit)
+    old = end[travel.table(begin)[0] * end > OLD * travel.length].max(initial=0.0)
+    furthest = max(UNITS * unit, old + unit)
+    horizon = min(furthest, MOST_UNITS * unit)
     return horizon - min(low, 0.0), bool(furthest <= horizon)
 
 

@@ -21,11 +21,12 @@ from origins.thresholds.law import Array
 class Propensity:
     """Measures of stick-slip propensity for a start, a law of thresholds and the laws of contacts.
 
-    critical_spring : K*/(N_c <k>) = max over X of -dF/dX: a softer spring is unstable (paper Eq. Q16). 0 where the
-        force never falls; inf where it drops at one X.
+    critical_spring : K*/(N_c <k>) = max over X of -dF/dX (paper Eq. Q16): at T = 0 a slider on a softer spring slips
+        at least once from the start. 0 where the force never falls; inf where it drops at one X.
     static_to_kinetic : F_s/F_k, the largest force over the kinetic one; 1 where the force never exceeds it.
     decoherence_length : X* (a length) of the slowest term e^{-X/X*} in F - F_k; inf where none decays exponentially.
     onset_power : m of P_c(x) ~ (x - a)^m at its lower end.
+    critical_spring_error and the others : estimates from above of absolute errors, in the unit of the value itself.
     run_time : s.
     success, message : whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat in mean
         travels C to a break) are within the tolerance, and the accuracy reached.
@@ -51,8 +52,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     tolerance : largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
-    F(X) is followed for ten typical lives of a contact, further where more than one in a million contacts live longer,
-    but for at most 1,000: the errors are inf where these do not suffice.
+    F(X) is followed for ten of these units, further where more than one in a million contacts slide longer before they
+    break, but for at most 1,000 of them; bounds of what may follow count in the errors.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and where contacts re-form
     so far behind x = 0 that the kinetic force is not above 0.
@@ -91,8 +92,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
 class PhaseLine(Along):
     """K* at many points; `success` where its error relative to 1 + K* is within the tolerance.
 
-    critical_spring : K*/(N_c <k>): softer springs stick and slip, others slide smoothly. 0 where the force never falls:
-        no spring slips; inf where it drops at one X: every spring slips.
+    critical_spring : K*/(N_c <k>), and critical_spring_error, the absolute error: as in `Propensity`. With 0 a slider
+        slips on no spring, with inf on every one.
     """
 
     critical_spring: Array

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from master.renewal import rule
 from master.renewal.kernels import SHORTEST
 from master.renewal.table import SIZE, Table
-from master.steady.travel import FEW, NONE, Travel, tail_rate
+from master.steady.travel import FEW, UNDERFLOW, Travel, tail_rate
 from origins.thresholds.law import Array
 
 Complex = npt.NDArray[np.complex128]
@@ -28,7 +28,7 @@ Complex = npt.NDArray[np.complex128]
 # Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times e^(-sx) to rounding.
 WAVE = 4.0
 # Relative rounding of a sum.
-ROUND_OFF = 4e-16
+SUM_ROUNDING = 4e-16
 # Roots are searched up to this share of the decay rate of E's tail, or of that of exact values.
 NEAR = 0.9
 # Ratio of the longest to the mean life beyond which the few longest ones cannot be resolved.
@@ -61,7 +61,7 @@ class _Nodes(NamedTuple):
 
 def _count_felt(held: Array, way: Array, decay: float) -> int:
     """How many values of E, at sorted x, to the last where E e^(decay x) is not negligible."""
-    size = np.where(held > NONE, np.log(np.maximum(held, NONE)) + decay * way, -np.inf)
+    size = np.where(held > UNDERFLOW, np.log(np.maximum(held, UNDERFLOW)) + decay * way, -np.inf)
     return int(np.flatnonzero(size > size.max() + np.log(1e-20))[-1]) + 1
 
 
@@ -91,7 +91,7 @@ class Transform:
         def sizes(values: Array, _: Array) -> Array:
             """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
             held = np.abs(values[0])
-            held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), NONE))
+            held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
             known = held * life.error / np.maximum(held, FEW) + life.left_out
             return np.maximum(held, np.stack([known, known + life.force_error]) / accuracy)
 
@@ -112,12 +112,12 @@ class Transform:
         held, force = values = table(way)
         # where few contacts hold, the error of E is relative to their share, but for those left out; shares
         # below 1e-120 are of contacts that nobody has: no wave may hang on them
-        share = np.where(held < 1e-120, 1.0, life.error / np.maximum(held, FEW) + ROUND_OFF)
+        share = np.where(held < 1e-120, 1.0, life.error / np.maximum(held, FEW) + SUM_ROUNDING)
         errors = np.abs(values) * share
         errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
         errors[1] = (errors[1] + life.force_error * (way < life.reach)) * scale
-        some, sums = held > NONE, np.stack([held, -way * held, force * scale])
+        some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
         return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
 
     def __call__(self, s: Complex, nodes: _Nodes | None = None) -> Values:
@@ -131,7 +131,7 @@ class Transform:
             for i, number in enumerate(s):
                 wave = np.exp(-number * way)
                 transforms[:, i] = sums @ wave
-                off[:, i] = (errors + ROUND_OFF * abs(number) * rounded) @ np.abs(wave)
+                off[:, i] = (errors + SUM_ROUNDING * abs(number) * rounded) @ np.abs(wave)
             held, held_slope, force = transforms
             waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
             conserved = held * waited + out

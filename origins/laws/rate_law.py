@@ -26,9 +26,9 @@ class RateLaw(Protocol):
     backward is that of |x|. `threshold` is x_s > 0 (a length), `stiffness` k_i/<k> > 0 (no unit). At a constant speed
     v a contact survives the way from near to far with the probability exp(-J/v), J = exp(log_passed).
 
-    A law of your own defines `name`, as messages call it, `scale`, the attempt frequency ω per time, which no rate
-    exceeds, `log_rate`, `log_passed` and `reached`; as a subclass of RateLaw it inherits the rest. Give it to
-    origins.Contacts as `thermal`. For the ensemble it may define `compiled()`, which returns an
+    A law of your own is a subclass of RateLaw. It defines `name`, as messages call it, `scale`, per time, which no rate
+    exceeds, `log_rate`, `log_passed` and `reached`, and inherits `rate` and `separable`; docs/extending.md has one.
+    Give it to origins.Contacts as `thermal`. For the ensemble it may define `compiled()`, which returns an
     origins.laws.compiled.CompiledRates: without it each break takes some microseconds.
 
     separable : whether ln h, at one stiffness, is a function of x plus one of the threshold. The integrals of two

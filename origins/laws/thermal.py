@@ -40,8 +40,8 @@ class BreakingRate:
 
     def log_rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers = 1.0) -> Array:
         """ln h, finite where h underflows; -inf where h = 0, as for a stiff contact at x_s."""
-        stretch, limit, spring = _checked(threshold, stiffness, x=x)
-        return self.rates.log_rate(np.abs(stretch), limit, spring)[()]
+        stretch, limit, relative = _checked(threshold, stiffness, x=x)
+        return self.rates.log_rate(np.abs(stretch), limit, relative)[()]
 
     def cumulative(
         self, x: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
@@ -56,12 +56,12 @@ class BreakingRate:
         self, x: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
     ) -> Array:
         """ln J, finite where J underflows; -inf where x = start, where J = 0."""
-        end, begin, limit, spring = _checked(threshold, stiffness, x=x, start=start)
+        end, begin, limit, relative = _checked(threshold, stiffness, x=x, start=start)
         near, far = np.sort(np.abs([end, begin]), axis=0)
         # through 0 the shorter part is passed, too
         through = np.where((end < 0.0) != (begin < 0.0), near, 0.0)
-        passed = self.rates.log_passed(near - through, far, limit, spring)
-        return np.logaddexp(passed, self.rates.log_passed(0.0, through, limit, spring))[()]
+        passed = self.rates.log_passed(near - through, far, limit, relative)
+        return np.logaddexp(passed, self.rates.log_passed(0.0, through, limit, relative))[()]
 
     def inverse(
         self, amount: Numbers, threshold: Numbers, start: Numbers = 0.0, stiffness: Numbers = 1.0
@@ -71,14 +71,14 @@ class BreakingRate:
         The threshold where J stays below it. At a speed v a contact breaks at inverse(v e, x_s, start) with e from the
         exponential law of mean 1. Backward motion is the mirror image: -inverse(amount, threshold, -start).
         """
-        goal, begin, limit, spring = _checked(threshold, stiffness, amount=amount, start=start)
+        goal, begin, limit, relative = _checked(threshold, stiffness, amount=amount, start=start)
         with np.errstate(divide="ignore", invalid="ignore"):
             goal = np.log(goal)
             # of the integral from behind up to 0; where the goal is less, x lies behind 0 as well
-            behind = self.rates.log_passed(0.0, np.maximum(-begin, 0.0), limit, spring)
+            behind = self.rates.log_passed(0.0, np.maximum(-begin, 0.0), limit, relative)
             apart = np.log(-np.expm1(-np.abs(goal - behind)))
             rest = np.where(goal == behind, -np.inf, np.maximum(goal, behind) + apart)
-        x = self.rates.reached(rest, np.maximum(begin, 0.0), limit, spring)
+        x = self.rates.reached(rest, np.maximum(begin, 0.0), limit, relative)
         return np.maximum(np.where(goal < behind, -x, x), begin)[()]
 
 
@@ -123,7 +123,7 @@ def as_thermal(law: Any) -> BreakingRate | None:
         return Thermal(law.name, law.temperature, law.attempt_frequency)
     if isinstance(law, RateLaw) and not isinstance(law, type):
         return BreakingRate(law)
-    refuse("thermal", law, 'must be an origins.Thermal("soft", temperature=0.1), or a RateLaw')
+    refuse("thermal", law, 'must be an origins.Thermal("soft", 0.1), or of a subclass of RateLaw')
 
 
 def _checked(threshold: Numbers, stiffness: Numbers, **others: Numbers) -> list[Array]:

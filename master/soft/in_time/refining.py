@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.motion.motion import drive_motion
-from master.outcome import Progress, StoppedError, unheard
+from master.outcome import Progress, StoppedError
 from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.memory import MeanRateMemory, Memory
@@ -150,20 +150,15 @@ def _beside(times: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
 
 
 def solve_stiff(
-    contacts: Contacts,
-    drive: Drive,
-    tolerance: float,
-    progress: Progress = unheard,
-    wall_time: float | None = None,
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> Solution:
     """Force on a rigid slider, taken as one on a spring so stiff that it follows the drive.
 
-    It is used for growing grains with heat on paths that turn or hold; see `solve`.
+    It is used for growing grains with heat on paths that turn or hold; see `solve` and, for `until`, `refined`.
 
     Raises InputError where a path takes too many steps.
     """
     began = time.perf_counter()
-    until = np.inf if wall_time is None else time.monotonic() + wall_time
     # K/(N_c <k>) = 1e10: the slider is nearly rigid, with an error F/K of X
     stiff = Drive(drive.path, drive.velocity, drive.time, 1e10, drive.slip)
     found = refined(contacts, stiff, 0.0, tolerance, progress, until)
