@@ -106,9 +106,8 @@ class Solution:
         if march.life.has_strands:
             raise InputError(f"contacts.ageing: Q(x;X) {unknown} contacts age")
         if not march.births.law.is_single:
-            raise InputError(
-                "contacts.reforming: Q(x;X) is not known where contacts re-form at many stretches"
-            )
+            many = "is not known where contacts re-form at many stretches"
+            raise InputError(f"contacts.reforming: Q(x;X) {many}")
         time = self._point(where) if self._by_index else self._passing(march.motion, where, leg)
         time = min(time, march.steady_since)
         found = _deltas(march, time)

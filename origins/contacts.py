@@ -31,6 +31,7 @@ _APART = {
     "stiffness, ageing": f'{_LINKED} ageing: nothing says whether k_i follows the threshold; use "independent"',
     "stiffness, grains": f'{_LINKED} thresholds that grow: <x_s> at birth is 0; use "independent"',
     "grains, mean rate": f'thermal: closure = "paper" averages over one P_c, and each age has another; {_EXACT}',
+    "ageing, mean rate": f'thermal: closure = "paper" averages over one P_c, and contacts that age have none; {_EXACT}',
     "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own; leave one out",
     "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are 0; leave it out",
 }

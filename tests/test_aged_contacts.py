@@ -38,6 +38,23 @@ def test_first_passage_without_drift_is_inverse_gaussian(diffusion, speed):
     assert found.success and np.abs(found.holding - exact).max() < found.force_error + 1e-10
 
 
+@pytest.mark.parametrize("diffusion", [1e-3, 0.05])
+def test_first_passage_after_a_turn(diffusion):
+    """Images give how far above the level thresholds are where it turns, at X = 0.6; then it recedes from each."""
+    ageing, back = Ageing(origins.gaussian(1.0, 1e9), diffusion), np.array([0.599, 0.5, 0.3, 0.05])
+    contacts = Contacts(origins.identical(0.7), ageing=ageing, delay=Delay(1e3))
+    found = master.solve(contacts, np.append(0.6, back), 1e-8)
+    above, variance = np.linspace(0.0, 3.0, 60_001), 2.0 * diffusion * 0.6
+    logs = [-((above - 0.1) ** 2), -((above + 1.3) ** 2) + 2.0 * variance * 0.7 / diffusion]
+    density = np.subtract(*np.exp(np.array(logs) / (2.0 * variance)))
+    density /= np.sqrt(2.0 * np.pi * variance)
+    later = inverse_gaussian(0.6 - back[:, None], above, diffusion, -1.0)
+    exact = np.append(
+        inverse_gaussian(0.6, 0.7, diffusion, 1.0), np.trapezoid(density * later, above)
+    )
+    assert found.success and np.abs(found.holding - exact).max() < found.force_error + 1e-10
+
+
 @pytest.mark.parametrize("start", [0.45, -0.45])
 def test_hold_at_the_mean_of_the_final_law(start):
     """There the drift does not push: by reflection E = 2 Φ(z) - 1, averaged over the fresh; at first the
@@ -45,12 +62,12 @@ def test_hold_at_the_mean_of_the_final_law(start):
     std, diffusion, time = 0.08, 5e-3, np.array([1e-6, 7e-6, 1e-4, 0.01, 0.1, 0.3, 1.0, 2.5])
     ageing = Ageing(origins.gaussian(0.45, std), diffusion)
     contacts = Contacts(YOUNG, start, ageing=ageing, delay=Delay(1e3))
-    fresh = 0.45 + 1.35 * np.linspace(0.0, 1.0, 20_001) ** 2
+    fresh = 0.45 + 1.35 * np.linspace(0.0, 1.0, 200_001) ** 2
     weight = YOUNG.pdf(fresh) / np.trapezoid(YOUNG.pdf(fresh), fresh)
     decay = np.exp(-diffusion / std**2 * time[:, None])
     z = (fresh - 0.45) * decay / (std * np.sqrt(1.0 - decay**2))
     exact = np.trapezoid(weight * (2.0 * ndtr(z) - 1.0), fresh)
-    for tolerance in (1e-4, 1e-5):
+    for tolerance in (1e-4, 1e-8):
         found = master.solve(contacts, np.zeros(8), tolerance, time=time)
         assert found.success and np.abs(found.holding - exact).max() < found.force_error
 

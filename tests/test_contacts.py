@@ -34,7 +34,7 @@ SOLVERS = {
     "eq_model.simulate": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=10),
     "eq_model.closest": lambda contacts: closest(contacts, PATH, n_contacts=10),
 }
-TAKEN = {"master.paper.explicit": ("delay",), "eq_model.closest": ()}
+TAKEN = {"master.paper.explicit": (), "eq_model.closest": ()}
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -48,8 +48,6 @@ def test_no_law_is_silently_ignored(solver: str, name: str) -> None:
         return
     shown = " = 'linked'" if name == "stiffness" else ""
     told = f"contacts.{name}{shown}: {solver} does not take it yet; leave "
-    if (solver, name) == ("master.paper.explicit", "thermal"):
-        told = "contacts.thermal.closure = 'exact': the explicit scheme knows x alone"
     refused(lambda: solve(contacts), told)
     refused(lambda: solve(GAUSSIAN), "contacts = ")
 

@@ -78,7 +78,7 @@ propensity(STEEP)  thresholds: a weight of .* lies below 1e-290 of the mean
 solve(STEEP, [0.0, 2.0])  thresholds: a weight of .* lies below 1e-290 of the mean
 decoherence_spectrum(PAIR)  .*exact values alone: their roots come as near to Re s
 decoherence_spectrum(Contacts(stats.lognorm(1.0)))  .*tail falls slower than any exp
-decoherence_spectrum(PRINTED)  .*single contacts have no law of their own
+decoherence_spectrum(PRINTED)  .*none for single ones
 decoherence_spectrum(GROWING, velocity=10.0)  velocity = 10.0: grains grow, unpinned
 decoherence_spectrum(FIERCE)  .*among so many no leading oscillating wave
 decoherence_spectrum(PLAIN, n_roots=0)  n_roots
@@ -87,18 +87,17 @@ critical_velocity(OLD, 50.0, 3.0, 4.0)  slowest, fastest: -F' is at most
 critical_velocity(PRINTED, -1.0, 3.0, 4.0)  spring = -1\.0: must be above zero
 critical_velocity(PLAIN, 1.0, 3.0, 4.0)  contacts\.ageing: is None; without ageing nothing
 critical_velocity(GROWING, 1.0, 3.0, 4.0)  contacts\.ageing: is None; v_c is that of
-solve(Contacts(identical(0.5), ageing=OLD.ageing), [0.5, 0.5], time=[0.5, 1.0])  thresholds: hold the single value 0.5
 steady_state(Contacts(identical(0.5), ageing=Ageing(gw_plastic(1.0), 1.0)))  thresholds: hold the single value 0.5
 solve(PRINTED.replace(delay=Delay(0.1)), [1.0])  contacts\.delay: \(Q15\), the paper
 steady_state(PRINTED.replace(reforming=0.1))  contacts\.reforming: \(Q15\), the paper's
 solve(PRINTED, [1.0], time=[1.0])  time: the paper's closure of ageing takes one
 propensity(PRINTED)  contacts\.ageing: closure = "paper" \(Q15\) has one P_c
 solve(Contacts(FRESH, 0.1, ageing=PAPER), [1.0])  start: all contacts at the one
-steady_state(OLD.replace(thermal=Thermal("soft", 0.1, closure="paper")))  contacts\.thermal: closure = "paper"
+steady_state(OLD.replace(thermal=Thermal("soft", 0.1, closure="paper")))  thermal: closure = "paper" averages
 steady_state(OLD, velocity=-1.0)  velocity = -1\.0: must be above
 Ageing(UNEVEN, 0.1)  final: the density jumps at 1: there
-Contacts(BOX, ageing=Ageing(origins.rectangular(0.7, 1.5), 0.1))  .*fresh thresholds lies outside the final law
-solve(Contacts(BOX, ageing=Ageing(origins.rectangular(0.1, 3.0), 0.1)), [1.0])  ageing: the final law ends at 0.1 and 3
+Contacts(BOX, ageing=Ageing(origins.rectangular(0.7, 1.5), 0.1, "paper"))  .*fresh thresholds lies outside the final law
+Ageing(origins.rectangular(0.1, 3.0), 0.1)  ageing: the final law ends at 0.1 and 3
 paper_transient(PRINTED, [1.0], 0.01, keep="both")  keep = 'both':
 paper_transient(PRINTED, [1.0], 1e-6)  step = 1e-06: needs more than 20,000 cells
 propensity(GROWING, velocity=30.0)  .*none holds but a fraction

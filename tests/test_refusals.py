@@ -220,7 +220,7 @@ Contacts(GAUSSIAN, stiffness="equal")  stiffness = 'equal':
 Contacts(GAUSSIAN, reforming="relaxed")  reforming = 'relaxed': must be None, a
 Contacts(GAUSSIAN, stiffness="linked", thermal=PAPER)  stiffness = 'linked': not defined with thermal closure
 Contacts(GAUSSIAN, stiffness="linked", ageing=AGEING)  stiffness = 'linked': not defined with ageing:
-Contacts(GAUSSIAN, ageing=Ageing(BOX, rate=1.0))  ageing: a weight of 0.506 of the fresh thresholds lies outside
+Contacts(GAUSSIAN, ageing=Ageing(BOX, rate=1.0, closure="paper"))  ageing: a weight of 0.506 of the fresh
 Contacts(GAUSSIAN).replace(heat=0.1)  heat = 0.1: is not what contacts have;
 origins.gaussian_start(0.0, -0.1)  std = -0.1:
 origins.boltzmann_reforming(0.0)  temperature = 0.0: must be above zero

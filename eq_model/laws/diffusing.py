@@ -10,7 +10,7 @@ import numpy as np
 from eq_model.compiling import bare, real, whole
 from eq_model.contact import AGED, BREAKS, Break, bin_of, look_at, place_of, rate_at
 from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
-from origins import Ageing, InputError, Thresholds
+from origins import Ageing, Thresholds
 from origins.thresholds.law import Array
 
 
@@ -39,10 +39,7 @@ class Diffusing(NamedTuple):
 def make_diffusing(
     ageing: Ageing, fresh: Thresholds, warm: bool, rates: Any, unit: float
 ) -> Diffusing:
-    """Ageing from the thresholds of `fresh`, in units of a length.
-
-    Raises InputError for a final law that begins above 0 or ends, where thresholds would be reflected.
-    """
+    """Ageing from the thresholds of `fresh`, in units of a length."""
     from scipy.interpolate import CubicSpline
 
     normal, final, diffusion = ageing.normal, ageing.final, ageing.rate / unit**2
@@ -51,12 +48,6 @@ def make_diffusing(
         # within the longest step, 0.04 of the relaxation time, diffusion is taken as free
         law = normal.mean / unit, normal.std / unit, diffusion, np.zeros(2), 0.0, 1.0
         return Diffusing(True, *law, 0.04 / normal.rate, *heat)
-    low, high = final.support()
-    if low > 0.0 or high < np.inf:
-        raise InputError(
-            f"ageing: the final law ends at {low:g} and {high:g}, where thresholds would be reflected; use a final law "
-            "on all x > 0"
-        )
     # the standard deviation of a step is 0.1 times the width of the law's middle half
     middle = float(final.isf(0.25) - final.ppf(0.25))
     # the table ends 1e-5 widths above 0, and where less than 1e-14 of either law lies beyond

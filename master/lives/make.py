@@ -65,13 +65,6 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 def check_ageing(contacts: Contacts) -> None:
     """Raise InputError for closures in which single contacts that age have no law of their own."""
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        raise InputError(
-            'contacts.ageing: closure = "paper" (Q15) has one P_c for all contacts at each X, so '
-            'that single contacts have no law of their own; use closure = "exact", or ask '
-            "steady_state or critical_velocity, which take it"
-        )
-    if contacts.thermal is not None and contacts.thermal.closure == "paper":
-        raise InputError(
-            'contacts.thermal: closure = "paper" averages the rate over one P_c for all contacts, '
-            'and those that age have no such law; use closure = "exact"'
-        )
+        fault = 'closure = "paper" (Q15) has one P_c for all contacts at each X, and none for single ones'
+        rule = 'use closure = "exact", or ask steady_state or critical_velocity, which take it'
+        raise InputError(f"contacts.ageing: {fault}; {rule}")

@@ -18,7 +18,6 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.heat import MeanRateLife
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import finite_array, one_of, positive, refuse
@@ -34,67 +33,47 @@ class ExplicitSolution:
     """The result of the explicit scheme, which has no error estimate; arrays of shape (n,).
 
     path, force : slider positions X, and F/(N_c <k>) of (Q6), straight between the steps; lengths.
-    holding : share of the contacts that hold, the sum of Q over the grid: 1 without a delay.
     run_time : s.
     """
 
     path: Array
     force: Array
-    holding: Array
     run_time: float
 
 
 def explicit(
-    contacts: Contacts,
-    path: npt.ArrayLike,
-    step: float,
-    breaking: Breaking = "survival",
-    *,
-    velocity: float = 1.0,
+    contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival"
 ) -> ExplicitSolution:
     """F(X) on a rigid slider that moves forward, step by step, dx = dX = step (paper, Eq. Q4).
 
-    contacts : thresholds and starting stretches; temperature with closure "paper", which adds H(x)/v to P(x); a delay,
-        rounded to whole steps. As in the paper, a contact that starts at x < 0 breaks by P(x) from x = 0 on, although
-        its threshold is known to exceed |x|.
+    contacts : thresholds and starting stretches. As in the paper, a contact that starts at x < 0 breaks by P(x) from
+        x = 0 on, although its threshold is known to exceed |x|.
     path : slider positions X >= 0 that never turn back, shape (n,), lengths; any spacing.
     step : dx = dX, a length.
     breaking : the fraction a(x) that breaks in a step. "survival": 1 - S(x)/S(x - dX), the effect of the hazard P over
         the whole step. "printed": P(x) dX of (Q3), with P = 0 at x <= 0; at most 1, as P diverges where a law ends.
-    velocity : v, length per time; only temperature and delay depend on it.
 
     Raises InputError for a path as in `master.solve`; for a step that needs more than 4,194,304 nodes or steps; for an
-    unknown `breaking`; for temperature with closure "exact", where the rate is no function of x alone; for other laws;
-    and for "printed" with exact thresholds, which have no P(x).
+    unknown `breaking`; for laws of the contacts; and for "printed" with exact thresholds, which have no P(x).
     """
-    check_contacts(contacts, "master.paper.explicit", ("thermal", "delay"))
-    thermal = contacts.thermal
-    if thermal is not None and thermal.closure != "paper":
-        rule = 'the explicit scheme knows x alone; use closure = "paper"'
-        refuse("contacts.thermal.closure", thermal.closure, rule)
-    forward = Drive(path, velocity).only_forward("the explicit scheme")
-    return _stepped(contacts, forward.path, step, breaking, forward.velocity)
+    check_contacts(contacts, "master.paper.explicit")
+    forward = Drive(path).only_forward("the explicit scheme")
+    return _stepped(contacts, forward.path, step, breaking)
 
 
 def explicit_loop(
     contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival"
 ) -> ExplicitSolution:
-    """F along a path that turns, T = 0, dx = dX = step (paper, Eqs. Q3back, Q4back and Q5aback).
+    """F along a path that turns, with arguments and errors of `explicit` (paper, Eqs. Q3back, Q4back and Q5aback).
 
-    contacts : thresholds and starting stretches.
     path : slider positions X from X = 0 on, straight between points, of either sign, shape (n,), lengths. Turning
         points are moved to the nearest multiple of `step`.
-    step, breaking : as in `explicit`.
-
-    Raises InputError for a path that is not finite, for `step` and `breaking` as `explicit` does.
     """
     check_contacts(contacts, "master.paper.explicit_loop")
     return _stepped(contacts, finite_array("path", path), step, breaking)
 
 
-def _stepped(
-    contacts: Contacts, path: Array, step: float, breaking: Breaking, velocity: float = 1.0
-) -> ExplicitSolution:
+def _stepped(contacts: Contacts, path: Array, step: float, breaking: Breaking) -> ExplicitSolution:
     """Take all steps along slider positions of shape (n,), on a grid that is even about x = 0."""
     began, step = time.perf_counter(), positive("step", step)
     one_of("breaking", breaking, get_args(Breaking))
@@ -109,7 +88,7 @@ def _stepped(
         refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
     zero = 1 + int(np.ceil(reach / step))  # the index of x = 0
     x: Array = step * np.arange(-zero, zero + 1, dtype=float)
-    fraction = broken_fraction(contacts, x, step, breaking, velocity)
+    fraction = broken_fraction(contacts, x, step, breaking)
     fraction[-1] = 1.0  # contacts that would leave the grid break at its end
     shares = starting_shares(contacts, x, step)
 
@@ -117,23 +96,13 @@ def _stepped(
     at = np.interp(ways, np.append(0.0, travel), np.append(0.0, path))
     if at.size > 1:  # the last step may end beyond the path
         at[-1] = at[-2] + np.copysign(step, at[-1] - at[-2])
-    moves = np.diff(np.rint(at / step).astype(int))
-    # ring buffer: contacts that break now re-form after the steps of the delay
-    waiting = np.zeros(1 + round(contacts.waiting_time * velocity / step))
-    force, holding = [x @ shares], [shares.sum()]
-    for number, move in enumerate(moves.tolist()):
+    force = [x @ shares]
+    for move in np.diff(np.rint(at / step).astype(int)).tolist():
         one_way = shares if move >= 0 else shares[::-1]  # a view: backward is forward in -x
         broken = [shift_and_break(one_way, fraction) for _ in range(abs(move))]
-        waiting[number % waiting.size] = sum(broken)
-        shares[zero] += waiting[(number + 1) % waiting.size]
+        shares[zero] += sum(broken)
         force.append(x @ shares)
-        holding.append(shares.sum())
-    return ExplicitSolution(
-        path=path,
-        force=np.interp(travel, ways, force),
-        holding=np.interp(travel, ways, holding),
-        run_time=time.perf_counter() - began,
-    )
+    return ExplicitSolution(path, np.interp(travel, ways, force), time.perf_counter() - began)
 
 
 def shift_and_break(shares: Array, fraction: Array) -> float:
@@ -156,19 +125,15 @@ def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
     return share / share.sum()
 
 
-def broken_fraction(
-    contacts: Contacts, x: Array, step: float, breaking: Breaking, velocity: float
-) -> Array:
+def broken_fraction(contacts: Contacts, x: Array, step: float, breaking: Breaking) -> Array:
     """The fraction of contacts at each node that breaks in a step (paper, Eqs. Q3 and PcP)."""
-    law, by_heat = contacts.thresholds, np.zeros(x.size)
-    if contacts.thermal is not None:
-        by_heat = MeanRateLife(contacts).rate(np.abs(x)) / velocity * step
+    law = contacts.thresholds
     here, before = law.logsf(x), law.logsf(x - step)
     with np.errstate(invalid="ignore", over="ignore"):
         if breaking == "survival":
-            return np.where(before > -np.inf, -np.expm1(here - before - by_heat), 1.0)
+            return np.where(before > -np.inf, -np.expm1(here - before), 1.0)
         if law.atoms[0].size:
             rule = 'P(x) does not exist at exact thresholds; write "survival"'
             refuse("breaking", breaking, rule)
         hazard = np.where(x > 0.0, np.exp(law.logpdf(x) - here), 0.0)
-    return np.where(here > -np.inf, np.minimum(hazard * step + by_heat, 1.0), 1.0)
+    return np.where(here > -np.inf, np.minimum(hazard * step, 1.0), 1.0)

@@ -29,11 +29,11 @@ def ageing_of(contacts: Contacts) -> Ageing:
     if contacts.ageing is None:
         raise InputError("contacts.ageing: is None; without ageing use master.solve")
     if contacts.start.is_single:
-        raise InputError(
-            f"start: all contacts at the one stretch {contacts.start.mean():g}: there (Q15) "
-            "multiplies what is infinite by what it empties; use a start with a width, such as "
-            'origins.gaussian_start(mean=0.1, std=0.025), or closure = "exact"'
+        fault = f"all contacts at the one stretch {contacts.start.mean():g}: there (Q15) multiplies"
+        rule = (
+            'use a start with a width, as gaussian_start(mean=0.1, std=0.025), or closure = "exact"'
         )
+        raise InputError(f"start: {fault} what is infinite by what it empties; {rule}")
     check_contacts(contacts, PRINTED, ("ageing",))
     return contacts.ageing
 

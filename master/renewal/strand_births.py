@@ -15,11 +15,9 @@ from master.renewal import rule
 from master.renewal.births import Births, moments
 from origins.thresholds.law import Array
 
-# Gauss nodes of a piece in the time of birth.
-SIZE = 8
-# Fewest pieces of a leg: the error of the number is 1e-6 (measured) if they are as wide as the narrowest
-# width of the thresholds at most.
-LEAST = 12
+# Gauss nodes of a piece in the time of birth, its length over the narrowest width of the thresholds, and fewest
+# pieces of a leg: the error of the number is then 1e-10 (measured).
+SIZE, LENGTH, LEAST = 16, 4.0, 3
 
 
 class StrandBirths:
@@ -34,12 +32,12 @@ class StrandBirths:
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
-        count = max(LEAST, np.ptp(ends) * abs(speed) / life.cells[0].width)
+        count = max(LEAST, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
-        fresh = life.begin(births.law)
+        fresh = life.begin(life.rule(births.law))
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)
@@ -56,7 +54,7 @@ class StrandBirths:
             times, left = next(self._legs)
             told = left.reshape(*left.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(told[:, 0], self._weight).sum()))
-            self._sums = over_root(times, np.einsum("jkpi,pi->jk", told[:, :2], self._weight))
+            self._sums = over_root(times, np.einsum("jkpi,pi->jk", told, self._weight))
         return True
 
     def sums(self, t: Array) -> Array:

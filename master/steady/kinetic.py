@@ -60,9 +60,8 @@ class Points:
             rule = 'thermal = Thermal("soft", 0.1), or a rate law of your own at each temperature'
             raise InputError(f"temperature: these contacts have no law for it; give them {rule}")
         if asked["rate"] is not None and contacts.ageing is None:
-            raise InputError(
-                "rate: these contacts do not age; give them ageing = Ageing(final, rate)"
-            )
+            rule = "give them ageing = Ageing(final, rate)"
+            raise InputError(f"rate: these contacts do not age; {rule}")
         own = {
             "temperature": thermal.temperature if thermal else None,
             "rate": contacts.ageing.rate if contacts.ageing else None,

@@ -20,8 +20,9 @@ from scipy.optimize import brentq
 from master.renewal import rule
 from master.renewal.kernels import SHORTEST
 from master.renewal.table import SIZE, Table
-from master.steady.travel import FEW, UNDERFLOW, Travel, tail_rate
+from master.steady.travel import FEW, UNDERFLOW, Travel
 from origins.thresholds.law import Array
+from origins.thresholds.tail import tail_rate
 
 Complex = npt.NDArray[np.complex128]
 
@@ -172,7 +173,7 @@ def decoherence_length(travel: Travel) -> tuple[float, float]:
     few contacts live more than 10,000 times as long as the mean, the error is inf. Where exact values have a share of
     the weight, roots slower than the rate at which infinitely many crowd may not exist: X* is that of this rate.
     """
-    rate, off = min(tail_rate(travel.contacts), (crowding_rate(travel), 0.0))
+    rate, off = min(tail_rate(travel.contacts.thresholds), (crowding_rate(travel), 0.0))
     if rate == 0.0:
         return np.inf, 0.0
     if travel.longest > BROAD * travel.length:

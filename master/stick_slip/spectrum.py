@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.renewal import rule
-from master.steady.travel import Travel, tail_rate
+from master.steady.travel import Travel
 from master.stick_slip.extremes import births_table, forward_march
 from master.stick_slip.roots import (
     BROAD,
@@ -26,6 +26,7 @@ from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
 from origins.errors import positive, refuse, whole
 from origins.thresholds.law import Array
+from origins.thresholds.tail import tail_rate
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
@@ -153,7 +154,7 @@ def _deepest(travel: Travel) -> float:
         grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
         fault = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
         refuse("velocity", travel.velocity, f"{fault}; roots are told up to {LONGEST:g} times")
-    crowd, tail = crowding_rate(travel), tail_rate(contacts)[0]
+    crowd, tail = crowding_rate(travel), tail_rate(contacts.thresholds)[0]
     if crowd * travel.cycle < 1e-2:
         fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
         rule = "and none is the slowest; give each a width, or follow F(X) with master.solve"

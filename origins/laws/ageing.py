@@ -25,8 +25,8 @@ class Ageing:
         "paper": one P_c(x; X) for all contacts is both the law of fresh thresholds and their histogram (Eq. Q15).
 
     Raises InputError for a rate that is negative or not finite, for a P_cf with atoms or gaps, where Ũ is infinite, and
-    in the exact closure for one that jumps inside its support. In that closure the solvers refuse a P_cf that begins
-    above 0 or ends; in the paper's thresholds are reflected where it ends at a positive density.
+    in the exact closure for one that jumps, begins above 0 or ends. In the paper's closure thresholds are reflected
+    where it ends at a positive density.
     """
 
     final: Thresholds
@@ -79,6 +79,10 @@ class Ageing:
         if self.closure == "exact" and jumps.size:
             rule = 'there no solver follows the drift; use another law, or closure = "paper"'
             raise InputError(f"final: the density jumps at {jumps[0]:g}: {rule}")
+        low, high = self.final.support()
+        if self.closure == "exact" and (low > 0.0 or high < np.inf):
+            rule = "thresholds would be reflected; use a final law on all x > 0"
+            raise InputError(f"ageing: the final law ends at {low:g} and {high:g}, where {rule}")
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,10 @@
 """Survival of contacts whose thresholds age independently.
 
-At one speed it is a function of the time since the birth, for each stretch at birth. For a Gaussian final law without
-heat, and fresh densities that hardly diverge at 0, it comes from the integral equation of the first passage; else
-strands follow the thresholds in time (master.lives.age.strands). Strands have two resolutions, whose errors differ by a
-factor of eight; their survivals are extrapolated, and the error is measured. On a path that turns round, rests or
-changes its speed, contacts of the start, and births of earlier legs, are strands that follow the slider leg by leg.
+At one speed it is a function of the time since the birth, for each stretch at birth. On a path that turns round, rests
+or changes its speed, contacts of the start, and births of earlier legs, are strands that follow the slider leg by leg.
+For a Gaussian final law without heat, and fresh densities that hardly diverge at 0, survivals come from the integral
+equation of the first passage (`Passage`); else from densities of thresholds in cells (`Strands`) of two resolutions,
+whose errors differ by a factor of eight; these survivals are extrapolated, and the error is measured.
 """
 
 import time as clock
@@ -16,6 +16,7 @@ from numpy.polynomial import chebyshev
 
 from master.lives.age.cells import TRAVEL_STEP, Cells, narrowest
 from master.lives.age.passage import Passage
+from master.lives.age.passages import Passages
 from master.lives.age.strands import Strands, over_root, survival_at
 from master.lives.averages import StretchRule, stretch_rule
 from master.lives.life import Life
@@ -43,7 +44,8 @@ class AgeingLife(Life):
     With more than one leg `left` is for contacts of the start, and for those that have moved straight
     since their birth; master.renewal.strand_births follows births of earlier legs.
 
-    accuracy : aimed-at error of the share that holds; strands take very long for 1e-9 and less
+    accuracy : aimed-at error of the share that holds; with cells it takes very long to reach 1e-9 and less
+    width : narrowest width of the laws (a length)
     until : reading of time.monotonic() after which no finer resolution is tried
     """
 
@@ -57,7 +59,8 @@ class AgeingLife(Life):
         self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
         self.accuracy, self._until = accuracy, until
         self.reach = max(float(law.isf(1e-17)) for law in laws)
-        self.grain = TRAVEL_STEP * min(narrowest(law) for law in laws)
+        self.width = min(narrowest(law) for law in laws)
+        self.grain = TRAVEL_STEP * self.width
         longest = LONGEST * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
         # of each leg the time until it ends or hardly any contact holds
         self._lasts = np.minimum(np.diff(motion.times), longest)
@@ -70,8 +73,8 @@ class AgeingLife(Life):
         self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
         self._errors: dict[str, float] = {}
         if self.has_strands:
-            start = self.follow(self.begin(contacts.start), 0)
-            self._start = [over_root(times, left[:, :2, 0]) for times, left in start]
+            start = self.follow(self.begin(self.rule(contacts.start)), 0)
+            self._start = [over_root(times, left[..., 0]) for times, left in start]
         elif not self._closed:
             # so that its error is known from the beginning
             self._table(float(motion.speeds[0]), 0.0)
@@ -90,7 +93,7 @@ class AgeingLife(Life):
             now = self._start[leg](history.t - motion.times[leg])
             return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
         if isinstance(born, Start):
-            rule = self._rule(born)
+            rule = self.rule(born)
             each = [self.left(np.full((1, 1), stretch), history) for stretch in rule.stretch]
             return np.asarray(np.tensordot(rule.weight, each, 1))
         # on one leg the speed is the same to the bit, so that its tables are found again
@@ -124,40 +127,47 @@ class AgeingLife(Life):
         """Survival over the time of contacts born at this stretch on a slider that keeps this speed."""
         if (speed, stretch) not in self._tables:
             # |x| does not change when speed and stretch change sign
-            along, contacts = -stretch if speed < 0.0 else stretch, self.contacts
-            if self._closed and speed:
-                assert contacts.ageing is not None
-                aim = float(np.clip(1e-3 * self.accuracy, 1e-13, 1e-10))  # of each panel
-                found = Passage(contacts.thresholds, contacts.ageing, abs(speed), along, aim)
+            along, longest = -stretch if speed < 0.0 else stretch, float(np.ptp(self.motion.times))
+            longest = min(longest, LONGEST * self.reach / abs(speed)) if speed else longest
+            if self._closed:
+                found = self._passage(along)
+                found.move(abs(speed), longest)
                 self._add_error("passages", found.error)
                 self._tables[speed, stretch] = found.survival
             else:
-                longest = float(np.ptp(self.motion.times))
-                longest = min(longest, LONGEST * self.reach / abs(speed)) if speed else longest
-                born = self.begin(SingleStart(along))
+                born = Strands(self.cells, *stretch_rule(SingleStart(along), self.reach, 1))
                 self._tables[speed, stretch] = survival_at(born, abs(speed), longest)
         return self._tables[speed, stretch]
 
-    def begin(self, born: Start) -> Strands:
-        """A strand of contacts that are born now at stretches of the law `born`."""
-        return Strands(self.cells, *self._rule(born))
+    def _passage(self, stretch: float) -> Passage:
+        """Of contacts that are born now at a stretch."""
+        contacts, fastest = self.contacts, float(np.abs(self.motion.speeds).max())
+        assert contacts.ageing is not None
+        aim = max(1e-2 * self.accuracy, 1e-11 if self.has_strands else 1e-12)  # of each panel
+        return Passage(contacts.thresholds, contacts.ageing, fastest, stretch, aim)
 
-    def follow(self, strands: Strands, first: int) -> Iterator[tuple[Array, Array]]:
+    def begin(self, rule: StretchRule, coarse: bool = False) -> Strands | Passages:
+        """A strand of contacts that are born now; those in cells in the coarsest, or in those that suffice."""
+        if self._closed:
+            return Passages(self._passage, *rule, self.width)
+        return Strands(self._coarse if coarse else self.cells, *rule)
+
+    def follow(self, strands: Strands | Passages, first: int) -> Iterator[tuple[Array, Array]]:
         """The strands' shares and forces on one leg after another, from the first on."""
         for speed, lasts in zip(self.motion.speeds[first:], self._lasts[first:], strict=True):
             yield strands.follow(float(speed), float(lasts))
+            self._add_error("passages", strands.error)
 
     @cached_property
     def cells(self) -> tuple[Cells, Cells]:
         """Cells of the two resolutions that suffice for strands."""
-        cells, before, error = self._coarse, self._trial(self._coarse), np.inf
+        cells, before, change, error = self._coarse, self._trial(self._coarse), np.inf, np.inf
         while error > self.accuracy and cells[1].can_be_finer and clock.monotonic() <= self._until:
             finer = cells[1], self._cells_of(cells[1].resolution + 1)
             now = self._trial(finer)
-            # extrapolated survivals converge at least as fast as those of which they are made
-            falls = np.abs(now[1]).max() / max(np.abs(before[1]).max(), 1e-300)
-            fall = float(np.clip(falls, LEAST_RATIO, HARDLY))
-            change = float(np.abs(now - before)[0].max())
+            change, larger = float(np.abs(now - before).max()), change
+            # of the first change only that it is larger than the next is known
+            fall = float(np.clip(change / larger, LEAST_RATIO, HARDLY)) if larger < np.inf else 0.5
             last, error = error, MARGIN * change / (1.0 - fall)
             if error > self.accuracy:
                 cells, before, error = finer, now, fall * error
@@ -174,33 +184,36 @@ class AgeingLife(Life):
         return Cells(self.contacts, resolution, float(np.abs(self.motion.speeds).max()))
 
     def _trial(self, cells: tuple[Cells, Cells]) -> Array:
-        """Share that holds, along the whole motion, of the contacts of the start and of some births;
-        and what extrapolation of the two resolutions adds to it, shape (2, moments)."""
+        """Share that holds, along the whole motion, of contacts of the start and of some births, shape (moments,)."""
         legs = self.motion.speeds.size
         firsts = np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()
         relaxed = stretch_rule(SingleStart(0.0), self.reach, 1)
-        born = [(0, self._rule(self.contacts.start)), *((first, relaxed) for first in firsts)]
-        shares = [self._shares(Strands(cells, *rule), first) for first, rule in born]
-        return np.concatenate(shares, axis=1)
+        born = [(0, self.rule(self.contacts.start)), *((first, relaxed) for first in firsts)]
+        return np.concatenate([self._shares(Strands(cells, *rule), first) for first, rule in born])
 
-    def _shares(self, strand: Strands, first: int) -> Array:
+    def _shares(self, strand: Strands | Passages, first: int) -> Array:
         """As _trial, of a strand born as the leg `first` begins, at moments of this and later legs."""
         # early moments are left out for births at x = 0: contacts bear no force yet, however many hold
         moments = MOMENTS if strand.stretch.any() else MOMENTS[20:]
         followed = zip(self.follow(strand, first), self._lasts[first:], strict=True)
-        each = [over_root(t, left[:, ::2, 0])(lasts * moments) for (t, left), lasts in followed]
-        return np.concatenate(each).T
+        each = [over_root(t, left[:, 0, 0])(lasts * moments) for (t, left), lasts in followed]
+        return np.concatenate(each)
 
-    def _rule(self, born: Start) -> StretchRule:
+    def rule(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
         if born.is_single:
             return stretch_rule(born, self.reach, 1)
         if born in self._rules:
             return self._rules[born]
         most, before = self.contacts.thresholds.support()[1], np.zeros(1)
+        lags, speed = np.linspace(0.0, self._lasts[0], 150), float(self.motion.speeds[0])
         for count in COUNTS:
             rule = stretch_rule(born, most, count)
-            now = self._shares_of_rule(rule)
+            if self._closed and not self.has_strands:
+                tables = [self._table(speed, x) for x in rule.stretch.tolist()]
+                now = rule.weight @ np.array([table(lags) for table in tables])
+            else:  # strands use few cells, whose errors hardly matter
+                now = self._shares(self.begin(rule, coarse=True), 0)
             change, before = float(np.abs(now - before).max()), now
             late = count > COUNTS[0] and clock.monotonic() > self._until
             if change <= self.accuracy or late:
@@ -208,12 +221,3 @@ class AgeingLife(Life):
         self._add_error("stretches", change)
         self._rules[born] = rule
         return rule
-
-    def _shares_of_rule(self, rule: StretchRule) -> Array:
-        """Share that holds of contacts born at first; strands use few cells, whose errors hardly matter."""
-        speed = float(self.motion.speeds[0])
-        if not self._closed or self.has_strands or not speed:
-            return self._shares(Strands(self._coarse, *rule), 0)[0]
-        lags = np.linspace(0.0, self._lasts[0], 150)
-        tables = [self._table(speed, float(stretch)) for stretch in rule.stretch]
-        return rule.weight @ np.array([table(lags) for table in tables])

@@ -43,8 +43,7 @@ class Cells:
     heat_rate : mean rate at which fresh relaxed contacts break by heat (per time)
     edges : array of shape (cells + 1,), of the cells, from 0 on (lengths)
 
-    Raises InputError for exact thresholds, for a final law that begins above 0, ends or has gaps,
-    and for laws so sharp that they need too many cells.
+    Raises InputError for exact thresholds, and for laws so sharp that they need too many cells.
     """
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
@@ -54,16 +53,8 @@ class Cells:
         ageing, law = contacts.ageing, contacts.thresholds
         assert ageing is not None
         if law.atoms[0].size:
-            raise InputError(
-                f"thresholds: hold the single value {law.atoms[0][0]:g}: contacts that age need a "
-                "fresh law with a density here; give it a width"
-            )
-        low, high = ageing.final.support()
-        if low > 0.0 or high < np.inf:
-            raise InputError(
-                f"ageing: the final law ends at {low:g} and {high:g}, where thresholds would be reflected: "
-                "no solver takes it; use one from 0 on that does not end, such as gaussian"
-            )
+            rule = "contacts that age need a fresh law with a density here; give it a width"
+            raise InputError(f"thresholds: hold the single value {law.atoms[0][0]:g}: {rule}")
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
         self._diffusion, self.resolution = ageing.rate, resolution
         laws = law, ageing.final
@@ -95,10 +86,8 @@ class Cells:
             step = min(AFTER_CHANGE * (steady_for + times[-1]) + shortest, 1.0 / fastest)
             times.append(times[-1] + step * 2.0**-self.resolution)
             if len(times) > MOST_STEPS:
-                raise InputError(
-                    f"ageing: a move of {duration:.3g} in time needs more than {MOST_STEPS} steps; "
-                    "use a shorter path, or a larger tolerance"
-                )
+                rule = f"more than {MOST_STEPS} steps; use a shorter path, or a larger tolerance"
+                raise InputError(f"ageing: a move of {duration:.3g} in time needs {rule}")
         return duration * (np.array(times) / times[-1])
 
     def fresh(self, stretch: Array) -> Array:
@@ -179,10 +168,9 @@ def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share:
         room = 1.0 / (thinnest + 0.3 * edges[-1]) + 1.0 / widest
         edges.append(edges[-1] + share / room)
         if len(edges) > MOST_CELLS:
-            raise InputError(
-                f"ageing: laws as sharp as {width:.3g} that reach to {reach:.3g} need more than "
-                f"{MOST_CELLS} cells of thresholds; use wider laws, or a larger tolerance"
-            )
+            rule = f"more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
+            sharp = f"laws as sharp as {width:.3g} that reach to {reach:.3g}"
+            raise InputError(f"ageing: {sharp} need {rule}")
     # scale so that the last cell ends at `reach`
     return np.array(edges) * (reach / edges[-1])
 
@@ -219,10 +207,8 @@ def _drift(ageing: Ageing, width: float) -> Callable[[Array], Array]:
     logs = [final.logpdf(width * np.exp(at + k * step)) for k in (-2, -1, 1, 2)]
     slope = (8.0 * logs[1] - logs[0] - 8.0 * logs[2] + logs[3]) / (12.0 * step)
     if not np.isfinite(slope).all():
-        raise InputError(
-            "ageing: the final law has no finite density where thresholds age to; use a law "
-            "without gaps, such as gaussian(mean=1.0, std=0.05)"
-        )
+        fault = "the final law has no finite density where thresholds age to"
+        raise InputError(f"ageing: {fault}; use a law without gaps, such as gaussian")
     spline = CubicSpline(at, ageing.rate * slope)
 
     def drift(threshold: Array) -> Array:

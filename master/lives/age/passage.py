@@ -1,174 +1,233 @@
-"""First passage at one speed: survival of contacts whose thresholds age towards a normal law.
+"""First passage: survival of contacts whose thresholds age towards a normal law, on any motion.
 
-A contact has the stretch `start` at t = 0 and a fresh threshold; its stretch grows at one speed, and it breaks where
-|stretch| first meets its threshold. If thresholds went on ageing when they are met, all that are below |stretch| at t
-would have been met at some moment before: with b the breaks per unit of the way t,
+A contact is born at t = 0 with a fresh threshold. It breaks where its |stretch|, the level, first meets its threshold.
+If thresholds went on ageing when they are met, all that are below the level at t would have been met at some moment
+before: with b the breaks per unit of time,
 
     P(below at t | fresh) = integral_0^t b(τ) P(below at t | met at τ) dτ,       E(t) = 1 - integral_0^t b dτ.
 
-That is number conservation again, and both probabilities are known in closed form, as free
-thresholds are an Ornstein-Uhlenbeck process. It is solved panel by panel; on each 2 s b is a Legendre
-series in s = t^(1/2), in which b is smooth from the start. A stretch that begins below 0 turns at 0,
-where a panel ends. (The probabilities above |stretch| obey the same equation, but they are nearly 1
-where thresholds move away from |stretch|, and b would be lost in their rounding.)
+That is number conservation again, and both probabilities are known in closed form, as free thresholds are an
+Ornstein-Uhlenbeck process. It is solved panel by panel. A segment of the motion ends where the speed of the level
+changes; with s the root of the time since the segment began, 2 s b is smooth in s, and a Legendre series on each panel.
+(The probabilities above the level obey the same equation, but they are nearly 1 where thresholds move away from the
+level, and b would be lost in their rounding.)
 """
 
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
+from master.lives.averages import Integrals, integrals_above
+from master.lives.life import MARGIN
 from master.renewal import rule
 from master.renewal.rule import Rows
-from master.renewal.table import Table
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
-# Nodes and weights on (0, 1), of the integral over earlier breaks between two of its cuts.
+# Nodes and weights on (0, 1) of the integral over fresh thresholds.
 _INNER, _INNER_WEIGHTS = rule.gauss(12).nodes, rule.gauss(12).series[:, 0]
-_SIZE = rule.DEGREE
+# Shares of the contacts below which: none is taken to hold; a panel's breaks are left out.
+_NOTHING, _FEWEST = 1e-14, 1e-18
 
 
-class _Earlier(NamedTuple):
-    """Nodes s of integrals over earlier breaks, a row for each part between two cuts, and their
-    weights times the share that is below now; `row` (n,) is the number of the integral."""
+class _Segment(NamedTuple):
+    """A part of the motion in which the stretch keeps its sign: time since the birth and level at its beginning, speed
+    of the level, and the root of the duration."""
 
-    row: Rows
-    node: Array
-    weight: Array
+    begin: float
+    level: float
+    slope: float
+    root: float
+
+
+class _Panel(NamedTuple):
+    """Legendre coefficients of 2 s b between `low` and low + width, s being the root of the time since this segment
+    began, and the shares that hold at `low` and that break. A part beyond the segment's end does not count."""
+
+    segment: int
+    low: float
+    width: float
+    holds: float
+    breaks: float
+    series: Array
 
 
 class Passage:
-    """E(lag) of contacts born together whose thresholds age towards a Gaussian final law.
+    """Survival of contacts born together whose thresholds age towards a Gaussian final law.
 
     fresh : P_ci, conditional on being above |start|; exact values allowed
     ageing : with an uncut Gaussian final law (`normal` is not None)
-    velocity : v > 0, a length per time
-    start : stretch at the birth (a length); a negative one first rises to 0
+    fastest : largest speed of `move`, a length per time
+    start : stretch at the birth (a length)
     accuracy : largest error of the survival from one panel
-    error : estimate of the largest error of the survival, without that by rounding
+    age, stretch, left : time since the birth, stretch and share that holds now
+    error : estimate of the largest error of the survival
 
     Raises InputError where no threshold lies above |start|.
     """
 
     def __init__(
-        self, fresh: Thresholds, ageing: Ageing, velocity: float, start: float, accuracy: float
+        self, fresh: Thresholds, ageing: Ageing, fastest: float, start: float, accuracy: float
     ) -> None:
-        """Tabulate the breaks along the way; InputError for a start beyond every threshold."""
+        """Begin at the birth; InputError for a start beyond every threshold."""
         normal = ageing.normal
-        assert normal is not None and velocity > 0.0
+        assert normal is not None
         least = abs(start)
         if not float(fresh.sf(least)) > 0.0:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         # less ageing has no effect in floating point
-        diffusion = max(ageing.rate / velocity, 1e-28 * fresh.mean())
-        self._mean, self._std, self._rate = normal.mean, normal.std, diffusion / normal.std**2
-        self._velocity, self._start, self._accuracy = velocity, start, accuracy
-        self._turn = max(-start, 0.0)  # way after which |stretch| turns at 0
+        self._diffusion = max(ageing.rate, 1e-28 * fresh.mean() * fastest)
+        self._mean, self._std, self._rate = normal.mean, normal.std, self._diffusion / normal.std**2
+        self.age, self.stretch, self.left = 0.0, start, 1.0
+        self.error = self._tails = self._missed = 0.0
         # the fresh thresholds of contacts that hold at first: exact values, and edges of the others
         self._fresh, self._held, above = fresh, float(fresh.sf(least)), fresh.atoms[0] > least
         self._values, self._weights = (part[above] for part in fresh.atoms)
         self._pieces = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
-        # least way over which the share that is below now changes
-        self._finest = 0.5 * min(4.0 * diffusion, 1.0 / self._rate)
-        self._first = 0.1 * float(np.sqrt(min(diffusion, 1.0 / self._rate, 0.1 * normal.std)))
-        # ends of the panels in s, and Legendre coefficients of 2 s b
-        self._edges, self._series = [0.0], list[Array]()
-        self._left, self.error = 1.0, 0.0
-        # the march ends at the latest where no threshold has ever been
-        furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
-        for way in (self._turn, furthest - start):
-            self._march(way)
-        self.error += max(self._left, 0.0)
-        given = lambda s: self._density(s)[None], np.array(self._edges), np.inf, 0.0
-        self._broken = Table(*given, size=_SIZE)
+        self._furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
+        # of the last coefficients of integrals over earlier breaks, whose errors are far smaller
+        self._resolved = min(100.0 * accuracy, 1e-8)
+        self._accuracy, self._segments, self._panels = accuracy, list[_Segment](), list[_Panel]()
 
-    def survival(self, lag: Array) -> Array:
-        """E at times `lag` >= 0 since the birth, same shape."""
-        s = np.sqrt(lag * self._velocity)
-        return np.clip(1.0 - self._broken.before(s), 0.0, 1.0) * (s < self._edges[-1])
+    def move(self, speed: float, duration: float) -> None:
+        """Go on at the speed dX/dt for a time."""
+        turn = -self.stretch / speed if speed * self.stretch < 0.0 else np.inf
+        if turn < duration:
+            self.move(speed, turn)
+            self.stretch, duration = 0.0, duration - turn
+        if duration > 0.0:
+            slope = speed * np.sign(self.stretch) if self.stretch else abs(speed)
+            here = self.age, abs(self.stretch), float(slope), float(np.sqrt(duration))
+            self._segments.append(_Segment(*here))
+            self._march(self._segments[-1])
+            self.age += duration
+            self.stretch += speed * duration
 
-    def _march(self, way: float) -> None:
-        """Add panels up to this way, or until hardly any contact holds."""
-        last, left, width = float(np.sqrt(way)), self._edges[-1], self._first
-        while left < last and self._left > 1e-14:  # the size of rounding
+    def survival(self, age: Array) -> Array:
+        """E at ages from 0 to now, same shape."""
+        begins = [self._segments[panel.segment].begin for panel in self._panels]
+        begin, (low, width, holds) = np.array(begins), np.array([p[1:4] for p in self._panels]).T
+        panel = np.maximum(np.searchsorted(begin + low * low, age, "right") - 1, 0)
+        s = np.sqrt(np.maximum(age - begin[panel], 0.0))
+        broken = legendre.legint(np.array([each.series for each in self._panels]).T, lbnd=-1.0)
+        z = np.minimum(2.0 * (s - low[panel]) / width[panel] - 1.0, 1.0)
+        now = holds[panel] - 0.5 * width[panel] * legendre.legval(z, broken[:, panel], tensor=False)
+        return np.where(now > _NOTHING, np.minimum(now, 1.0), 0.0)
+
+    def at(self, age: float, stretch: float) -> "Passage":
+        """These contacts at an earlier age, when they had this stretch."""
+        out, out.age, out.stretch = copy(self), age, stretch
+        out.left = float(self.survival(np.array([age]))[0])
+        kept = [each for each in self._segments if each.begin <= age]
+        ends = [min(each.root, float(np.sqrt(age - each.begin))) for each in kept]
+        out._segments = [each._replace(root=end) for each, end in zip(kept, ends, strict=True)]
+        out._panels = [p for p in self._panels if p.segment < len(kept) and p.low < ends[p.segment]]
+        return out
+
+    def _march(self, here: _Segment) -> None:
+        """Add the panels of the last segment, until hardly any contact holds."""
+        speed, last = abs(here.slope), here.root
+        # how fast the level recedes from thresholds of any size
+        recedes = -here.slope - self._rate * max(self._furthest - self._mean, 0.0)
+        if (
+            recedes > 0.0
+        ):  # at this speed u or faster, so that all but e^-40 are met within 160 D/u²
+            last = min(last, float(np.sqrt(160.0 * self._diffusion)) / recedes)
+        least = min(self._diffusion / speed, 0.1 * self._std) / speed if speed else np.inf
+        first = 0.1 * float(np.sqrt(min(1.0 / self._rate, least)))
+        few = bool(self._panels) and abs(self._panels[-1].breaks) < self._accuracy  # near the level
+        width, left, before = max(first, 0.25 * last) if few else first, 0.0, np.inf
+        while last - left > 1e-12 * last and self.left > _NOTHING:  # less is rounding
             step = min(width, last - left)
             series = self._panel(left, step)
             # the last coefficients, in the integral of the density
-            early, tail = (np.abs(series[-k:]).max() * step / (2.0 * _SIZE) for k in (6, 2))
-            if tail > self._accuracy and step > 1e-9 * (left + step):
-                width = 0.5 * step
+            early, tail = (np.abs(series[-k:]).max() * step / (2.0 * rule.DEGREE) for k in (6, 2))
+            rounded = 0.3 * before < tail < 1e-9  # hardly less than on twice the panel
+            if tail > self._accuracy and not rounded and step > 0.3 * first:
+                width, before = 0.5 * step, tail
                 continue
-            left += step
-            self._edges.append(left)
-            self._series.append(series)
-            self._left -= float(series[0]) * step  # the first coefficient is the mean
-            self.error += float(tail)
-            width = step * (2.0 if early < self._accuracy else 1.0)
-            if len(self._series) > 4000:  # a smooth law takes some 50
-                told = "needs more than 4000 panels; use a smoother law of fresh thresholds"
-                raise InputError(f"ageing: the first passage {told}")
-
-    def _density(self, s: Array) -> Array:
-        """2 s b at points of finished panels, each row within one; same shape."""
-        edges, middle = np.array(self._edges), s[:, s.shape[1] // 2]
-        panel = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, edges.size - 2)
-        low, high = edges[panel, None], edges[panel + 1, None]
-        z = (2.0 * s - low - high) / (high - low)
-        return rule.legendre_sum(np.array(self._series)[panel], z)
+            breaks = float(series[0]) * step  # the first coefficient is the mean
+            panel = _Panel(len(self._segments) - 1, left, step, self.left, breaks, series)
+            self._panels.append(panel)
+            left, self.left = left + step, self.left - breaks
+            self._tails += float(tail)
+            self.error = self._tails + self._missed
+            wider = 16.0 if breaks < 1e-3 * self._accuracy else 2.0
+            width, before = step * (wider if early < self._accuracy or rounded else 1.0), np.inf
+            if len(self._panels) > 4000:  # a smooth law takes some 50
+                raise InputError(
+                    "ageing: needs 4000 panels; use a smoother law of fresh thresholds"
+                )
 
     def _panel(self, left: float, width: float) -> Array:
-        """Legendre coefficients of 2 s b on a panel, from the shares below the level at its nodes."""
-        s, matrix = left + width * rule.NODES, np.zeros((_SIZE, _SIZE))
-        level = np.abs(self._start + s * s)
-        below = self._below_from_fresh(s * s, level)
-        row, node, weight = self._earlier(s, level)
-        own = node[:, 0] > left
-        if not own.all():
-            met = (weight[~own] * self._density(node[~own])).sum(axis=-1)
-            below -= np.bincount(row[~own], weights=met, minlength=_SIZE)
-        basis = legendre.legvander((2.0 / width) * (node[own] - left) - 1.0, _SIZE - 1)
-        np.add.at(matrix, row[own], np.einsum("nq,nqk->nk", weight[own], basis))
-        return np.asarray(np.linalg.solve(matrix, below), dtype=float)
+        """Legendre coefficients of 2 s b on a panel of the last segment, from the shares below at its nodes."""
+        here, s = self._segments[-1], left + width * rule.NODES
+        level = here.level + here.slope * s * s
+        below = self._below_from_fresh(here.begin + s * s, level)
+        new = _Panel(len(self._segments) - 1, left, width, 0.0, 0.0, np.zeros(rule.DEGREE))
+        felt = [each for each in self._panels if abs(each.breaks) > _FEWEST]
+        each, earlier = self._met([new], s, level, True), self._met([*felt, new], s, level)
+        series = np.linalg.solve(each.value.T, below - earlier.value[0])
+        missed = earlier.missed[0] + np.abs(series) @ each.missed
+        self._missed = max(self._missed, MARGIN * float(missed.max()))
+        return np.asarray(series, dtype=float)
 
-    def _earlier(self, s: Array, level: Array) -> _Earlier:
-        """Nodes for the breaks up to s (n,), where the level is now. Parts end at the panels' edges and get finer
-        towards s; nodes are even in the root of the distance from s, in which the singular integrand is smooth."""
-        # 40 doublings: from D/v up to any length
-        doubled = np.sqrt(self._finest / (2.0 * s))[:, None] * 2.0 ** np.arange(40)
-        fixed = np.tile(self._edges, (s.size, 1))
-        ends = np.concatenate([fixed, s[:, None] - doubled**2, s[:, None]], axis=1)
-        ends = np.sort(np.clip(ends, 0.0, s[:, None]), axis=1)
-        row, column = np.nonzero(ends[:, 1:] > ends[:, :-1])
-        top = s[row, None]
-        far, near = (np.sqrt(top - ends[row, column + k, None]) for k in (0, 1))
-        root = near + (far - near) * _INNER
-        elapsed = root * root * (2.0 * top - root * root)
-        rise = np.minimum(elapsed, 2.0 * np.maximum(top * top - self._turn, 0.0) - elapsed)
-        # shares now below the level of the thresholds that were at the level of then, `rise` lower
-        decay, lost = np.exp(-self._rate * elapsed), -np.expm1(-self._rate * elapsed)
-        distance = (level[row, None] - self._mean) * lost + rise * decay
-        below = ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay))))
-        weight = (far - near) * _INNER_WEIGHTS * 2.0 * root * below
-        return _Earlier(row, top - root * root, weight)
+    def _met(self, panels: list[_Panel], s: Array, level: Array, each: bool = False) -> Integrals:
+        """The share below the level now, at s (n,) on the last segment, of what broke on some panels, one function of
+        n ranges; `each`: if 2 s b were each of the Legendre polynomials of the first panel, DEGREE functions.
+
+        The variable is -c, where c is s on the last segment, and goes on below 0 on those before.
+        """
+        begin, lowest, slope, root = np.array(self._segments).T
+        first = np.append(-np.cumsum(root[-2::-1])[::-1], 0.0)  # c where each segment begins
+        number, low, width = (np.array(part) for part in list(zip(*panels, strict=True))[:3])
+        high = first[number] + np.minimum(low + width, root[number])
+        low, series = first[number] + low, np.array([panel.series for panel in panels])
+
+        def met(row: Rows, y: Array) -> Array:
+            panel = np.searchsorted(low, -y[:, y.shape[1] // 2], "right") - 1
+            k, z = number[panel, None], -2.0 * (y + low[panel, None]) / width[panel, None] - 1.0
+            now, then = s[row, None], (y + first[k]) ** 2  # root of a time on the segment, a time
+            own = k == root.size - 1
+            before = np.where(own, (now + y) * (now - y), now**2 + begin[-1] - begin[k] - then)
+            climb = np.where(
+                own, slope[-1] * before, level[row, None] - lowest[k] - slope[k] * then
+            )
+            below = self._below(level[row, None], climb, before)
+            if each:
+                return np.moveaxis(legendre.legvander(z, rule.DEGREE - 1), -1, 0) * below
+            return np.asarray(rule.legendre_sum(series[panel], z) * below)[None]
+
+        edges = -np.stack([high, low], axis=1)[::-1].ravel()
+        felt = np.arange(edges.size - 1) % 2 == 0
+        checked = 0 if len(self._panels) % 8 else 1  # the error is measured on one panel in eight
+        return integrals_above(met, -s, edges, felt, self._resolved, checked=checked)
 
     def _below_from_fresh(self, time: Array, level: Array) -> Array:
         """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,)."""
-        decay, lost = np.exp(-self._rate * time)[:, None], -np.expm1(-self._rate * time)[:, None]
-        offset, std = (level - self._mean)[:, None], self._std * np.sqrt(lost * (1.0 + decay))
-
-        def below(values: Array, row: Rows | slice) -> Array:
-            return np.asarray(ndtr((offset[row] - (values - self._mean) * decay[row]) / std[row]))
-
+        level, time = level[:, None], time[:, None]
+        decay, relaxed = np.exp(-self._rate * time), -np.expm1(-2.0 * self._rate * time)
+        offset, std = level - self._mean, self._std * np.sqrt(relaxed)
         # from one to the next of these fresh thresholds, what `ndtr` takes changes by 1
         steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
         steep = np.clip(steep, self._pieces[0], self._pieces[-1])
         ends = np.concatenate([np.tile(self._pieces, (time.size, 1)), steep], axis=1)
         row, low, high = rule.Pieces.between(ends)
         values = low[:, None] + (high - low)[:, None] * _INNER
-        each = finite_density(self._fresh, values) * below(values, row) @ _INNER_WEIGHTS
+        below = self._below(level[row], level[row] - values, time[row])
+        each = finite_density(self._fresh, values) * below @ _INNER_WEIGHTS
         spread = np.bincount(row, each * (high - low), time.size)
-        return (spread + below(self._values, slice(None)) @ self._weights) / self._held
+        exact = self._below(level, level - self._values, time) @ self._weights
+        return np.asarray((spread + exact) / self._held)
+
+    def _below(self, level: Array, rise: Array, time: Array) -> Array:
+        """Share below a level now of the thresholds that were `rise` below it a time ago; the shapes broadcast."""
+        decay, lost = np.exp(-self._rate * time), -np.expm1(-self._rate * time)
+        distance = (level - self._mean) * lost + rise * decay
+        # at time 0 all count as at the level
+        return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)) + 1e-300)))

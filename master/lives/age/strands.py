@@ -24,7 +24,7 @@ class Strands:
     cells : of two resolutions; the second one has an eighth of the first one's error
     stretch, share : arrays (parts,), stretches at birth, and weights of sum 1
     until : reading of time.monotonic() after which `advance` raises StoppedError
-    spent : share below which no part is followed any more
+    spent : share below which no part is followed any more; error : 0, as cells tell it (AgeingLife.cells)
 
     As an attribute `stretch`, array (strands, parts), is that of now (lengths).
     """
@@ -33,7 +33,7 @@ class Strands:
         """Begin with one strand, of fresh thresholds."""
         self._cells, self._share, self.stretch = cells, share, stretch[None].copy()
         self._steady_for, self._speed = 0.0, np.nan
-        self.until, self.spent = np.inf, 1e-15  # the size of rounding
+        self.until, self.spent, self.error = np.inf, 1e-15, 0.0  # the size of rounding
         # arrays (strands, parts, cells) for both resolutions
         self._weights = [each.fresh(stretch)[None] for each in cells]
 
@@ -60,7 +60,7 @@ class Strands:
 
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
         """Advance along a leg, until hardly any contact holds. Returns times since its beginning, shape (n,), and what
-        is `left` then, shape (n, 3, strands)."""
+        is `left` then, shape (n, 2, strands)."""
         # where a leg begins, thresholds may have gathered right above |x|: the first steps are short
         self._speed, self._steady_for = speed, 0.0
         times, shares = self._cells[0].steps(speed, 0.0, duration), [self.left()]
@@ -72,12 +72,11 @@ class Strands:
         return times[: len(shares)], np.array(shares)
 
     def left(self) -> Array:
-        """Share of each strand that holds, its force per contact born, and what extrapolation of the two
-        resolutions adds to the share, shape (3, strands)."""
+        """Share of each strand that holds, and its force per contact born, shape (2, strands)."""
         coarse, fine = (weights.sum(axis=2) for weights in self._weights)
-        missed = (fine - coarse) / 7.0  # the finer resolution has an eighth of the error
-        holds = np.clip(fine + missed, 0.0, 1.0)
-        return np.stack([holds, holds * self.stretch, missed]) @ self._share
+        # extrapolated: the finer resolution has an eighth of the error
+        holds = np.clip(fine + (fine - coarse) / 7.0, 0.0, 1.0)
+        return np.stack([holds, holds * self.stretch]) @ self._share
 
     def aged(self, speed: float, ages: Array) -> "Strands":
         """Strands like this one, right after its birth, that have moved on at a speed for `ages` (n,)."""

@@ -152,15 +152,9 @@ def _beside(times: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
 def solve_stiff(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> Solution:
-    """Force on a rigid slider, taken as one on a spring so stiff that it follows the drive.
-
-    It is used for growing grains with heat on paths that turn or hold; see `solve` and, for `until`, `refined`.
-
-    Raises InputError where a path takes too many steps.
-    """
-    began = time.perf_counter()
-    # K/(N_c <k>) = 1e10: the slider is nearly rigid, with an error F/K of X
-    stiff = Drive(drive.path, drive.velocity, drive.time, 1e10, drive.slip)
+    """Force on a rigid slider, taken as one on a spring so stiff that it follows the drive, with an error F/K of X. It
+    is used for growing grains with heat on paths that turn or hold; see `refined`."""
+    began, stiff = time.perf_counter(), Drive(drive.path, drive.velocity, drive.time, spring=1e10)
     found = refined(contacts, stiff, 0.0, tolerance, progress, until)
     success, message = found.outcome(contacts, drive, tolerance, "X")
     times = drive.arrival_times()[: found.force.size]
