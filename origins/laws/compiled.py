@@ -37,6 +37,10 @@ def inlined(function: Callable[..., Any]) -> Any:
 def called(rates: Any) -> CompiledRates:
     """For a RateLaw without compiled functions: calls of its methods, some microseconds each; its scale is `most`."""
     from ctypes import CFUNCTYPE, c_double
+    from warnings import filterwarnings
+
+    # callbacks have another address in each process, so that no kernel with them is kept on disk
+    filterwarnings("ignore", "Cannot cache compiled function")
 
     # a separate class for each law, so that no two laws share compiled code
     class Called(NamedTuple):
