@@ -127,12 +127,12 @@ class AgeingLife(Life):
         """Survival over the time of contacts born at this stretch on a slider that keeps this speed."""
         if (speed, stretch) not in self._tables:
             # |x| does not change when speed and stretch change sign
-            along, longest = -stretch if speed < 0.0 else stretch, float(np.ptp(self.motion.times))
-            longest = min(longest, LONGEST * self.reach / abs(speed)) if speed else longest
+            along, lasts = -stretch if speed < 0.0 else stretch, float(np.ptp(self.motion.times))
+            longest = min(lasts, LONGEST * self.reach / abs(speed)) if speed else lasts
             if self._closed:
                 found = self._passage(along)
                 found.move(abs(speed), longest)
-                self._add_error("passages", found.error)
+                self._add_error("passages", found.error + max(found.left, 0.0) * (longest < lasts))
                 self._tables[speed, stretch] = found.survival
             else:
                 born = Strands(self.cells, *stretch_rule(SingleStart(along), self.reach, 1))

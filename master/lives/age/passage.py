@@ -101,15 +101,14 @@ class Passage:
             self.move(speed, turn)
             self.stretch, duration = 0.0, duration - turn
         if duration > 0.0:
-            slope = speed * np.sign(self.stretch) if self.stretch else abs(speed)
-            here = self.age, abs(self.stretch), float(slope), float(np.sqrt(duration))
-            self._segments.append(_Segment(*here))
+            slope = float(np.sign(self.stretch)) * speed if self.stretch else abs(speed)
+            self._segments.append(_Segment(self.age, abs(self.stretch), slope, duration**0.5))
             self._march(self._segments[-1])
             self.age += duration
             self.stretch += speed * duration
 
     def survival(self, age: Array) -> Array:
-        """E at ages from 0 to now, same shape."""
+        """E at these ages, same shape; 0 beyond now."""
         begins = [self._segments[panel.segment].begin for panel in self._panels]
         begin, (low, width, holds) = np.array(begins), np.array([p[1:4] for p in self._panels]).T
         panel = np.maximum(np.searchsorted(begin + low * low, age, "right") - 1, 0)
@@ -117,7 +116,7 @@ class Passage:
         broken = legendre.legint(np.array([each.series for each in self._panels]).T, lbnd=-1.0)
         z = np.minimum(2.0 * (s - low[panel]) / width[panel] - 1.0, 1.0)
         now = holds[panel] - 0.5 * width[panel] * legendre.legval(z, broken[:, panel], tensor=False)
-        return np.where(now > _NOTHING, np.minimum(now, 1.0), 0.0)
+        return np.minimum(now, 1.0) * ((now > _NOTHING) & (age <= self.age * (1.0 + 1e-12)))
 
     def at(self, age: float, stretch: float) -> "Passage":
         """These contacts at an earlier age, when they had this stretch."""

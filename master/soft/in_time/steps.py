@@ -90,10 +90,11 @@ class Steps:
         return takes + self.sign * trial.travel / self.length
 
     def longest(self) -> float:
-        """The size of a step to the end of the section on which the slider moves as far as the drive."""
+        """Twice the size of a step to the section's end if the slider moves as far as the drive; inf in a hold."""
         now, drive = self._contacts.now, self._drive
         way = float(np.abs(np.diff(drive.at(np.array([now, self._end])))[0]))
-        return self._count.steps(self._end) - self._count.steps(now) + way / self.length
+        takes = self._count.steps(self._end) - self._count.steps(now)
+        return 2.0 * (takes + way / self.length) if way else np.inf
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion."""
