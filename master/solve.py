@@ -57,11 +57,11 @@ def solve(
         K/(N_c <k>) of a soft slider; None: rigid.
     slip : "reset", "reform-after" or "instant"
         What a slip of a soft slider does. At the instability F'(X) = -K:
-        "reset" (the paper's): all contacts are replaced by fresh relaxed ones of age 0, and X jumps to where
+        "reset" (the paper's): all contacts are replaced by ones that have just re-formed, and X jumps to where
         K (X_T - X) = F;
         "reform-after": broken contacts stay out until the slip ends, which is where the spring balances those that
         hold; meanwhile these stretch and may break;
-        "instant": contacts re-form at once, and X goes to the first X' with F(X') + K X' = K X_T.
+        "instant": contacts re-form at once, or after their delay, and X goes to the first X' with F(X') + K X' = K X_T.
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional

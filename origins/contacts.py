@@ -21,7 +21,7 @@ from origins.thresholds.scipy_laws import as_thresholds
 
 # All laws that a contact may have beside thresholds and a start; thresholds that grow are "grains".
 # A law that is absent is None (stiffness: "independent"). Solvers use this list, Contacts.laws and
-# Contacts.replace, and keep no list of their own.
+# Contacts.replace; docs/extending.md says where else a law with a memory is told.
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
 # Laws that do not go together, and why; "mean rate" is the thermal closure "paper".
 _LINKED = "stiffness = 'linked': not defined with"

@@ -28,8 +28,8 @@ class Propensity:
     onset_power : m of P_c(x) ~ (x - a)^m at its lower end.
     critical_spring_error and the others : estimates from above of absolute errors, in the unit of the value itself.
     run_time : s.
-    success, message : whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat in mean
-        travels C to a break) are within the tolerance, and the accuracy reached.
+    success, message : whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat but
+        for growing grains in mean travels C to a break) are within the tolerance, and the accuracy reached.
     """
 
     critical_spring: float
@@ -52,8 +52,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     tolerance : largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
-    F(X) is followed for ten of these units, further where more than one in a million contacts slide longer before they
-    break, but for at most 1,000 of them; bounds of what may follow count in the errors.
+    F(X) is followed for ten of these units, or the first generation of breaks alone where others do not overlap it;
+    further, to 1,000 units, where more than 1e-6 of the contacts live longer. Errors bound what may follow, too.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and where contacts re-form
     so far behind x = 0 that the kinetic force is not above 0.

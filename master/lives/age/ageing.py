@@ -155,8 +155,9 @@ class AgeingLife(Life):
     def follow(self, strands: Strands | Passages, first: int) -> Iterator[tuple[Array, Array]]:
         """The strands' shares and forces on one leg after another, from the first on."""
         for speed, lasts in zip(self.motion.speeds[first:], self._lasts[first:], strict=True):
-            yield strands.follow(float(speed), float(lasts))
+            told = strands.follow(float(speed), float(lasts))
             self._add_error("passages", strands.error)
+            yield told
 
     @cached_property
     def cells(self) -> tuple[Cells, Cells]:

@@ -60,7 +60,7 @@ class _Panel(NamedTuple):
 class Passage:
     """Survival of contacts born together whose thresholds age towards a Gaussian final law.
 
-    fresh : P_ci, conditional on being above |start|; exact values allowed
+    fresh : P_ci, of which those above |start| hold; exact values allowed
     ageing : with an uncut Gaussian final law (`normal` is not None)
     fastest : largest speed of `move`, a length per time
     start : stretch at the birth (a length)
@@ -131,11 +131,9 @@ class Passage:
     def _march(self, here: _Segment) -> None:
         """Add the panels of the last segment, until hardly any contact holds."""
         speed, last = abs(here.slope), here.root
-        # how fast the level recedes from thresholds of any size
+        # speed u at which the level recedes from thresholds of any size: e^(-u² t/4D) < e^-40 are met after a time t
         recedes = -here.slope - self._rate * max(self._furthest - self._mean, 0.0)
-        if (
-            recedes > 0.0
-        ):  # at this speed u or faster, so that all but e^-40 are met within 160 D/u²
+        if recedes > 0.0:
             last = min(last, float(np.sqrt(160.0 * self._diffusion)) / recedes)
         least = min(self._diffusion / speed, 0.1 * self._std) / speed if speed else np.inf
         first = 0.1 * float(np.sqrt(min(1.0 / self._rate, least)))
@@ -180,7 +178,8 @@ class Passage:
         """The share below the level now, at s (n,) on the last segment, of what broke on some panels, one function of
         n ranges; `each`: if 2 s b were each of the Legendre polynomials of the first panel, DEGREE functions.
 
-        The variable is -c, where c is s on the last segment, and goes on below 0 on those before.
+        The variable is -c, where c is s on the last segment, and goes on below 0 on those before: its root is taken
+        from the lower end, where c is now, as `below` is a series in that root.
         """
         begin, lowest, slope, root = np.array(self._segments).T
         first = np.append(-np.cumsum(root[-2::-1])[::-1], 0.0)  # c where each segment begins

@@ -10,9 +10,9 @@ from master.lives.age.passage import Passage
 from master.outcome import StoppedError
 from origins.thresholds.law import Array
 
-# Moments of a leg at which survivals are told, splines of degree 5 between them: EVEN ones in the root of the time, and
+# Moments of a leg at which survivals are told, splines of degree 5 between them: MANY even in the root of the time, and
 # in its logarithm from FIRST durations on; and even ones, apart by this share of the narrowest width of the laws.
-EVEN, FIRST, APART = 200, 1e-10, 0.03
+MANY, FIRST, APART = 200, 1e-10, 0.03
 
 
 class Passages:
@@ -46,8 +46,8 @@ class Passages:
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
         """As Strands.follow, to the end of the leg."""
         ways = int(np.ceil(abs(speed) * duration / (APART * self._width))) + 1
-        early = np.append(0.0, np.geomspace(FIRST, 1.0, EVEN))
-        grids = early, np.linspace(0.0, 1.0, EVEN) ** 2, np.linspace(0.0, 1.0, ways)
+        early = np.append(0.0, np.geomspace(FIRST, 1.0, MANY))
+        grids = early, np.linspace(0.0, 1.0, MANY) ** 2, np.linspace(0.0, 1.0, ways)
         times, held = duration * np.unique(np.concatenate(grids)), self.left()[0]
         told = np.zeros((times.size, 2, held.size))
         for strand in np.flatnonzero(held > self.spent):

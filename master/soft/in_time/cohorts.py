@@ -44,7 +44,9 @@ class Strands(NamedTuple):
     share: Array
     record: Array
 
-    def and_born(self, memory: Memory, births: StretchRule, share: float, speed: float) -> "Strands":
+    def and_born(
+        self, memory: Memory, births: StretchRule, share: float, speed: float
+    ) -> "Strands":
         """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
         x, record = births.stretch, memory.fresh(births.stretch, speed)
         new = Strands(x, np.abs(x), share * births.weight, record)
@@ -55,7 +57,7 @@ class Trial(NamedTuple):
     """A step that is not taken yet: its travel, its end in time, and the state it leads to.
 
     strands : with a new cohort that has no births yet; `held_force` is what share_and_force says of them
-    force, holding : see Cohorts; breaks, births : per contact since t = 0
+    force, holding : see Cohorts; breaks, births : per contact since t = 0 or a reset
     """
 
     travel: float
@@ -106,7 +108,7 @@ class Cohorts:
 
     @property
     def breaks(self) -> float:
-        """Breaks per contact since t = 0."""
+        """Breaks per contact since t = 0 or a reset."""
         return self._sections[-1][-1][1]
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
