@@ -7,7 +7,7 @@ With B(t) the breaks per contact since t = 0, at every t
 where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums
 over lumps: the contacts that hold at t = 0, and sets of contacts that break at one moment because
 they reach one exact threshold together. On a panel B is a polynomial; its values at the Radau nodes
-follow from conservation there, given all panels before. A panel that does not resolve B is halved.
+follow from conservation there, given all panels before. A panel that does not resolve B is narrowed.
 """
 
 import time as clock
