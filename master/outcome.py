@@ -1,5 +1,6 @@
 """Whether a solution meets its tolerance, as a flag and a message; and the progress callback."""
 
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -14,6 +15,12 @@ Progress = Callable[[float], None]
 
 class StoppedError(Exception):
     """The slider cannot be followed any further, for the reason that the message gives."""
+
+
+def stop_after(until: float) -> None:
+    """Raise StoppedError after this reading of time.monotonic()."""
+    if time.monotonic() > until:
+        raise StoppedError("stopped by wall_time")
 
 
 def unheard(error: float) -> None:

@@ -42,9 +42,8 @@ class StretchDistribution:
         at, out = np.full((1, 1), t), np.zeros(x.size)
         if not start.is_single:
             origin, (low, high) = x - now, start.span  # beyond it the survival is not known
-            inside = np.flatnonzero(
-                (np.abs(origin) < life.reach) & (origin > low) & (origin < high)
-            )
+            within = (origin > low) & (origin < high) & (np.abs(origin) < life.reach)
+            inside = np.flatnonzero(within)
             origin, history = origin[inside], motion.history(at, np.zeros((inside.size, 1)))
             out[inside] = start.pdf(origin) * life.left(origin[:, None], history)[0, :, 0]
         slopes = march.breaks @ rule.SLOPES.T / march.width[:, None]

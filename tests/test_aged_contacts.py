@@ -160,3 +160,13 @@ def test_births_of_the_very_law_of_the_start_on_a_path_that_turns() -> None:
     aged = [Contacts(FRESH, laws[0], ageing=Ageing(LATER, 1e-3), reforming=law) for law in laws]
     same, other = (master.solve(contacts, [0.8, 0.45, 0.1], 1e-3) for contacts in aged)
     np.testing.assert_allclose(same.force, other.force, rtol=1e-12)
+
+
+def test_splines_between_moments_of_a_leg_count_in_the_error() -> None:
+    """Thresholds of a rectangular law hardly age: their survival bends sharply where it begins. A path that turns later
+    takes splines over the time, one that does not asks for each survival."""
+    ageing, x = Ageing(origins.gaussian(0.8, 0.1), 1e-5), np.linspace(0.33, 0.93, 60)
+    contacts = Contacts(origins.rectangular(0.4, 1.0), 0.05, ageing=ageing, delay=Delay(1e3))
+    forward, turning = (master.solve(contacts, path, 1e-9) for path in (x, np.append(x, 0.5)))
+    apart = np.abs(turning.holding[:-1] - forward.holding).max()
+    assert forward.success and apart < forward.force_error + turning.force_error

@@ -19,13 +19,18 @@ def life_of(
     tolerance : of the force, in mean thresholds; 0: as accurate as possible
     motion : of the slider; needed for contacts that age or have growing grains
     until : reading of time.monotonic() after which a life is not refined any more
+
+    Raises InputError for the paper's closure of ageing, in which single contacts have no law of their own.
     """
     if contacts.grains is not None:
         assert motion is not None
         return GrainLife(contacts, float(motion.times[-1]))
     if contacts.ageing is not None:
         assert motion is not None
-        check_ageing(contacts)
+        if contacts.ageing.closure == "paper":
+            fault = 'closure = "paper" (Q15) has one P_c for all contacts at each X, and none for single ones'
+            rule = 'use closure = "exact", or ask steady_state or critical_velocity, which take it'
+            raise InputError(f"contacts.ageing: {fault}; {rule}")
         return AgeingLife(contacts, motion, max(0.2 * tolerance, 1e-10), until)
     # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
     resolved = float(np.clip(tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
@@ -60,11 +65,3 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
         return life_of(contacts)
     motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * velocity]))
     return life_of(contacts, tolerance, motion)
-
-
-def check_ageing(contacts: Contacts) -> None:
-    """Raise InputError for closures in which single contacts that age have no law of their own."""
-    if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        fault = 'closure = "paper" (Q15) has one P_c for all contacts at each X, and none for single ones'
-        rule = 'use closure = "exact", or ask steady_state or critical_velocity, which take it'
-        raise InputError(f"contacts.ageing: {fault}; {rule}")

@@ -107,6 +107,7 @@ class History:
     """
 
     def __init__(self, motion: Motion, t: Array, s: Array) -> None:
+        """Find the moves between s and t."""
         self.motion, self.t, self.s = motion, t, s
         last = motion.leg_of_all(t)
         # the middle birth of a row tells the leg of all of them

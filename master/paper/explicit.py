@@ -57,8 +57,7 @@ def explicit(
     unknown `breaking`; for laws of the contacts; and for "printed" with exact thresholds, which have no P(x).
     """
     check_contacts(contacts, "master.paper.explicit")
-    forward = Drive(path).only_forward("the explicit scheme")
-    return _stepped(contacts, forward.path, step, breaking)
+    return _stepped(contacts, Drive(path).only_forward("the explicit scheme").path, step, breaking)
 
 
 def explicit_loop(

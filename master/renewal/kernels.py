@@ -64,8 +64,7 @@ class Straight:
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale = life.reach
         bends = self._bends(np.append(life.bends, life.reach))
-        # the lag at which the last contacts break
-        self._last = float(bends.max(initial=0.0)) or np.inf
+        self._last = float(bends.max(initial=0.0)) or np.inf  # the lag of the last breaks
         self._read: Callable[[Array], Array] = self.scaled
         if life.quick and born.is_single and not steady:  # the life is as quick as a table
             self._bounds = _edges(longest, bends)

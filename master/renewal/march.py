@@ -10,14 +10,13 @@ they reach one exact threshold together. On a panel B is a polynomial; its value
 follow from conservation there, given all panels before. A panel that does not resolve B is narrowed.
 """
 
-import time as clock
 from collections.abc import Iterator
 from copy import copy
 
 import numpy as np
 
 from master.lives.life import NONE_LEFT
-from master.outcome import StoppedError
+from master.outcome import StoppedError, stop_after
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, Lump, Panels
 from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
@@ -107,8 +106,7 @@ class March:
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
         narrowest = min(grain, end - begin) * (1e-10 if quick else 1e-18)
         while end - t > 1e-9 * min(self.widest, end - begin):
-            if clock.monotonic() > self.births.until:
-                raise StoppedError("stopped by wall_time")
+            stop_after(self.births.until)
             left = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
             if abs((end - t) / left - width) > 1e-9 * width:
                 width = (end - t) / left

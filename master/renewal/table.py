@@ -75,10 +75,8 @@ class Table:
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         begin, end, parts = (np.concatenate(part, axis=-1) for part in zip(*kept, strict=True))
         order = np.argsort(begin)
-        self.begin: Array = begin[order]
-        self.end: Array = end[order]
-        self.edges: Array = np.append(self.begin, self.end[-1])
-        self.widths: Array = self.end - self.begin
+        self.begin, self.end = begin[order], end[order]
+        self.edges, self.widths = np.append(self.begin, self.end[-1]), self.end - self.begin
         # shape (size, functions, n)
         self._parts = np.ascontiguousarray(parts[..., order])
         self.tails: Array = np.abs(self._parts[-2:]).max(axis=0)

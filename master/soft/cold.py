@@ -1,11 +1,10 @@
 """A soft slider at T = 0 along the whole path of its drive, move after move and slip after slip."""
 
-import time as clock
 from functools import lru_cache, partial
 
 import numpy as np
 
-from master.outcome import StoppedError
+from master.outcome import StoppedError, stop_after
 from master.soft.curve import SlipBegin
 from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths
 from master.soft.regime import Followed, slips_of
@@ -116,5 +115,4 @@ class ColdSlider:
         self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
         if len(self.slips) > 20_000:  # as many take some 20 s
             raise StoppedError("stopped as slips ask for too much work")
-        if clock.monotonic() > self.contacts.until:
-            raise StoppedError("stopped by wall_time")
+        stop_after(self.contacts.until)

@@ -103,8 +103,7 @@ class AgeingLife(Life):
         return np.stack([share, share * (born + speed * lag)])
 
     def _held(self, speed: float, born: Array, lag: Array) -> Array:
-        """Share that holds of contacts born at these stretches; of many stretches a polynomial on either
-        side of 0."""
+        """Share that holds of contacts born at these stretches; many are told by a polynomial on either side of 0."""
         places, out = np.unique(born), np.zeros(lag.shape)
         if places.size <= BETWEEN:
             parts = [self._table(speed, float(x))(lag) * (born == x) for x in places]
@@ -149,7 +148,7 @@ class AgeingLife(Life):
     def begin(self, rule: StretchRule, coarse: bool = False) -> Strands | Passages:
         """A strand of contacts that are born now; those in cells in the coarsest, or in those that suffice."""
         if self._closed:
-            return Passages(self._passage, *rule, self.width)
+            return Passages(self._passage, *rule, 0.1 * self.accuracy)
         return Strands(self._coarse if coarse else self.cells, *rule)
 
     def follow(self, strands: Strands | Passages, first: int) -> Iterator[tuple[Array, Array]]:

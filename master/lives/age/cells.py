@@ -168,9 +168,10 @@ def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share:
         room = 1.0 / (thinnest + 0.3 * edges[-1]) + 1.0 / widest
         edges.append(edges[-1] + share / room)
         if len(edges) > MOST_CELLS:
-            rule = f"more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
-            sharp = f"laws as sharp as {width:.3g} that reach to {reach:.3g}"
-            raise InputError(f"ageing: {sharp} need {rule}")
+            rule = f"need more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
+            raise InputError(
+                f"ageing: laws as sharp as {width:.3g} that reach to {reach:.3g} {rule}"
+            )
     # scale so that the last cell ends at `reach`
     return np.array(edges) * (reach / edges[-1])
 

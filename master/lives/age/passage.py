@@ -157,9 +157,8 @@ class Passage:
             wider = 16.0 if breaks < 1e-3 * self._accuracy else 2.0
             width, before = step * (wider if early < self._accuracy or rounded else 1.0), np.inf
             if len(self._panels) > 4000:  # a smooth law takes some 50
-                raise InputError(
-                    "ageing: needs 4000 panels; use a smoother law of fresh thresholds"
-                )
+                advice = "use a smoother law of fresh thresholds"
+                raise InputError(f"ageing: needs 4000 panels; {advice}")
 
     def _panel(self, left: float, width: float) -> Array:
         """Legendre coefficients of 2 s b on a panel of the last segment, from the shares below at its nodes."""

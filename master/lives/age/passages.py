@@ -1,18 +1,18 @@
 """Strands of contacts that age towards a normal law without heat: passages that follow the slider."""
 
-import time as clock
 from collections.abc import Callable
 from copy import copy
 
 import numpy as np
 
 from master.lives.age.passage import Passage
-from master.outcome import StoppedError
+from master.lives.age.strands import over_root
+from master.outcome import stop_after
 from origins.thresholds.law import Array
 
-# Moments of a leg at which survivals are told, splines of degree 5 between them: MANY even in the root of the time, and
-# in its logarithm from FIRST durations on; and even ones, apart by this share of the narrowest width of the laws.
-MANY, FIRST, APART = 200, 1e-10, 0.03
+# Moments of a leg at which survivals are computed: MANY even in the root of the time, as many in its logarithm from
+# FIRST durations on, and where splines between them are wrong, others in the middle, ADDED times at most.
+MANY, FIRST, ADDED = 60, 1e-10, 8
 
 
 class Passages:
@@ -20,17 +20,17 @@ class Passages:
 
     begin : gives the passage of contacts that are born at a stretch
     stretch, share : arrays (parts,), stretches at birth, and weights of sum 1
-    width : the narrowest width of the laws (a length)
+    accuracy : aimed-at error of splines between moments
     until : reading of time.monotonic() after which `follow` raises StoppedError
     spent : share below which a strand is not followed any more
     error : estimate of the largest error of a survival
     """
 
     def __init__(
-        self, begin: Callable[[float], Passage], stretch: Array, share: Array, width: float
+        self, begin: Callable[[float], Passage], stretch: Array, share: Array, accuracy: float
     ) -> None:
         """Begin with one strand, right after its birth."""
-        self.stretch, self._share, self._width = stretch, share, width
+        self.stretch, self._share, self._accuracy = stretch, share, accuracy
         self._strands = [[begin(float(x)) for x in stretch]]
         self.until, self.spent, self.error = np.inf, 0.0, 0.0
 
@@ -44,26 +44,38 @@ class Passages:
         return out
 
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
-        """As Strands.follow, to the end of the leg."""
-        ways = int(np.ceil(abs(speed) * duration / (APART * self._width))) + 1
-        early = np.append(0.0, np.geomspace(FIRST, 1.0, MANY))
-        grids = early, np.linspace(0.0, 1.0, MANY) ** 2, np.linspace(0.0, 1.0, ways)
-        times, held = duration * np.unique(np.concatenate(grids)), self.left()[0]
-        told = np.zeros((times.size, 2, held.size))
-        for strand in np.flatnonzero(held > self.spent):
-            for part, share in zip(self._strands[strand], self._share, strict=True):
-                if clock.monotonic() > self.until:
-                    raise StoppedError("stopped by wall_time")
-                age, stretch = part.age, part.stretch + speed * times
-                part.move(speed, duration)
-                holds = share * part.survival(age + times)
-                told[:, :, strand] += np.stack([holds, holds * stretch], axis=1)
-                self.error = max(self.error, part.error)
-        return times, told
+        """As Strands.follow, to the end of the leg; the error of splines between the moments is measured."""
+        alive = np.flatnonzero(self.left()[0] > self.spent)
+        for part in (part for strand in alive for part in self._strands[strand]):
+            stop_after(self.until)
+            part.move(speed, duration)
+            self.error = max(self.error, part.error)
+
+        def told(times: Array) -> Array:
+            out = np.zeros((times.size, 2, len(self._strands)))
+            for strand in alive:
+                for part, share in zip(self._strands[strand], self._share, strict=True):
+                    holds = share * part.survival(part.age - duration + times)
+                    stretch = part.stretch - speed * (duration - times)
+                    out[:, :, strand] += np.stack([holds, holds * stretch], axis=1)
+            return out
+
+        ways = np.linspace(0.0, 1.0, MANY) ** 2, np.geomspace(FIRST, 1.0, MANY)
+        times = duration * np.unique(np.concatenate(ways))
+        found = told(times)
+        for _ in range(ADDED):
+            between = (0.5 * (np.sqrt(times[1:]) + np.sqrt(times[:-1]))) ** 2
+            exact = told(between)
+            wrong = np.abs(over_root(times, found)(between) - exact)[:, 0].max(axis=1)
+            worse = np.flatnonzero(wrong > self._accuracy)
+            if not worse.size:
+                break
+            times = np.insert(times, worse + 1, between[worse])
+            found = np.insert(found, worse + 1, exact[worse], axis=0)
+        self.error += float(wrong.max())
+        return times, found
 
     def left(self) -> Array:
         """As Strands.left."""
-        left = [
-            [(part.left, part.left * part.stretch) for part in parts] for parts in self._strands
-        ]
+        left = [[(p.left, p.left * p.stretch) for p in parts] for parts in self._strands]
         return np.moveaxis(np.array(left), 2, 0) @ self._share

@@ -1,6 +1,5 @@
 """Strands of contacts that age: groups born at any moments, whose thresholds are followed together."""
 
-import time as clock
 from collections.abc import Callable
 from copy import copy
 from itertools import pairwise
@@ -9,7 +8,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from master.lives.age.cells import Cells
-from master.outcome import StoppedError
+from master.outcome import stop_after
 from origins.thresholds.law import Array
 
 # Survival below which strands are not followed any more, and the degree of splines in time.
@@ -41,8 +40,7 @@ class Strands:
         """All strands move on at the speed dX/dt for a time."""
         if not duration:
             return
-        if clock.monotonic() > self.until:
-            raise StoppedError("stopped by wall_time")
+        stop_after(self.until)
         if speed != self._speed:
             self._speed, self._steady_for = speed, 0.0
         steps = self._cells[0].steps(speed, self._steady_for, duration)

@@ -11,7 +11,6 @@ contacts form again. Within a step the rate of births is taken as constant: half
 its begin, half to that at its end, of second order in the step.
 """
 
-import time as clock
 from bisect import bisect_left
 from typing import NamedTuple
 
@@ -19,7 +18,7 @@ import numpy as np
 from scipy.interpolate import KroghInterpolator
 
 from master.lives.averages import StretchRule, stretch_rule
-from master.outcome import StoppedError
+from master.outcome import StoppedError, stop_after
 from master.renewal.births import reforming_law
 from master.soft.in_time.memory import Leg, Memory
 from origins import Contacts
@@ -162,8 +161,7 @@ class Cohorts:
         if self.steps > MOST_STEPS * share or self.work > MOST_WORK * share**2:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise StoppedError(f"{done}, and more are not taken on")
-        if clock.monotonic() > self._until:
-            raise StoppedError("stopped by wall_time")
+        stop_after(self._until)
         self.place, self.now = self.place + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
         half = 0.5 * (trial.births - self._born) * self._births.weight

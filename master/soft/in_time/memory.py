@@ -66,6 +66,7 @@ class Memory:
     error, others, finer_before_slips, exact = 1e-15, 0, False, False
 
     def __init__(self, contacts: Contacts, level: int) -> None:
+        """Choose the cells of thresholds, and over what births and steps change."""
         law = self._law = contacts.thresholds
         self._hot, self._contacts = contacts.thermal is not None, contacts
         self.exact = bool(law.atoms[0].size)
@@ -141,12 +142,11 @@ class Memory:
             apart /= np.where(width > 1e-9 * edges[-1] ** 2, width, np.inf)
             log[every, cut] = near + apart * np.maximum(near - far, 0.0)
             weight = weight * mean_share(log)
-        held = weight.sum(axis=1)
         ends = np.tile(edges, (least.size, 1))
         ends[every, cut] = low
         middle = 0.5 * (ends[:, 1:] + ends[:, :-1])
         borne = (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)
-        return np.stack([held, stretch * borne])
+        return np.stack([weight.sum(axis=1), stretch * borne])
 
 
 class MeanRateMemory(Memory):

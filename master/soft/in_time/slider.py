@@ -33,8 +33,7 @@ class Slider:
 
     def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
         self.contacts, self._rule, self._spring = contacts, drive.slip, float(drive.spring or 0.0)
-        self._motion = motion
-        self._size = 0.5**contacts.level  # of a step
+        self._motion, self._size = motion, 0.5**contacts.level  # of a step
         self.sections, self.slips = list[list[Node]](), list[Array]()
 
     def run(self) -> None:
