@@ -58,6 +58,7 @@ QUESTIONS = {
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),
     "the law of ageing; what survives": ("origins:Ageing", "master:AgeingLife"),
+    "ageing on paths that turn": ("master:Passage", "master:StrandBirths"),
     "the paper's closure of ageing, (Q15)": ("master:solve_q15", "master:paper_transient"),
     "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),
     "Gaussian heights, in metres": ("origins:from_moments", "origins:Summits"),

@@ -73,9 +73,8 @@ def left_by_definition(law, rate, x, times, linked):
     others = [largest - abs(end) for end in x if abs(end) < largest]
     gaps = [np.geomspace(1e-16, top, 60), np.linspace(0.0, top, 150)]
     gaps += [distance * np.geomspace(1e-2, 1e2, 20) for distance in others]
-    gaps += [
-        mark - largest + np.append(0.0, np.geomspace(1e-9, 1.0, 30)) for mark in law.breakpoints
-    ]
+    beyond = np.append(0.0, np.geomspace(1e-9, 1.0, 30))
+    gaps += [mark - largest + beyond for mark in law.breakpoints]
     edges = np.unique(np.concatenate([[0.0, top - largest], *gaps]))
     edges = edges[(edges >= 0.0) & (edges <= top - largest)]
     gap, weight = gauss(edges)

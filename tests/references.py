@@ -124,10 +124,8 @@ def gw_gaussian(
             return (x / unit) ** (1 / first)
         return at * (x / mark) ** (1 / (first if x < mark else last))
 
-    whole, own = (
-        tail(z),
-        origins.gw_gaussian(separation, scale, law=law, regime=regime, plasticity_index=index),
-    )
+    whole = tail(z)
+    own = origins.gw_gaussian(separation, scale, law=law, regime=regime, plasticity_index=index)
     return Reference(own, lambda x: tail(z + pressed(x)) / whole)
 
 

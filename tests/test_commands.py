@@ -225,9 +225,7 @@ SHORT = {"master": (1e-2, 1e-6, 1e-10), "explicit": (25.0, 50.0, 100.0, 200.0)}
 SHORT |= {"ensemble": (100.0, 1000.0, 10_000.0), "closest": (100.0, 1000.0)}
 
 
-def test_precision_measures_every_rung_against_the_closed_form(
-    capsys: Any, monkeypatch: Any
-) -> None:
+def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
     start = {"kind": "gaussian", "mean": 0.1, "std": 0.05}
     contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "start": start}

@@ -170,10 +170,8 @@ def extrapolated(means, errors) -> Extrapolated:
 def slips(name, rule, number, contacts_each, seed=1):
     """The first slips of the master equation, and X_T of those of ensembles of each size, extrapolated."""
     contacts, spring = SLIPS[name]
-    path, tolerance = (
-        [0.0, 1.1 * number * (1.0 + 1.0 / spring)],
-        1e-8 if contacts.delay is None else 1e-5,
-    )
+    path = [0.0, 1.1 * number * (1.0 + 1.0 / spring)]
+    tolerance = 1e-8 if contacts.delay is None else 1e-5
     solved = master.solve(contacts, path, tolerance, spring=spring, slip=rule)
     exact = solved.slips.drive[:number]
     assert solved.success and exact.size == number

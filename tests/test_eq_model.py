@@ -79,10 +79,8 @@ def test_what_reaches_its_threshold_has_broken_whatever_comes_later(value: float
     ]
     for breaks in (1, 2, 37):
         for start in (0.0, 1.0 / 3.0, -0.2):
-            contacts, turn = (
-                Contacts(origins.identical(value), start * value),
-                (breaks - start) * value,
-            )
+            contacts = Contacts(origins.identical(value), start * value)
+            turn = (breaks - start) * value
             # further points, and the force at all, in thresholds: backward it breaks again one threshold away
             for rest, force in later:
                 path, time = turn + value * np.array([0.0, *rest]), np.arange(1.0, len(force) + 1.0)
@@ -193,10 +191,8 @@ def test_error_from_the_variance_between_contacts() -> None:
 def test_scaling_all_lengths_changes_the_scale_only(factor: float) -> None:
     path, asked = np.linspace(0.0, 3.0, 31), {"n_contacts": 2000}
     base = eq_model.simulate(Contacts(NARROW, START), path, **asked)
-    law, start = (
-        origins.gaussian(factor, 0.05 * factor),
-        origins.gaussian_start(0.1 * factor, 0.025 * factor),
-    )
+    law = origins.gaussian(factor, 0.05 * factor)
+    start = origins.gaussian_start(0.1 * factor, 0.025 * factor)
     scaled = eq_model.simulate(Contacts(law, start), path * factor, **asked)
     assert np.abs(scaled.force / factor - base.force).max() < 1e-9
     assert np.abs(scaled.force_standard_error / factor - base.force_standard_error).max() < 1e-9

@@ -86,20 +86,15 @@ def assert_close(found: np.ndarray, exact: np.ndarray, relative: float | np.ndar
 
 def test_both_tails(case: Reference) -> None:
     """Relative accuracy 1e-10 of the survival down to 1e-280 and of the cdf down to 1e-30."""
-    upper, lower = case.law.isf(UPPER), case.law.ppf(LOWER)
-    ends = case.law.support()
-    upper, lower = upper[upper < ends[1]], lower[lower > ends[0]]
-    assert_close(case.law.sf(upper), exactly(case.sf, upper), 1e-10 + end_rounding(case.law, upper))
-    assert_close(
-        case.law.cdf(lower), exactly(case.cdf, lower), 1e-10 + end_rounding(case.law, lower)
-    )
-    assert_close(
-        case.law.logsf(upper), logarithm(case.sf, upper), 1e-12 + end_rounding(case.law, upper)
-    )
+    law, (low, high) = case.law, case.law.support()
+    upper, lower = law.isf(UPPER), law.ppf(LOWER)
+    upper, lower = upper[upper < high], lower[lower > low]
+    at_upper, at_lower = end_rounding(law, upper), end_rounding(law, lower)
+    assert_close(law.sf(upper), exactly(case.sf, upper), 1e-10 + at_upper)
+    assert_close(law.cdf(lower), exactly(case.cdf, lower), 1e-10 + at_lower)
+    assert_close(law.logsf(upper), logarithm(case.sf, upper), 1e-12 + at_upper)
     # where the survival is 1 to the last bit its logarithm is still minus the cdf
-    assert_close(
-        case.law.logsf(lower), logarithm(case.sf, lower), 1e-10 + end_rounding(case.law, lower)
-    )
+    assert_close(law.logsf(lower), logarithm(case.sf, lower), 1e-10 + at_lower)
 
 
 def test_density(case: Reference) -> None:
@@ -112,19 +107,14 @@ def test_density(case: Reference) -> None:
 
 def test_quantiles(case: Reference) -> None:
     """The float nearest to the exact quantile, but for a few last bits and 1e-10 of the probability."""
-    for quantile, function, targets in (
-        (case.law.isf, case.sf, UPPER),
-        (case.law.ppf, case.cdf, LOWER),
-    ):
+    law, (low, high) = case.law, case.law.support()
+    for quantile, function, targets in ((law.isf, case.sf, UPPER), (law.ppf, case.cdf, LOWER)):
         x = quantile(targets)
-        slack = targets * (1e-10 + end_rounding(case.law, x)) + 4.0 * EPSILON * x * exactly(
-            case.pdf, x
-        )
-        ends = case.law.support()
+        bits = 4.0 * EPSILON * x
+        slack = targets * (1e-10 + end_rounding(law, x)) + bits * exactly(case.pdf, x)
         # beside an end of the support that is not 0 the nearest float may be the end itself, or two away
-        slack += np.where(
-            np.minimum(np.abs(x - ends[0]), np.abs(ends[1] - x)) < 8.0 * EPSILON * x, 1e-14, 0.0
-        )
+        beside = np.minimum(np.abs(x - low), np.abs(high - x)) < 2.0 * bits
+        slack += np.where(beside, 1e-14, 0.0)
         assert (np.abs(exactly(function, x) - targets) <= slack).all()
 
 
@@ -173,9 +163,7 @@ SCALED = {
     "mixture": lambda s: origins.mixture(
         [origins.gaussian(s, 0.1 * s), origins.lubricated(s)], [0.4, 0.6]
     ),
-    "from_samples": lambda s: origins.from_samples(
-        s * np.random.default_rng(3).gamma(1.8, size=300)
-    ),
+    "samples": lambda s: origins.from_samples(s * np.random.default_rng(3).gamma(1.8, size=300)),
 }
 
 
@@ -205,10 +193,8 @@ def test_mixture_with_atoms_and_gaps() -> None:
     x, below = [0.4, 0.5, 0.7, 1.5, 2.5, 3.0], np.array([0.0, 0.25, 0.25, 0.5, 0.75, 1.0])
     assert (law.cdf(x) == below).all() and (law.sf(x) == 1.0 - below).all()
     # the whole of an atom's weight belongs to one value, and a gap is entered from its left end
-    q, reached = (
-        np.array([0.0, 0.1, 0.25, 0.5, 0.75, 0.76, 1.0]),
-        [0.5, 0.5, 0.5, 1.5, 2.0, 3.0, 3.0],
-    )
+    q = np.array([0.0, 0.1, 0.25, 0.5, 0.75, 0.76, 1.0])
+    reached = [0.5, 0.5, 0.5, 1.5, 2.0, 3.0, 3.0]
     assert law.ppf(q).tolist() == reached == law.isf(1.0 - q).tolist()
     assert law.mean() == pytest.approx(1.625, rel=1e-15)
     square = 0.25 * 0.25 + 0.5 * (2.25 + 1 / 12) + 0.25 * 9.0

@@ -42,9 +42,7 @@ SOFT, STIFF = Thermal("soft", 0.1), Thermal("stiff", 0.1)
 
 
 @pytest.mark.parametrize(("thermal", "tolerance"), [(SOFT, 1e-6), (STIFF, 1e-4)])
-def test_a_hold_lets_each_threshold_decay_at_its_own_rate(
-    thermal: Thermal, tolerance: float
-) -> None:
+def test_in_a_hold_thresholds_decay_at_their_own_rates(thermal: Thermal, tolerance: float) -> None:
     """What breaks forms again relaxed, so that the force is that of the first contacts."""
     start, time = 0.4, np.array([0.0, 1.0, 30.0, 1e6, 1e12])
     solved = master.solve(
@@ -108,9 +106,8 @@ def test_a_hold_of_years_breaks_in_the_logarithm_of_time(kind: str) -> None:
 def test_the_papers_closure_in_a_hold_breaks_at_the_mean_rate(law):
     """E = exp(-H t), H the mean rate of thresholds above the stretch."""
     thermal = Thermal(law, 0.1, 2.0, closure="paper")
-    y, weights = gauss(
-        np.linspace(0.0, 1.3, 40)
-    )  # in the root of what is above, as stiff rates are
+    # in the root of what is above, as stiff rates are
+    y, weights = gauss(np.linspace(0.0, 1.3, 40))
     above = 0.4 + y * y
     rate = float(weights @ (2.0 * y * WIDE.pdf(above) * thermal.rate(0.4, above)))
     time = np.array([1.0, 3.0])
@@ -200,13 +197,8 @@ def test_fast_sliding_loses_force_as_a_power_of_temperature(
 ) -> None:
     cold = master.steady_state(Contacts(NARROW)).force
     temperature = np.array([1e-6, 1e-5]) if closure == "paper" else np.array([1e-5, 1e-4])
-    lost = [
-        cold
-        - master.steady_state(
-            Contacts(NARROW, thermal=Thermal(law, float(t), closure=closure))
-        ).force
-        for t in temperature
-    ]
+    laws = [Thermal(law, float(t), closure=closure) for t in temperature]
+    lost = [cold - master.steady_state(Contacts(NARROW, thermal=each)).force for each in laws]
     assert fitted(temperature, np.array(lost)) == pytest.approx(power, abs=0.01)
     if (law, closure) == ("soft", "exact"):
         assert lost[0] == pytest.approx(0.5 * temperature[0] ** 2, rel=0.01)

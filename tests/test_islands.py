@@ -48,9 +48,8 @@ def test_outlines_are_counted() -> None:
 
 
 def test_irregular_islands_come_from_their_seed() -> None:
-    one, same, other = (
-        origins.irregular_island(A, 10 * A, seed=seed).positions for seed in (1, 1, 2)
-    )
+    islands = (origins.irregular_island(A, 10 * A, seed=seed) for seed in (1, 1, 2))
+    one, same, other = (island.positions for island in islands)
     assert np.array_equal(one, same) and not np.array_equal(one, other)
     # of all outlines the smooth one is the nearest to a circle's number of atoms
     sizes = [

@@ -78,9 +78,8 @@ def test_slips_are_drawn_where_they_are() -> None:
     x, y = plot_force(Figure().subplots(), found).get_lines()[0].get_data()
     slips = found.master.slips
     assert slips.drive.size >= 1
-    for place, before, after in zip(
-        slips.drive, slips.force_before, slips.force_after, strict=True
-    ):
+    each = zip(slips.drive, slips.force_before, slips.force_after, strict=True)
+    for place, before, after in each:
         assert y[x == place].tolist() == [before, after]
 
 

@@ -96,10 +96,8 @@ NARROW = origins.gaussian(0.5, 0.05)
 
 
 def figure_a04(rate: float = 5e-4) -> Contacts:
-    start, ageing = (
-        origins.gaussian_start(0.1, 0.025),
-        Ageing(origins.gaussian(1.0, 0.02), rate, closure="paper"),
-    )
+    start = origins.gaussian_start(0.1, 0.025)
+    ageing = Ageing(origins.gaussian(1.0, 0.02), rate, closure="paper")
     return Contacts(NARROW, start, ageing=ageing)
 
 

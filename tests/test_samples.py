@@ -85,10 +85,8 @@ def test_weights_count_like_repeated_samples() -> None:
     assert law.cdf_error == pytest.approx(np.sqrt(np.log(40.0) / (2.0 * law.effective_samples)))
     assert law.mean() == pytest.approx((counts * samples).sum() / counts.sum(), rel=1e-10)
     q = np.array([1e-12, 0.1, 0.9])
-    even, plain = (
-        origins.from_samples(samples, weights=np.full(200, 7.0)),
-        origins.from_samples(samples),
-    )
+    even = origins.from_samples(samples, weights=np.full(200, 7.0))
+    plain = origins.from_samples(samples)
     np.testing.assert_allclose(even.isf(q), plain.isf(q), rtol=1e-10)
 
 

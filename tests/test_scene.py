@@ -48,10 +48,8 @@ def test_kind_is_the_function_of_that_name(kind: str) -> None:
         given = ROUGH | {"surface": {"kind": "self-affine", **surface}}
         options = {"model": "gw", "law": "amontons", "pressure": 1e6}
         options |= {"detrend": "centre", "periodic": True}
-        heights, material = (
-            origins.self_affine_surface(**surface),
-            origins.Material(**given["material"]),
-        )
+        heights = origins.self_affine_surface(**surface)
+        material = origins.Material(**given["material"])
         direct = origins.from_topography(heights, 1e-8, **options, material=material)
     else:
         given = LAWS[kind]

@@ -101,10 +101,8 @@ def test_a_slip_ends_a_hundredth_of_a_threshold_beyond_an_exact_value() -> None:
 
 def test_a_path_may_end_just_before_a_slip() -> None:
     """There the slider moves ever faster, and no step goes beyond the path's last point."""
-    late, end = (
-        Contacts(origins.rectangular(1.0, 1.1), delay=Delay(1e-3)),
-        np.array([1.997, 1.9999]),
-    )
+    late = Contacts(origins.rectangular(1.0, 1.1), delay=Delay(1e-3))
+    end = np.array([1.997, 1.9999])
     solved = master.solve(late, end, 1e-3, spring=1.0)
     assert solved.success and np.abs(solved.force - end / 2.0).max() <= solved.force_error < 1e-8
     plain, cool = (Contacts(gaussian(1.0, 0.02), **laws) for laws in ({}, COOL))

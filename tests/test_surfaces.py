@@ -353,9 +353,8 @@ def test_a_spectrum_and_the_surface_that_has_it_give_the_same_thresholds() -> No
     """Mode by mode: its slope to half a per cent, m0 but for the lowest q."""
     pixel, n = 20e-9, 512
     cutoffs = {"long_cutoff": 4e-6, "short_cutoff": 16 * pixel}
-    heights = origins.self_affine_surface(
-        (n, n), pixel, hurst=0.8, rms_slope=0.1, seed=2, **cutoffs
-    )
+    given = {"hurst": 0.8, "rms_slope": 0.1, "seed": 2, **cutoffs}
+    heights = origins.self_affine_surface((n, n), pixel, **given)
     few = n // 16 + 1
     power = np.abs(np.fft.fft2(heights) / n**2)[1:few, 0] ** 2 * (n * pixel) ** 2
     found = origins.moments_of_spectrum(2 * np.pi * np.fft.fftfreq(n, pixel)[1:few], power)

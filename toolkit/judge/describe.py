@@ -36,8 +36,7 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
     include the sampling error. Contacts with laws that the master equation does not take have no F_k and no propensity
     here, and a note says so.
     """
-    began = time.perf_counter()
-    law = contacts.thresholds
+    began, law = time.perf_counter(), contacts.thresholds
     numbers = _of_law(law)
     notes, missed, sampled = conditions(contacts, velocity), list[str](), False
     if np.isfinite(law.moment(2)):
@@ -113,9 +112,9 @@ def _slide(
     found = master.propensity(contacts, velocity=velocity, tolerance=tolerance)
     for name, own in zip(PROPENSITY, ("N_c<k>", "", unit), strict=True):
         numbers[name] = Number(getattr(found, name), getattr(found, f"{name}_error"), own)
-    well = found.critical_spring_error <= 1e-3 * found.critical_spring
-    well = found.success or (well and found.static_to_kinetic_error <= 1e-3)
-    if steady.success and well:
+    spring_known = found.critical_spring_error <= 1e-3 * found.critical_spring
+    both_known = spring_known and found.static_to_kinetic_error <= 1e-3
+    if steady.success and (found.success or both_known):
         return []
     return [f"not as asked: {steady.message}; {found.message}"]
 

@@ -68,14 +68,14 @@ class AgeingLife(Life):
         # (measured) panels would have to be shorter than rounding allows
         fresh = contacts.thresholds
         diverges = fresh.support()[0] == 0.0 and fresh.onset_power < -0.15
-        self._closed = not diverges and ageing.normal is not None and contacts.thermal is None
+        self._by_passage = not diverges and ageing.normal is not None and contacts.thermal is None
         self._rules: dict[Start, StretchRule] = {}
         self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
         self._errors: dict[str, float] = {}
         if self.has_strands:
             start = self.follow(self.begin(self.rule(contacts.start)), 0)
             self._start = [over_root(times, left[..., 0]) for times, left in start]
-        elif not self._closed:
+        elif not self._by_passage:
             # so that its error is known from the beginning
             self._table(float(motion.speeds[0]), 0.0)
 
@@ -128,7 +128,7 @@ class AgeingLife(Life):
             # |x| does not change when speed and stretch change sign
             along, lasts = -stretch if speed < 0.0 else stretch, float(np.ptp(self.motion.times))
             longest = min(lasts, LONGEST * self.reach / abs(speed)) if speed else lasts
-            if self._closed:
+            if self._by_passage:
                 found = self._passage(along)
                 found.move(abs(speed), longest)
                 self._add_error("passages", found.error + max(found.left, 0.0) * (longest < lasts))
@@ -147,7 +147,7 @@ class AgeingLife(Life):
 
     def begin(self, rule: StretchRule, coarse: bool = False) -> Strands | Passages:
         """A strand of contacts that are born now; those in cells in the coarsest, or in those that suffice."""
-        if self._closed:
+        if self._by_passage:
             return Passages(self._passage, *rule, 0.1 * self.accuracy)
         return Strands(self._coarse if coarse else self.cells, *rule)
 
@@ -209,7 +209,7 @@ class AgeingLife(Life):
         lags, speed = np.linspace(0.0, self._lasts[0], 150), float(self.motion.speeds[0])
         for count in COUNTS:
             rule = stretch_rule(born, most, count)
-            if self._closed and not self.has_strands:
+            if self._by_passage and not self.has_strands:
                 tables = [self._table(speed, x) for x in rule.stretch.tolist()]
                 now = rule.weight @ np.array([table(lags) for table in tables])
             else:  # strands use few cells, whose errors hardly matter

@@ -8,7 +8,7 @@ before: with b the breaks per unit of time,
 
 That is number conservation again, and both probabilities are known in closed form, as free thresholds are an
 Ornstein-Uhlenbeck process. It is solved panel by panel. A segment of the motion ends where the speed of the level
-changes; with s the root of the time since the segment began, 2 s b is smooth in s, and a Legendre series on each panel.
+changes; with ρ the root of the time since the segment began, 2 ρ b is smooth in ρ, and a Legendre series on each panel.
 (The probabilities above the level obey the same equation, but they are nearly 1 where thresholds move away from the
 level, and b would be lost in their rounding.)
 """
@@ -46,7 +46,7 @@ class _Segment(NamedTuple):
 
 
 class _Panel(NamedTuple):
-    """Legendre coefficients of 2 s b between `low` and low + width, s being the root of the time since this segment
+    """Legendre coefficients of 2 ρ b between `low` and low + width, ρ being the root of the time since this segment
     began, and the shares that hold at `low` and that break. A part beyond the segment's end does not count."""
 
     segment: int
@@ -112,9 +112,9 @@ class Passage:
         begins = [self._segments[panel.segment].begin for panel in self._panels]
         begin, (low, width, holds) = np.array(begins), np.array([p[1:4] for p in self._panels]).T
         panel = np.maximum(np.searchsorted(begin + low * low, age, "right") - 1, 0)
-        s = np.sqrt(np.maximum(age - begin[panel], 0.0))
+        rho = np.sqrt(np.maximum(age - begin[panel], 0.0))
         broken = legendre.legint(np.array([each.series for each in self._panels]).T, lbnd=-1.0)
-        z = np.minimum(2.0 * (s - low[panel]) / width[panel] - 1.0, 1.0)
+        z = np.minimum(2.0 * (rho - low[panel]) / width[panel] - 1.0, 1.0)
         now = holds[panel] - 0.5 * width[panel] * legendre.legval(z, broken[:, panel], tensor=False)
         return np.minimum(now, 1.0) * ((now > _NOTHING) & (age <= self.age * (1.0 + 1e-12)))
 
@@ -138,10 +138,10 @@ class Passage:
         least = min(self._diffusion / speed, 0.1 * self._std) / speed if speed else np.inf
         first = 0.1 * float(np.sqrt(min(1.0 / self._rate, least)))
         few = bool(self._panels) and abs(self._panels[-1].breaks) < self._accuracy  # near the level
-        width, left, before = max(first, 0.25 * last) if few else first, 0.0, np.inf
-        while last - left > 1e-12 * last and self.left > _NOTHING:  # less is rounding
-            step = min(width, last - left)
-            series = self._panel(left, step)
+        width, low, before = max(first, 0.25 * last) if few else first, 0.0, np.inf
+        while last - low > 1e-12 * last and self.left > _NOTHING:  # less is rounding
+            step = min(width, last - low)
+            series = self._panel(low, step)
             # the last coefficients, in the integral of the density
             early, tail = (np.abs(series[-k:]).max() * step / (2.0 * rule.DEGREE) for k in (6, 2))
             rounded = 0.3 * before < tail < 1e-9  # hardly less than on twice the panel
@@ -149,9 +149,9 @@ class Passage:
                 width, before = 0.5 * step, tail
                 continue
             breaks = float(series[0]) * step  # the first coefficient is the mean
-            panel = _Panel(len(self._segments) - 1, left, step, self.left, breaks, series)
+            panel = _Panel(len(self._segments) - 1, low, step, self.left, breaks, series)
             self._panels.append(panel)
-            left, self.left = left + step, self.left - breaks
+            low, self.left = low + step, self.left - breaks
             self._tails += float(tail)
             self.error = self._tails + self._missed
             wider = 16.0 if breaks < 1e-3 * self._accuracy else 2.0
@@ -160,24 +160,24 @@ class Passage:
                 advice = "use a smoother law of fresh thresholds"
                 raise InputError(f"ageing: needs 4000 panels; {advice}")
 
-    def _panel(self, left: float, width: float) -> Array:
-        """Legendre coefficients of 2 s b on a panel of the last segment, from the shares below at its nodes."""
-        here, s = self._segments[-1], left + width * rule.NODES
-        level = here.level + here.slope * s * s
-        below = self._below_from_fresh(here.begin + s * s, level)
-        new = _Panel(len(self._segments) - 1, left, width, 0.0, 0.0, np.zeros(rule.DEGREE))
+    def _panel(self, low: float, width: float) -> Array:
+        """Legendre coefficients of 2 ρ b on a panel of the last segment, from the shares below at its nodes."""
+        here, rho = self._segments[-1], low + width * rule.NODES
+        level = here.level + here.slope * rho * rho
+        below = self._below_from_fresh(here.begin + rho * rho, level)
+        new = _Panel(len(self._segments) - 1, low, width, 0.0, 0.0, np.zeros(rule.DEGREE))
         felt = [each for each in self._panels if abs(each.breaks) > _FEWEST]
-        each, earlier = self._met([new], s, level, True), self._met([*felt, new], s, level)
+        each, earlier = self._met([new], rho, level, True), self._met([*felt, new], rho, level)
         series = np.linalg.solve(each.value.T, below - earlier.value[0])
         missed = earlier.missed[0] + np.abs(series) @ each.missed
         self._missed = max(self._missed, MARGIN * float(missed.max()))
         return np.asarray(series, dtype=float)
 
-    def _met(self, panels: list[_Panel], s: Array, level: Array, each: bool = False) -> Integrals:
-        """The share below the level now, at s (n,) on the last segment, of what broke on some panels, one function of
-        n ranges; `each`: if 2 s b were each of the Legendre polynomials of the first panel, DEGREE functions.
+    def _met(self, panels: list[_Panel], rho: Array, level: Array, each: bool = False) -> Integrals:
+        """The share below the level now, at rho (n,) on the last segment, of what broke on some panels, one function of
+        n ranges; `each`: if 2 ρ b were each of the Legendre polynomials of the first panel, DEGREE functions.
 
-        The variable is -c, where c is s on the last segment, and goes on below 0 on those before: its root is taken
+        The variable is -c, where c is ρ on the last segment, and goes on below 0 on those before: its root is taken
         from the lower end, where c is now, as `below` is a series in that root.
         """
         begin, lowest, slope, root = np.array(self._segments).T
@@ -189,7 +189,7 @@ class Passage:
         def met(row: Rows, y: Array) -> Array:
             panel = np.searchsorted(low, -y[:, y.shape[1] // 2], "right") - 1
             k, z = number[panel, None], -2.0 * (y + low[panel, None]) / width[panel, None] - 1.0
-            now, then = s[row, None], (y + first[k]) ** 2  # root of a time on the segment, a time
+            now, then = rho[row, None], (y + first[k]) ** 2  # root of a time on the segment, a time
             own = k == root.size - 1
             before = np.where(own, (now + y) * (now - y), now**2 + begin[-1] - begin[k] - then)
             climb = np.where(
@@ -203,7 +203,7 @@ class Passage:
         edges = -np.stack([high, low], axis=1)[::-1].ravel()
         felt = np.arange(edges.size - 1) % 2 == 0
         checked = 0 if len(self._panels) % 8 else 1  # the error is measured on one panel in eight
-        return integrals_above(met, -s, edges, felt, self._resolved, checked=checked)
+        return integrals_above(met, -rho, edges, felt, self._resolved, checked=checked)
 
     def _below_from_fresh(self, time: Array, level: Array) -> Array:
         """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,)."""
