@@ -10,8 +10,8 @@ from master.motion.motion import Motion
 from master.outcome import Progress, outcome
 from master.renewal import rule
 from master.renewal.births import Births, reforming_law
-from master.renewal.edges import SAME_TIME, edges
-from master.renewal.march import March
+from master.renewal.edges import ROUNDED, SAME_TIME, edges
+from master.renewal.march import WIDE, March
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
@@ -22,10 +22,10 @@ FURTHEST = 1e100
 # The same for a path that turns round or changes its speed: stretches on later legs are differences of positions, which
 # lose digits far from 0, and each leg's births are followed on the next.
 FURTHEST_TURN, MOST_LIVES_TURN = 1e6, 1e7
+# Longest time before a move by a mean threshold, in units of the time that this takes: later its times keep few digits.
+LONGEST_BEFORE = 1e11
 # Smallest tolerance of a panel: conservation is rounded at 1e-15, the survival of a law of scipy at some 1e-14.
 FINEST = 3e-14
-# First guess of a panel's width at a tolerance of 1e-8, in units of the life's grain (over which the survival falls).
-GRAINS = 6.0
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 
@@ -95,7 +95,12 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     longer = 1e-9 * mean / abs(speed or drive.velocity)
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
     positions = np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]])
-    return Motion(knots, positions), times
+    motion = Motion(knots, positions)
+    digits = float((motion.times[:-1] * np.abs(motion.speeds)).max() / mean)
+    if not digits <= LONGEST_BEFORE:
+        rule = f"a threshold is passed in {1.0 / digits:.0e} of the time before: lost in rounding; rest shorter"
+        refuse("time[-1]", times[-1], rule)
+    return motion, times
 
 
 def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
@@ -148,8 +153,8 @@ def march_of(
         fault = "exact values break together more often on this path than can be followed"
         advice = "give them a width, as in gaussian(mean, std), or shorten the path"
         raise InputError(f"thresholds: {fault}; {advice}")
-    grain = GRAINS * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
-    return March(births, contacts.start, plan.times, allowed, grain, stretch)
+    first = WIDE * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
+    return March(births, contacts.start, plan.times, allowed, first, stretch)
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
@@ -176,8 +181,10 @@ def breaks_until(march: March, t: Array) -> Array:
 
 def _read(march: March, values: Array, t: Array) -> Array:
     """At times t, polynomials with these values at the beginning and nodes of each panel; after a jump at jumps."""
-    begin, width = march.begin, march.width
-    near = begin * (1.0 - SAME_TIME) - SAME_TIME * width.min(initial=np.inf)
+    begin, since, width, knots = march.begin, march.since, march.width, march.motion.times
+    near = begin * (1.0 - ROUNDED) - SAME_TIME * (since + width.min(initial=np.inf))
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
-    share = np.clip((t - begin[panel]) / width[panel], 0.0, 1.0)
+    # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
+    leg = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
+    share = np.clip((t - leg - since[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))

@@ -35,7 +35,7 @@ def solve(
     The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
     master.paper.explicit. The files that do the work on a rigid slider, in the order in which they begin, are `solve`,
     `rigid`, `motion.motion`, `lives.make`, `lives.life`, `renewal.births`, `renewal.edges`, `renewal.march`,
-    `renewal.kernels`, `renewal.past`, `renewal.rule` and `outcome`; docs/equations.md says what each does, and derives
+    `renewal.kernels`, `renewal.past`, `outcome` and `renewal.rule`; docs/equations.md says what each does, and derives
     the equation.
 
     Parameters

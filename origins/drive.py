@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import finite_array, one_of, positive, refuse
+from origins.errors import between, finite_array, one_of, positive, refuse
 
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
@@ -37,7 +37,7 @@ class Drive:
     ) -> None:
         """Check the arguments, which are those above."""
         self.path = finite_array("path", path)
-        self.velocity = positive("velocity", velocity)
+        self.velocity = between("velocity", velocity, 1e-100, 1e100)
         self.time = None if time is None else _check_time(time, self.path, velocity)
         self.spring = None if spring is None else positive("spring", spring)
         one_of("slip", slip, get_args(SlipRule))

@@ -123,3 +123,12 @@ def test_a_thin_layer_of_heat_before_an_exact_value(velocity, tolerance):
     found, known = (master.solve(contacts, path, x, velocity=velocity) for x in (tolerance, 1e-8))
     assert np.abs(found.force - known.force).max() <= found.force_error + known.force_error
     assert found.success and known.success
+
+
+def test_a_few_break_right_after_a_turn_near_an_exact_value() -> None:
+    """Weak heat breaks those of a thin layer within a fiftieth of the way back: five moments hardly see it."""
+    parts = [origins.identical(0.907), origins.gaussian(1.174, 0.0968)]
+    law = origins.mixture(parts, [0.478, 0.522])
+    cool = origins.Contacts(law, thermal=origins.Thermal("soft", 3.6e-3, 13.8))
+    path = np.append(1.17, 1.17 - np.geomspace(1e-3, 1.9, 20))
+    held_to_claim(cool, path, 1e-3, master.solve(cool, path, 1e-7))

@@ -15,7 +15,7 @@ from solving import gauss
 
 import eq_model
 import master
-from origins import Contacts, Delay, Thermal, gaussian, identical
+from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical
 
 TABLE = Path(__file__).with_name("thermal_table.csv")
 WIDE = gaussian(1.0, 0.2)
@@ -100,6 +100,19 @@ def test_a_hold_of_years_breaks_in_the_logarithm_of_time(kind: str) -> None:
     # even in ln t: so thick a layer for each factor
     fallen = -np.diff(solved.holding[3:])
     assert fallen.max() < 1.25 * fallen.min() and fallen.min() > 1e-4
+
+
+def test_what_follows_a_hold_does_not_hang_on_its_length() -> None:
+    """Once thresholds are in balance: of 2^20 and of 2^36 times that of a threshold, when times have few digits."""
+    contacts = Contacts(gaussian(1.0, 0.1), thermal=Thermal("soft", 0.2))
+    after, forces = np.arange(33) / 16.0, []
+    path = np.append(2.0, 2.0 + np.minimum(after, 2.0 - after))
+    for hold in (2.0**20, 2.0**36):
+        time = np.append(2.0, 2.0 + hold + after)
+        found = master.solve(contacts, path, 1e-6, time=time)
+        assert found.success, found.message
+        forces.append(found.force)
+    assert np.abs(np.subtract(*forces)).max() < 2.0 * found.force_error
 
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
@@ -208,6 +221,17 @@ def test_fast_sliding_loses_force_as_a_power_of_temperature(
 
 
 # -- the kinetic force -----------------------------------------------------------------------------
+
+
+def test_where_the_strongest_bear_the_kinetic_force_it_is_right_or_claims_little() -> None:
+    """Hot and slow: a share below 1e-18 of the contacts makes a hundredth of F_k. By quadrature over the thresholds."""
+    hot = Contacts(gaussian(1.0, 0.3), thermal=Thermal("soft", 1.26), stiffness="linked")
+    relaxed = master.steady_state(hot, velocity=2.490747e-9)
+    exact = 1.5212957e-8 * hot.mean_threshold
+    assert relaxed.success and relaxed.force == pytest.approx(exact, rel=1e-7)
+    near = hot.replace(reforming=gaussian_start(0.0, 1e-9))
+    found = master.steady_state(near, velocity=2.490747e-9)
+    assert abs(found.force - relaxed.force) < found.force_error * hot.mean_threshold
 
 
 @pytest.mark.parametrize(

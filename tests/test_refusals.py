@@ -14,6 +14,7 @@ from scenes import ROUGH, scene
 from scipy import stats
 
 import eq_model
+import master
 import origins
 import toolkit
 from eq_model.closest import closest
@@ -76,7 +77,7 @@ FIXED.set_constraint(FixAtoms(range(4)))
 ON = origins.substrate_calculator(origins.square_substrate())
 LEVEL = origins.substrate_calculator(origins.fourier_substrate([[1.0, 0.0]], [1.0]))
 
-CALLED = {"stats": stats, "Tilted": Tilted, "closest": closest, "explicit": explicit}
+CALLED = {"stats": stats, "Tilted": Tilted, "closest": closest, "explicit": explicit, "master": master}
 GAUSSIAN, BOX = origins.gaussian(1.0, 0.2), origins.rectangular(0.5, 1.0)
 GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1.0, 2.0)], [0.5, 0.5])
 PAPER, AGEING = Thermal("soft", 0.1, closure="paper"), Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
@@ -236,6 +237,11 @@ Drive([0.0, np.nan, 1.0])  path[1] = nan:
 Drive([0.0, 1.0], slip="instant")  slip = 'instant': is what a slip of a soft
 Drive([0.0, 1.0], time=[0.0, 0.0])  time[1] = 0.0: leaves no time to get there
 Drive([0.0, 1.0], 2.0, time=[0.0, 1.0])  velocity = 2.0: the times of the points
+master.kinetic_curve(Contacts(GAUSSIAN), None)  velocity = nan: must be finite
+master.phase_line(Contacts(GAUSSIAN), 1e300)  velocity = 1e+300: must lie between 1e-100 and 1e+100
+master.steady_state(Contacts(GAUSSIAN, ageing=AGEING), velocity=1e-20)  relaxes thresholds 1e10 times while
+master.solve(Contacts(GAUSSIAN, thermal=PAPER), [0, 0, 1], time=[0, 1e12, 1e12 + 1])  time[-1] = 1000000000001.0:
+master.critical_velocity(Contacts(GAUSSIAN, ageing=AGEING), 1.0, 2.0, 1.0)  slowest = 2.0: must be below fastest = 1
 explicit(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], step=0.01)  contacts.thermal: master.paper.explicit
 closest(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], n_contacts=10)  contacts.thermal: eq_model.closest does
 simulate(laws={"reforming": 1.0 - 1e-12}, law=origins.identical(1.0))  reforming: each contact breaks about 1e+12 times

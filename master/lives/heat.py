@@ -37,7 +37,6 @@ class ThermalLife(LawLife):
     """
 
     pair_work = 6
-    RARE = 1e-10  # a share that sums over thresholds still resolve
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         super().__init__(contacts)
@@ -45,13 +44,16 @@ class ThermalLife(LawLife):
         self._mass = -np.diff(self.law.sf(self.panels))
         self.left_out = float(np.minimum(self._mass, _NO_WEIGHT).sum())
 
-    def rounded_away(self) -> Array:
-        """Bounds of the errors of the integrals of E and K where few contacts hold; shape (2,). Rounding in sums over
-        thresholds loses the last contacts, a share of 3e-14. Without heat, which only breaks contacts earlier, they
-        would add the integrals of S and x S over the tail."""
-        x = min(self.reach, float(self.law.isf(3e-14))) * np.geomspace(1.0, 1e60, 2001)
-        held = np.asarray(self.law.sf(x), dtype=float)
-        return np.trapezoid(np.stack([held, held * x]), x, axis=1)
+    def rounded_away(self, velocity: float) -> Array:
+        """Bounds of what the strongest contacts would add to the integrals of E and K over the way, shape (2,): a share
+        of 3e-14, which rounding in sums over thresholds loses. Each breaks at its threshold, or before A is 20."""
+        assert self._contacts.thermal is not None
+        x = float(self.law.isf(3e-14)) * np.geomspace(1.0, 1e60, 2001)
+        stiff, lost = self._contacts.relative_stiffness(x), -np.diff(self.law.sf(x), append=0.0)
+        with np.errstate(all="ignore"):
+            at = self._contacts.thermal.rates.reached(np.log(velocity) + 3.0, 0.0, x, stiff)
+        at = np.fmin(at, x)  # nan where barriers overflow
+        return np.array([lost @ at, lost @ (stiff * at**2)])
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""

@@ -17,7 +17,7 @@ from master.paper.q15_transient import narrowest_half_width, paper_transient
 from master.stick_slip.extremes import Largest, extremes
 from origins import Contacts, InputError
 from origins.contacts import check_contacts
-from origins.errors import positive
+from origins.errors import positive, refuse
 
 TOLERANCE = 1e-7  # tolerance of ln v_c, and of K* with closure "exact" in units of 0.1 (1 + K*)
 
@@ -53,10 +53,10 @@ def critical_velocity(
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     if contacts.ageing is None:
-        why = "without ageing nothing depends on the speed"
-        if contacts.laws:
-            why = "v_c is that of contacts that age; what other laws make of K* at each speed tells master.phase_line"
-        raise InputError(f"contacts.ageing: is None; {why}")
+        rule = "v_c is that of contacts that age; master.phase_line tells K* at each speed of any"
+        raise InputError(f"contacts.ageing: is None; {rule}")
+    if not slowest < fastest:
+        refuse("slowest", slowest, f"must be below fastest = {fastest:g}")
     check_contacts(contacts, "master.critical_velocity", ("ageing",))
     exact = contacts.ageing.closure == "exact"
 

@@ -17,9 +17,9 @@ from origins.thresholds.law import Array
 SMOOTHER = 1e-2
 # Most edges, as halving resolves further bends; and most where breaks jump, at exact thresholds, which it does not.
 MOST, MOST_JUMPS = 400, 4000
-# Two edges nearer than this share of their time count as equal, and a point nearer than this before
-# an edge counts as after it: times are rounded.
-SAME_TIME = 1e-12
+# Two edges nearer than this share of the time since their leg began, and ROUNDED of all the time, count as equal, and a
+# point nearer than this before an edge counts as after it: times are rounded.
+SAME_TIME, ROUNDED = 1e-12, 2e-15
 
 
 class Moment(NamedTuple):
@@ -60,7 +60,7 @@ def edges(
         ends = law.span if np.ptp(law.span) < 0.1 * life.reach else []
         for stretch in np.union1d(law.breakpoints, ends).tolist():
             for t, bend in passings(motion, birth, stretch, bends):
-                if t > since + SAME_TIME * (t + grain):
+                if t > since + same_time(motion, t) + SAME_TIME * grain:
                     yield Moment(t, size * (life.atom_share(bend, stretch) or SMOOTHER))
 
     first = [*known, *breaks(0.0, 1.0, start)]
@@ -79,7 +79,7 @@ def edges(
         heapq.heapify(coming)
         while coming:
             time, size = heapq.heappop(coming)
-            close = SAME_TIME * (time + grain)
+            close = same_time(motion, time) + SAME_TIME * grain
             while coming and coming[0].time <= time + close:
                 size = min(size + heapq.heappop(coming).size, 1.0)
             if size > least and time < end - close:
@@ -98,13 +98,19 @@ def edges(
     return Edges(times, too_many, [*known, *met])
 
 
-def passings(
-    motion: Motion, birth: float, stretch: float, bends: Array
-) -> Iterator[tuple[float, float]]:
-    """When the |x| of contacts born at a time, at a stretch, first passes each of the lengths `bends`, and that length;
+def same_time(motion: Motion, time: float) -> float:
+    """Moments nearer to this one count as equal to it; the ends of its leg are no nearer, unless by rounding."""
+    rounded = ROUNDED * time
+    leg = min(int(np.searchsorted(motion.times, time + rounded, "right")), motion.speeds.size) - 1
+    before, after = time - motion.times[leg], motion.times[leg + 1] - time
+    return max(min(SAME_TIME * float(before), 0.5 * float(after)), 0.0) + rounded
+
+
+def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[tuple[float, float]]:
+    """When the |x| of contacts born then, at a stretch x, first passes each of the lengths `bends`, and that length;
     and when it comes back to its largest (nan)."""
-    furthest, begin, x = abs(stretch), birth, stretch
-    first = int(motion.leg(birth + SAME_TIME * motion.times[-1]))
+    furthest, begin = abs(x), birth
+    first = int(motion.leg(birth + same_time(motion, birth)))
     for leg in range(first, motion.speeds.size):
         end, speed = float(motion.times[leg + 1]), float(motion.speeds[leg])
         last = x + speed * (end - begin)

@@ -24,6 +24,9 @@ from master.renewal.past import Past
 from origins.start import Start
 from origins.thresholds.law import Array
 
+# First guess of a panel's width, in grains of the life, at a tolerance of 1e-8; 1e-10 for Gaussian thresholds.
+WIDE = 6.0
+
 
 class March:
     """Breaks and force on panels, by number conservation (paper, Eq. Q5c), run after run.
@@ -31,7 +34,7 @@ class March:
     start : law of the stretches at t = 0
     edges : sorted times at which the number of breaks may bend or jump; the first is 0
     tolerance : largest error of the number of breaks on a panel
-    grain : length over which the number of breaks has to be resolved: the first guess of a panel
+    guess : the first guess of the width of a panel, a length
     stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
 
     begin, since, width, breaks, force, error : arrays, one entry or row a panel; `since` is `begin` counted from the
@@ -49,11 +52,11 @@ class March:
         start: Start,
         edges: Array,
         tolerance: float,
-        grain: float,
+        guess: float,
         stretch: float,
     ) -> None:
         """Begin with the start as the only lump, before the first panel."""
-        self.births, self.edges, self.tolerance, self.grain = births, edges, tolerance, grain
+        self.births, self.edges, self.tolerance, self.guess = births, edges, tolerance, guess
         self.life, self.motion = births.life, births.motion
         self.stretch, self.unfinished = stretch, False
         self.begin = self.since = self.width = self.error = np.empty(0)
@@ -94,7 +97,7 @@ class March:
             self._break_lumps(begin, end)
             if leg != before and (before >= 0 or self.widest == np.inf):
                 moving = bool(self.motion.speeds[leg])
-                self.widest = self._duration(self.grain, leg) if moving else 0.25 * (end - begin)
+                self.widest = self._duration(self.guess, leg) if moving else 0.25 * (end - begin)
             before, leg_begin = leg, self.motion.times[leg]
             yield from self._segment(begin - leg_begin, end - leg_begin, leg)
 
@@ -102,9 +105,9 @@ class March:
         """Solve from one edge to the next, both counted from the leg's beginning: a run of equal panels that are
         all good makes the next longer, and its panels wider if errors are far below the tolerance."""
         t, width, count, easy, wider, worse = begin, 0.0, 16, 0, 0.0, 0.0
-        quick, grain = self.life.quick, self._duration(self.grain, leg)
+        quick, first = self.life.quick, self._duration(self.guess, leg)
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
-        narrowest = min(grain, end - begin) * (1e-10 if quick else 1e-18)
+        narrowest = min(first, end - begin) * (1e-10 if quick else 1e-18)
         while end - t > 1e-9 * min(self.widest, end - begin):
             stop_after(self.births.until)
             left = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
@@ -132,11 +135,11 @@ class March:
             # the error grows as the width to the power DEGREE; where contacts break at rates of all
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
             still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
-            soon = still or not quick or width <= 0.5 * grain
+            soon = still or not quick or width <= 0.5 * first
             spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.error.max() < spare else 0
             # each width needs its own kernel: wide panels are widened only if that serves many, or hardly any break
-            many = 0 if still or width <= 0.5 * grain else 32
+            many = 0 if still or width <= 0.5 * first else 32
             count = min(2 * count, 256)
             if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
                 wide = (8.0 if still else 4.0 if run.error.max() < 1e-4 * spare else 2.0) * width
@@ -244,8 +247,8 @@ class March:
         motion that is the same up to t, of the same life, which is timeless."""
         other, births.work = copy(self), self.births.work
         other.births, other.motion, other._past = births, births.motion, Past(births)
-        other.widest = min(self.widest, self.grain)
-        begun = int(np.searchsorted(self.begin, t - 1e-9 * self.grain))
+        other.widest = min(self.widest, self.guess)
+        begun = int(np.searchsorted(self.begin, t - 1e-9 * self.guess))
         for name in self.STORED:
             setattr(other, name, getattr(self, name)[:begun].copy())
         if begun and other.reached > t:
@@ -263,7 +266,7 @@ class March:
         leg_begin = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         nothing = np.zeros((1, rule.DEGREE + 1))
         # breaks at the end are looked for over half of the last panel, which has to be short
-        nearly, run = end - min(1e-6 * self.grain, end - begin), Run(nothing, nothing, np.zeros(1))
+        nearly, run = end - min(1e-6 * self.guess, end - begin), Run(nothing, nothing, np.zeros(1))
         for first, last in ((begin, nearly), (nearly, end)):
             if last > first:
                 self.keep(first, last - first, run, 1, first - leg_begin)

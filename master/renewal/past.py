@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import MARGIN
 from master.motion.motion import History
 from master.renewal import rule
 from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, moments
@@ -21,8 +20,6 @@ from master.renewal.strand_births import StrandBirths
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Where the survival takes long: nodes of a piece, and numbers of times to interpolate from, that are tried first.
-FIRST_NODES, FIRST_TIMES = 5, (5, 11)
 # The survival jumps at exact thresholds: on panels that end there it is evaluated this share of the panel inside.
 INSIDE = 1e-9
 
@@ -45,8 +42,6 @@ class Past:
         self._over, self._faded = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
-        # the slider's way on a panel for which so many times do not suffice
-        self._wide = dict.fromkeys(() if births.life.quick else FIRST_TIMES, np.inf)
 
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
@@ -70,18 +65,27 @@ class Past:
 
     def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force of births on the legs before, and of all lumps, (2, rows, columns), at times in rows: each
-        lies within one panel of the leg, at the same shares. Interpolated from fewer times where these suffice."""
-        first, width = grid.min(axis=1, keepdims=True), np.ptp(grid, axis=1, keepdims=True)
-        way = float(width[0, 0]) * abs(float(self._motion.speeds[self.leg]))
-        often = [size for size, wide in self._wide.items() if 0.0 < way < wide and self._legs.size]
-        for few in map(rule.lobatto, often):
-            found = self._summed(first + width * few.nodes, lumps)
-            wrong = MARGIN * float(few.beyond(found, self._life.reach)[0].max())
-            if wrong <= self._accuracy:
-                self.error = max(self.error, wrong)  # a smooth interpolant hides it from the panels
-                return np.asarray(found @ few.at((grid - first)[0] / width[0]))
-            self._wide[few.nodes.size] = 0.5 * way
-        return self._summed(grid, lumps)
+        lies within one panel of the leg."""
+        t = grid
+        if self._life.atoms.size and not self._motion.speeds[: self.leg].all():
+            # at an edge the births of a hold may meet an exact threshold, all at once
+            first, last = (end(axis=1, keepdims=True) for end in (grid.min, grid.max))
+            inside = INSIDE * (last - first)
+            t = np.clip(grid, first + inside, last - inside)
+        t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
+        out = np.zeros((3, t.size))  # the third: the error of the number
+        for strand in self._strands:
+            out[:2] += strand.sums(t)
+        held = np.zeros(self.leg)  # by leg, at the latest time
+        for (owner, low, high), found in self._resolved(t):
+            for sums, added in zip(out, found, strict=True):
+                sums += np.bincount(owner, added, t.size)
+            late = t[owner] == t.max()
+            leg = self._motion.leg(0.5 * (low + high)[late])
+            held += np.bincount(leg, found[0, late], held.size)
+        self.error = max(self.error, float(out[2].max()))
+        self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
+        return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
         """Number and force of lumps at times in rows, whose middle column tells the side of an exact threshold."""
@@ -117,29 +121,6 @@ class Past:
         self._strands = [each for each, holds in zip(self._strands, alive, strict=True) if holds]
         self.error = max(self.error, sum(each.missed for each in self._strands))
 
-    def _summed(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """See `at`, without interpolation."""
-        t = grid
-        if self._life.atoms.size and not self._motion.speeds[: self.leg].all():
-            # at an edge the births of a hold may meet an exact threshold, all at once
-            first, last = (end(axis=1, keepdims=True) for end in (grid.min, grid.max))
-            inside = INSIDE * (last - first)
-            t = np.clip(grid, first + inside, last - inside)
-        t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
-        out = np.zeros((3, t.size))  # the third: the error of the number
-        for strand in self._strands:
-            out[:2] += strand.sums(t)
-        held = np.zeros(self.leg)  # by leg, at the latest time
-        for (owner, low, high), found in self._resolved(t):
-            for sums, added in zip(out, found, strict=True):
-                sums += np.bincount(owner, added, t.size)
-            late = t[owner] == t.max()
-            leg = self._motion.leg(0.5 * (low + high)[late])
-            held += np.bincount(leg, found[0, late], held.size)
-        self.error = max(self.error, float(out[2].max()))
-        self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
-        return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
-
     def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
         """Pieces of the births as seen from times t, halved until the survival is a polynomial on each; their number,
         force and error, shape (3, pieces)."""
@@ -148,7 +129,7 @@ class Past:
         births, pieces = self._births, self._pieces(t)
         # pieces may end at exact thresholds, where the survival jumps
         nodes = rule.gauss if self._life.atoms.size else rule.lobatto
-        size = rule.GAUSS if self._life.quick else FIRST_NODES
+        size = rule.GAUSS if self._life.quick else 5  # few first where survivals take long
         while pieces.owner.size:
             owner, low, high = pieces
             few = nodes(size)
@@ -156,7 +137,10 @@ class Past:
             births.count(owner.size * size // rule.GAUSS)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
             number = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
-            left_out, fall = few.beyond(held, self._life.reach)
+            # about the first coefficient left out, by the decay of the last four, of number or force
+            last, fall = rule.last_and_fall(np.abs(held @ few.series[:, -4:]))
+            fall, unit = np.sqrt(fall), np.array([[1.0], [self._life.reach]])
+            left_out, fall = (last * fall / unit).max(axis=0), fall.max(axis=0)
             wrong = left_out * number
             leg = self._motion.leg(place[:, 1])
             narrowest = rule.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)

@@ -67,13 +67,6 @@ class Points:
         self.nodes: Array = 0.5 * (z + 1.0)
         self.series = np.asarray(np.linalg.inv(legendre.legvander(z, z.size - 1)).T, dtype=float)
 
-    def beyond(self, values: Array, scale: float) -> tuple[Array, Array]:
-        """About the first coefficient left out, of number or force/scale, and the ratio of one
-        coefficient to the one before, by the decay of the last four."""
-        size = np.abs(values @ self.series[:, -4:])
-        last, fall = last_and_fall(np.maximum(size[0], size[1] / scale))
-        return last * np.sqrt(fall), np.sqrt(fall)
-
     def at(self, share: Array) -> Array:
         """The matrix from values at the nodes to those at shares, shape (size, shares)."""
         return self.series @ legendre.legvander(2.0 * share - 1.0, self.nodes.size - 1).T

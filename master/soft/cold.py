@@ -104,9 +104,7 @@ class ColdSlider:
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         error = (1.0 + spring) * slip.misplaced * y / self.contacts.unit
         self._base_error += float(curve.misplaced(y, 0.0, slip.error + error))
-        # errors of the history do not affect contacts that broke
-        error = (error + float(curve.error_at(y))) * held.holding(y)
-        return held.after_slip(y, error)
+        return held.after_slip(y, error + float(curve.error_at(y)))
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float) -> None:
         """Record a slip, of a move that begins at `begin`, with F after it along the motion."""

@@ -15,14 +15,12 @@ from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, reforming_law
 from master.renewal.edges import SMOOTHER, Moment, edges
 from master.renewal.kernels import TARGETS, Run
-from master.renewal.march import March
+from master.renewal.march import WIDE, March
 from master.soft.curve import LoadCurve, SlipBegin
 from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# First guess of a panel's width, in grains of the life; it gives 1e-10 for Gaussian thresholds.
-WIDE = 6.0
 # Shortest move, and narrowest panel, in grains of the life.
 STILL = 1e-12
 
@@ -191,13 +189,10 @@ class MoveWithoutBirths(Move):
         march.keep(begin, width, Run(np.zeros_like(force), force, error), 1, begin - leg_begin)
         return True
 
-    def holding(self, y: float) -> float:
-        """Share of the contacts that hold after the travel y."""
-        at = np.full((1, TARGETS.size), self.loaded.end + y)
-        return float(self._march.known(at)[0, 0, 0])
-
     def after_slip(self, y: float, error: float) -> LoadingHistory:
-        """The history when the slip ends after the travel y, and broken contacts re-form."""
-        history = self.stopped(y, error)
+        """The history when the slip ends after the travel y, and broken contacts re-form; the error is that before."""
+        # errors of the history do not affect contacts that broke
+        held = self._march.known(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0]
+        history = self.stopped(y, error * float(held))
         moments = (*self.loaded.moments, Moment(history.end, 1.0))
         return replace(history, cut=self.loaded.end, moments=moments)

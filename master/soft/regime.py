@@ -119,14 +119,18 @@ class Regime:
     trend: float | None
 
 
-def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) -> Regime:
-    """Judge the slips along the drive's path."""
+def regime(
+    contacts: Contacts, drive: Drive, found: Followed, tolerance: float, until: float
+) -> Regime:
+    """Judge the slips along the drive's path; K* is looked for up to the reading `until` of time.monotonic()."""
     spring, slips = float(drive.spring or 0.0), found.slips
     count, trend = slips.drive.size, _trend(slips.drop)
     motion = drive_motion(drive, found.balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
-    critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance).fall
+    critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance, until).fall
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
+    if np.isnan(critical):
+        known = f"K = {spring:.6g} N_c<k>; K* was not found within wall_time"
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
@@ -142,7 +146,7 @@ def regime(contacts: Contacts, drive: Drive, found: Followed, tolerance: float) 
         reason = f"{reason}; {known}"
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
-    ratio = spring / critical if critical > 0.0 else np.inf
+    ratio = spring / critical if critical else np.inf
     return Regime(verdict, reason, critical, error, ratio, count, trend)
 
 

@@ -86,7 +86,7 @@ def solve_soft(
         holding=found.holding,
         slips=found.slips,
         period=found.slips.period,
-        regime=regime(contacts, drive, found, tolerance),
+        regime=regime(contacts, drive, found, tolerance, until),
         run_time=time.perf_counter() - began,
         nodes=found.nodes,
         success=success,

@@ -8,6 +8,7 @@ So points that differ only in the delay share one steady state.
 import time
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from master.steady.sums import summed
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
-from origins.errors import InputError, non_negative, positive, refuse
+from origins.errors import InputError, between, non_negative, refuse
 from origins.thresholds.law import Array
 
 
@@ -68,7 +69,7 @@ class Points:
             "delay": contacts.delay.time if contacts.delay else None,
         }
         given = asked | {name: own[name] for name in own if asked[name] is None}
-        numbers = {name: _numbers(name, one) for name, one in given.items() if one is not None}
+        numbers = {k: _numbers(k, v) for k, v in given.items() if v is not None or k == "velocity"}
         try:
             arrays = dict(zip(numbers, np.broadcast_arrays(*numbers.values()), strict=True))
         except ValueError as error:
@@ -94,14 +95,14 @@ class Points:
         return self._contacts.replace(thermal=thermal, ageing=ageing, delay=Delay(float(delay)))
 
 
-def _numbers(name: str, value: npt.ArrayLike) -> Array:
+def _numbers(name: str, value: npt.ArrayLike | None) -> Array:
     """The value as an array; InputError unless all numbers are finite and in the argument's range."""
     try:
         numbers = np.array(value, dtype=float)
         ends = numbers.min(), numbers.max()
     except (TypeError, ValueError):
         refuse(name, value, "must be a number or an array of numbers, and must not be empty")
-    check = positive if name == "velocity" else non_negative
+    check = partial(between, least=1e-100, most=1e100) if name == "velocity" else non_negative
     for number in ends:
         check(name, number)
     return numbers
@@ -183,8 +184,7 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
     solved = rest[:1] if life and life.timeless else rest  # at T = 0 the speed does not matter
     for i in solved:
         state = state_at(contacts, float(speeds[i]), copy(life))
-        if not state.force_error * unit >= out[1, i]:
-            out[:2, i] = np.array([state.force, state.force_error * unit]) / state.holding
-            out[2:, i] = state.cycle_length, state.cycle_length_error * unit
+        out[:2, i] = np.array([state.force, state.force_error * unit]) / state.holding
+        out[2:, i] = state.cycle_length, state.cycle_length_error * unit
     out[:, rest] = out[:, solved]
     return out

@@ -77,9 +77,7 @@ class Travel(Straight):
         own = life.error * np.array([weights.sum(), weights @ table.end / self.scale])
         off = table.missed() + own
         if isinstance(life, ThermalLife):
-            alive = np.clip(table(life.law.isf([life.RARE]))[0] / life.RARE, 0.0, 1.0)
-            far = max(self.longest, float(contacts.thresholds.isf(1e-30)))
-            off += alive * (life.rounded_away() + thresholds_beyond(contacts, far)) / units
+            off += life.rounded_away(velocity) / units
         elif contacts.stiffness == "linked":  # farther thresholds are missing in the table of <k x>
             off += thresholds_beyond(contacts, life.reach) / units
         # relative round-off of integrals of the survival

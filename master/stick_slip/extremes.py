@@ -8,8 +8,8 @@ from numpy.polynomial import legendre
 from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.march import March
-from master.rigid import FINEST, GRAINS, ROUND_OFF, longest_stretch, march_of
+from master.renewal.march import WIDE, March
+from master.rigid import FINEST, ROUND_OFF, longest_stretch, march_of
 from master.steady.travel import Travel
 from origins import Contacts
 from origins.thresholds.law import Array
@@ -36,9 +36,10 @@ class Extremes(NamedTuple):
     travel: Travel
 
 
-def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
-    """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`."""
-    travel = births_table(contacts, velocity, tolerance)
+def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = np.inf) -> Extremes:
+    """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`; unknown where they are not found by
+    the reading `until` of time.monotonic()."""
+    travel = births_table(contacts, speed, tolerance)
     horizon, followed = _horizon(travel)
     unit, diverges = unit_of(travel), _diverges(contacts, travel.life.bends)
     # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of its slope:
@@ -47,11 +48,14 @@ def extremes(contacts: Contacts, velocity: float, tolerance: float) -> Extremes:
     asked *= unit / contacts.mean_threshold
     solved_to = np.inf
     for finer in (1.0, 1e-2, 1e-4):
-        march = forward_march(travel, horizon, finer * asked)
+        march = forward_march(travel, horizon, finer * asked, until)
         if march.tolerance >= solved_to:  # the finest already
             break
         solved_to = march.tolerance
-        fall, force = _steepest_and_highest(march.run(), travel)
+        if march.run().unfinished:
+            unknown = Largest(np.nan, np.inf, np.nan)
+            return Extremes(unknown, unknown, travel)
+        fall, force = _steepest_and_highest(march, travel)
         good = fall.error <= tolerance * (1.0 + fall.value) and force.error <= tolerance * unit
         if good or diverges:
             break
@@ -71,7 +75,7 @@ def births_table(contacts: Contacts, velocity: float, tolerance: float) -> Trave
     return Travel(contacts, steady_life(contacts, velocity), velocity, accuracy)
 
 
-def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
+def forward_march(travel: Travel, horizon: float, tolerance: float, until: float = np.inf) -> March:
     """The march of contacts with this `births_table` from their start to X = `horizon` (a length), not yet run;
     the tolerance of the force, in mean thresholds, is limited by the error of the survival."""
     contacts, life, mean = travel.contacts, travel.life, travel.contacts.mean_threshold
@@ -83,10 +87,10 @@ def forward_march(travel: Travel, horizon: float, tolerance: float) -> March:
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
     finest = max(FINEST, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
     finest *= min(longest_stretch(contacts, motion, life), most) / mean
-    march = march_of(contacts, motion, life, max(tolerance, finest), most=most)
+    march = march_of(contacts, motion, life, max(tolerance, finest), until, most)
     if not life.quick:
         # an error of the force divided by the panel's width is one of the slope: avoid narrow panels
-        march.grain = GRAINS * travel.grain
+        march.guess = WIDE * travel.grain
     return march
 
 
@@ -113,7 +117,7 @@ def _steepest_and_highest(march: March, travel: Travel) -> tuple[Largest, Larges
     if len(march.lumps) > 1:
         return Largest(np.inf, 0.0, march.lumps[1].time * travel.velocity), force
     # on panels narrower than this the change of F is rounding, and so would be its slope
-    wide = width > 1e-6 * travel.typical
+    wide = width > min(1e-6 * travel.typical, 0.5 * width.max())
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
     errors = 2.0 * rule.DEGREE**2 * errors / width + shifted / travel.grain
     fall = _largest(slopes, errors[wide], begin[wide], width[wide])

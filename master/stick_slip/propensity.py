@@ -13,7 +13,7 @@ from master.stick_slip.extremes import extremes, unit_of
 from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
-from origins.errors import check_tolerance, positive
+from origins.errors import between, check_tolerance
 from origins.thresholds.law import Array
 
 
@@ -61,7 +61,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)
     check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
-    velocity = positive("velocity", velocity)
+    velocity = between("velocity", velocity, 1e-100, 1e100)
     fall, static, travel = extremes(contacts, velocity, tolerance)
     kinetic, off = travel.force()
     if not kinetic > 0.0:

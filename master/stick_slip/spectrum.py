@@ -24,7 +24,7 @@ from master.stick_slip.roots import (
 from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
-from origins.errors import positive, refuse, whole
+from origins.errors import between, refuse, whole
 from origins.thresholds.law import Array
 from origins.thresholds.tail import tail_rate
 
@@ -112,7 +112,7 @@ def decoherence_spectrum(
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
-    velocity, n_roots = positive("velocity", velocity), whole("n_roots", n_roots, 1)
+    velocity, n_roots = between("velocity", velocity, 1e-100, 1e100), whole("n_roots", n_roots, 1)
     travel, start = births_table(contacts, velocity, TOLERANCE), contacts.start
     wait, unit = travel.wait, contacts.mean_threshold
     transform = Transform(travel, _deepest(travel))

@@ -169,9 +169,7 @@ def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share:
         edges.append(edges[-1] + share / room)
         if len(edges) > MOST_CELLS:
             rule = f"need more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
-            raise InputError(
-                f"ageing: laws as sharp as {width:.3g} that reach to {reach:.3g} {rule}"
-            )
+            raise InputError(f"ageing: laws as sharp as {width:.3g} that reach {reach:.3g} {rule}")
     # scale so that the last cell ends at `reach`
     return np.array(edges) * (reach / edges[-1])
 

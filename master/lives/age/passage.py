@@ -9,8 +9,7 @@ before: with b the breaks per unit of time,
 That is number conservation again, and both probabilities are known in closed form, as free thresholds are an
 Ornstein-Uhlenbeck process. It is solved panel by panel. A segment of the motion ends where the speed of the level
 changes; with ρ the root of the time since the segment began, 2 ρ b is smooth in ρ, and a Legendre series on each panel.
-(The probabilities above the level obey the same equation, but they are nearly 1 where thresholds move away from the
-level, and b would be lost in their rounding.)
+(Probabilities above the level obey it, too, but are nearly 1 where thresholds move away: b would be lost in rounding.)
 """
 
 from copy import copy
@@ -83,6 +82,9 @@ class Passage:
         # less ageing has no effect in floating point
         self._diffusion = max(ageing.rate, 1e-28 * fresh.mean() * fastest)
         self._mean, self._std, self._rate = normal.mean, normal.std, self._diffusion / normal.std**2
+        if self._rate * normal.mean > 1e10 * fastest > 0.0:
+            rule = f"relaxes thresholds 1e10 times while the slider moves by one at {fastest:g}"
+            refuse("rate", ageing.rate, f"{rule}, too often to follow; slide faster")
         self.age, self.stretch, self.left = 0.0, start, 1.0
         self.error = self._tails = self._missed = 0.0
         # the fresh thresholds of contacts that hold at first: exact values, and edges of the others
@@ -157,8 +159,7 @@ class Passage:
             wider = 16.0 if breaks < 1e-3 * self._accuracy else 2.0
             width, before = step * (wider if early < self._accuracy or rounded else 1.0), np.inf
             if len(self._panels) > 4000:  # a smooth law takes some 50
-                advice = "use a smoother law of fresh thresholds"
-                raise InputError(f"ageing: needs 4000 panels; {advice}")
+                raise InputError("ageing: needs 4000 panels; use smoother fresh thresholds")
 
     def _panel(self, low: float, width: float) -> Array:
         """Legendre coefficients of 2 ρ b on a panel of the last segment, from the shares below at its nodes."""
@@ -192,10 +193,8 @@ class Passage:
             now, then = rho[row, None], (y + first[k]) ** 2  # root of a time on the segment, a time
             own = k == root.size - 1
             before = np.where(own, (now + y) * (now - y), now**2 + begin[-1] - begin[k] - then)
-            climb = np.where(
-                own, slope[-1] * before, level[row, None] - lowest[k] - slope[k] * then
-            )
-            below = self._below(level[row, None], climb, before)
+            rise = np.where(own, slope[-1] * before, level[row, None] - lowest[k] - slope[k] * then)
+            below = self._below(level[row, None], rise, before)
             if each:
                 return np.moveaxis(legendre.legvander(z, rule.DEGREE - 1), -1, 0) * below
             return np.asarray(rule.legendre_sum(series[panel], z) * below)[None]
@@ -224,6 +223,7 @@ class Passage:
 
     def _below(self, level: Array, rise: Array, time: Array) -> Array:
         """Share below a level now of the thresholds that were `rise` below it a time ago; the shapes broadcast."""
+        time = np.maximum(time, 0.0)  # a difference, which may be rounded
         decay, lost = np.exp(-self._rate * time), -np.expm1(-self._rate * time)
         distance = (level - self._mean) * lost + rise * decay
         # at time 0 all count as at the level

@@ -43,12 +43,10 @@ class Strands(NamedTuple):
     share: Array
     record: Array
 
-    def and_born(
-        self, memory: Memory, births: StretchRule, share: float, speed: float
-    ) -> "Strands":
+    def and_born(self, memory: Memory, born: StretchRule, share: float, speed: float) -> "Strands":
         """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
-        x, record = births.stretch, memory.fresh(births.stretch, speed)
-        new = Strands(x, np.abs(x), share * births.weight, record)
+        x, record = born.stretch, memory.fresh(born.stretch, speed)
+        new = Strands(x, np.abs(x), share * born.weight, record)
         return Strands(*(np.concatenate(both) for both in zip(self, new, strict=True)))
 
 
