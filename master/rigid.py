@@ -39,7 +39,8 @@ def solve_rigid(
     until: float = np.inf,
 ) -> Solution:
     """F along the path of a rigid slider (paper, Eq. Q6), for contacts of any life, see `solve`; it stops at the
-    reading `until` of time.monotonic()."""
+    reading `until` of time.monotonic(). force_error is of the worst panel, the life, its tables and births on earlier
+    legs, times the longest stretch, and round-off."""
     began, mean = clock.perf_counter(), contacts.mean_threshold
     timeless = life.timeless and not contacts.waiting_time
     motion, moments = motion_of(drive, mean, timeless)
@@ -130,14 +131,14 @@ def march_of(
     until: float = np.inf,
     most: float = np.inf,
 ) -> March:
-    """The march along a motion, with panels that end where the number of breaks may bend; `most` is an upper limit of
-    |x| of contacts that hold, where the caller knows one."""
+    """The march along a motion, with panels that end where the number of breaks may bend; `most` is the
+    largest force of a contact born, over <k> (a length), where the caller knows it."""
     again, mean = reforming_law(contacts), contacts.mean_threshold
     moving = np.abs(motion.speeds[motion.speeds != 0.0])
     if contacts.thermal is not None and life.bends.size and moving.size:
         # before a jump of P_c heat breaks contacts in a thin layer, which F hardly shows, but later F and F' do
         given = 0.0, life.bends, contacts.relative_stiffness(life.bends)
-        layers = contacts.thermal.rates.reached(np.log(moving.min()) - 25.0, *given)
+        layers = contacts.thermal.rates.reached(np.log(moving.min()) - 25.0, *given)  # A = e^-25
         life = copy(life)
         life.bends = np.union1d(life.bends, layers[layers > 0.8 * life.bends])
     stretch = min(longest_stretch(contacts, motion, life), most)

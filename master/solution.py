@@ -65,7 +65,7 @@ class Solution:
     """F along the path of a rigid slider, with an estimate of its error.
 
     path : slider positions X, shape (n,), lengths; time : when they are reached, shape (n,).
-    force : F/(N_c <k>), the mean stretch of the contacts, shape (n,), a length.
+    force : F/(N_c <k>), the mean of k_i x_i/<k> over all contacts, also those that are out, shape (n,), a length.
     force_error : estimate from above of its largest error over the path, in units of the mean threshold.
     holding : fraction of contacts that hold, shape (n,): 1 unless there is a delay.
     run_time : s; nodes : number of moments at which number conservation was solved.

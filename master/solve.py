@@ -9,7 +9,7 @@ from master.lives.make import life_of
 from master.outcome import Progress, unheard
 from master.paper.q15_transient import AgeingTransient, solve_q15
 from master.rigid import motion_of, solve_rigid
-from master.soft.in_time.refining import solve_stiff
+from master.soft.in_time.refining import solve_on_stiff_spring
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from origins import Contacts, Drive, InputError
@@ -86,7 +86,7 @@ def solve(
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
         if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            return solve_stiff(contacts, drive, tolerance, progress, until)
+            return solve_on_stiff_spring(contacts, drive, tolerance, progress, until)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)
     return solve_soft(contacts, drive, tolerance, progress, until)

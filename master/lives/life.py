@@ -47,7 +47,7 @@ class Life:
     timeless : whether the survival depends only on the way, and not on the time that it took
     error : estimate from above of the error of the share that `left` returns, which finer panels do not reduce
     left_out : share of the contacts that the survival may leave out: its error however few of them hold
-    force_error : error of the force however few contacts hold, over the stretches at a break
+    kernel_error : error of K that is none of E, in units of the stretches at a break; of transforms alone
     resolved : last coefficients, on a piece of the stretches at birth, below which it is not halved
     fresh : whether contacts of the start are as those born later at the same stretch
     has_strands : whether births of earlier legs have to be followed, since `left` does not know them
@@ -55,7 +55,7 @@ class Life:
 
     reach: float
     grain: float
-    quiet, quick, timeless, has_strands, left_out, force_error = 0.0, False, False, False, 0.0, 0.0
+    quiet, quick, timeless, has_strands, left_out, kernel_error = 0.0, False, False, False, 0.0, 0.0
     pair_work, fresh, error, resolved, birth_reach = 1, True, 0.0, 1e-12, np.inf
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
@@ -128,7 +128,7 @@ class LawLife(Life):
     def __init__(self, contacts: Contacts) -> None:
         """Find how far contacts may be stretched, where their survival bends, and how finely it varies."""
         law = self.law = contacts.thresholds
-        self.force_error = 1e-12 if contacts.stiffness == "linked" else 0.0
+        self.kernel_error = 1e-12 if contacts.stiffness == "linked" else 0.0
         self.atoms, self.atom_weights = law.atoms
         # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
@@ -185,7 +185,7 @@ class ColdLife(LawLife):
         self._linked: Table | None = None
         if contacts.stiffness == "linked":
             shortest = 1e-9 * self._mean
-            self._linked = Table(lambda x: law.sf(x)[None], self.marks, self.force_error, shortest)
+            self._linked = Table(lambda x: law.sf(x)[None], self.marks, self.kernel_error, shortest)
 
     def _borne(self, m: Array, held: Array) -> Array:
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""

@@ -16,7 +16,7 @@ def life_of(
 ) -> Life:
     """The life of these contacts.
 
-    tolerance : of the force, in mean thresholds; 0: as accurate as possible
+    tolerance : of the force, in mean thresholds; 0 where it is not known: to RESOLVED, with ageing to 1e-10
     motion : of the slider; needed for contacts that age or have growing grains
     until : reading of time.monotonic() after which a life is not refined any more
 

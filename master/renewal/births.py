@@ -42,7 +42,7 @@ class Births:
     delay : time for which a broken contact is out, in the unit of the motion's times
     accuracy : aimed-at error of the number that the births on one leg contribute
     until : reading of time.monotonic() at which to stop, and after which no piece is halved
-    work : pieces of births integrated so far, times their cost; it may be limited
+    work : pieces of births integrated so far, times their cost; see MOST_WORK
     """
 
     life: Life
@@ -53,7 +53,7 @@ class Births:
     until: float = np.inf
     work: int = 0
 
-    def count(self, pieces: int) -> None:
+    def add_work(self, pieces: int) -> None:
         """Add the work of so many pieces whose survivals are computed, and not looked up."""
         cost = 1 if self.life.quick else 18 * self.life.pair_work
         self.work += pieces * cost * (1 if self.law.is_single else 40)

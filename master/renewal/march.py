@@ -35,7 +35,7 @@ class March:
     edges : sorted times at which the number of breaks may bend or jump; the first is 0
     tolerance : largest error of the number of breaks on a panel
     guess : the first guess of the width of a panel, a length
-    stretch : the longest |x| that a contact may have: an error of the number times this is one of the force
+    stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
 
     begin, since, width, breaks, force, error : arrays, one entry or row a panel; `since` is `begin` counted from the
         beginning of its leg, which keeps all digits; the others as in Run
@@ -81,7 +81,7 @@ class March:
         try:
             for _ in self.runs():
                 if self.motion.one_leg and self._steady():
-                    # nothing changes later, while times and numbers of breaks would lose digits
+                    # nothing changes later but what `_steady` lets pass; times and breaks would lose digits
                     self.steady_since = self.reached - 0.5 * self.width[-1]
                     self.error[-1] += 0.25 * self.tolerance
                     break

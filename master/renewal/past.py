@@ -99,7 +99,7 @@ class Past:
             felt = (s >= first) | self._hold(law, motion.history(first, s))[:, None]
             lump, row = np.nonzero(felt & (s <= middle))
             if row.size:
-                births.count(row.size)
+                births.add_work(row.size)
                 held = self._life.left(law, motion.history(grid[row], s[lump]))
                 for sums, added in zip(out, weight[lump, None] * held, strict=True):
                     np.add.at(sums, row, added)
@@ -134,7 +134,7 @@ class Past:
             owner, low, high = pieces
             few = nodes(size)
             place = low[:, None] + (high - low)[:, None] * few.nodes
-            births.count(owner.size * size // rule.GAUSS)
+            births.add_work(owner.size * size // rule.GAUSS)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
             number = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
             # about the first coefficient left out, by the decay of the last four, of number or force

@@ -46,7 +46,7 @@ class StrandBirths:
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Follow the strands to the leg that begins at t = 0 of this motion; whether more than is negligible hold."""
-        leg, self._strands.spent = int(motion.leg(np.finfo(float).tiny)), negligible
+        leg, self._strands.dropped_below = int(motion.leg(np.finfo(float).tiny)), negligible
         while self._seen < leg:
             self._seen += 1
             if not np.abs(self._weight).ravel() @ self._strands.left()[0] > negligible:

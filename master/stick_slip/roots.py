@@ -94,7 +94,7 @@ class Transform:
             held = np.abs(values[0])
             held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
             known = held * life.error / np.maximum(held, FEW) + life.left_out
-            return np.maximum(held, np.stack([known, known + life.force_error]) / accuracy)
+            return np.maximum(held, np.stack([known, known + life.kernel_error]) / accuracy)
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
@@ -117,7 +117,7 @@ class Transform:
         errors = np.abs(values) * share
         errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
-        errors[1] = (errors[1] + life.force_error * (way < life.reach)) * scale
+        errors[1] = (errors[1] + life.kernel_error * (way < life.reach)) * scale
         some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
         return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
 

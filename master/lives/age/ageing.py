@@ -88,7 +88,7 @@ class AgeingLife(Life):
         """Share of contacts that hold, and their force per contact born; see Life.left."""
         motion = history.motion
         leg = motion.leg_of_all(history.t)
-        # births of the same law as the start are asked for on motions of one leg
+        # tables of births of this very law are made by kernels.Straight, on a motion of its own with one leg
         if born is self.contacts.start and not motion.one_leg:
             now = self._start[leg](history.t - motion.times[leg])
             return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
@@ -96,7 +96,7 @@ class AgeingLife(Life):
             rule = self.rule(born)
             each = [self.left(np.full((1, 1), stretch), history) for stretch in rule.stretch]
             return np.asarray(np.tensordot(rule.weight, each, 1))
-        # on one leg the speed is the same to the bit, so that its tables are found again
+        # that of Straight's own motion is rounded: with that of ours its tables are found again
         speed = float((motion if self.has_strands else self.motion).speeds[leg])
         lag = np.maximum(history.t - history.s, 0.0)
         share = self._held(speed, born, lag)
@@ -155,7 +155,7 @@ class AgeingLife(Life):
         """The strands' shares and forces on one leg after another, from the first on."""
         for speed, lasts in zip(self.motion.speeds[first:], self._lasts[first:], strict=True):
             told = strands.follow(float(speed), float(lasts))
-            self._add_error("passages", strands.error)
+            self._add_error("followed", strands.error)
             yield told
 
     @cached_property
@@ -173,7 +173,7 @@ class AgeingLife(Life):
                 cells, before, error = finer, now, fall * error
             if error > HARDLY * last:
                 break
-        self._add_error("strands", error)
+        self._add_error("cells", error)
         return cells
 
     @cached_property

@@ -16,14 +16,14 @@ MANY, FIRST, ADDED = 60, 1e-10, 8
 
 
 class Passages:
-    """Groups of contacts born together, with the methods of master.lives.age.strands.Strands.
+    """Groups of contacts born together, with `aged`, `follow` and `left` of master.lives.age.strands.Strands.
 
     begin : gives the passage of contacts that are born at a stretch
     stretch, share : arrays (parts,), stretches at birth, and weights of sum 1
     accuracy : aimed-at error of splines between moments
     until : reading of time.monotonic() after which `follow` raises StoppedError
-    spent : share below which a strand is not followed any more
-    error : estimate of the largest error of a survival
+    dropped_below : share below which a strand is not followed any more
+    error : the largest of a survival so far, and the sum over legs of those of splines
     """
 
     def __init__(
@@ -32,7 +32,7 @@ class Passages:
         """Begin with one strand, right after its birth."""
         self.stretch, self._share, self._accuracy = stretch, share, accuracy
         self._strands = [[begin(float(x)) for x in stretch]]
-        self.until, self.spent, self.error = np.inf, 0.0, 0.0
+        self.until, self.dropped_below, self.error = np.inf, 0.0, 0.0
 
     def aged(self, speed: float, ages: Array) -> "Passages":
         """As Strands.aged."""
@@ -45,7 +45,7 @@ class Passages:
 
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
         """As Strands.follow, to the end of the leg; the error of splines between the moments is measured."""
-        alive = np.flatnonzero(self.left()[0] > self.spent)
+        alive = np.flatnonzero(self.left()[0] > self.dropped_below)
         for part in (part for strand in alive for part in self._strands[strand]):
             stop_after(self.until)
             part.move(speed, duration)

@@ -12,7 +12,7 @@ from master.outcome import stop_after
 from origins.thresholds.law import Array
 
 # Survival below which strands are not followed any more, and the degree of splines in time.
-SPENT, DEGREE = 1e-12, 5
+UNFOLLOWED, SPLINE = 1e-12, 5
 
 
 class Strands:
@@ -23,7 +23,7 @@ class Strands:
     cells : of two resolutions; the second one has an eighth of the first one's error
     stretch, share : arrays (parts,), stretches at birth, and weights of sum 1
     until : reading of time.monotonic() after which `advance` raises StoppedError
-    spent : share below which no part is followed any more; error : 0, as cells tell it (AgeingLife.cells)
+    dropped_below : share below which no part is followed any more; error : 0, as cells tell it (AgeingLife.cells)
 
     As an attribute `stretch`, array (strands, parts), is that of now (lengths).
     """
@@ -32,7 +32,7 @@ class Strands:
         """Begin with one strand, of fresh thresholds."""
         self._cells, self._share, self.stretch = cells, share, stretch[None].copy()
         self._steady_for, self._speed = 0.0, np.nan
-        self.until, self.spent, self.error = np.inf, 1e-15, 0.0  # the size of rounding
+        self.until, self.dropped_below, self.error = np.inf, 1e-15, 0.0  # the size of rounding
         # arrays (strands, parts, cells) for both resolutions
         self._weights = [each.fresh(stretch)[None] for each in cells]
 
@@ -45,7 +45,7 @@ class Strands:
             self._speed, self._steady_for = speed, 0.0
         steps = self._cells[0].steps(speed, self._steady_for, duration)
         halves = np.sort(np.concatenate([steps, 0.5 * (steps[1:] + steps[:-1])]))
-        alive = self._weights[1].sum(axis=2) > self.spent
+        alive = self._weights[1].sum(axis=2) > self.dropped_below
         stretch = self.stretch[alive]
         for cells, weights, times in zip(self._cells, self._weights, (steps, halves), strict=True):
             moving, weights[~alive] = weights[alive], 0.0
@@ -65,7 +65,7 @@ class Strands:
         for time in np.diff(times):
             self.advance(speed, float(time))
             shares.append(self.left())
-            if (shares[-1][0] < SPENT).all():
+            if (shares[-1][0] < UNFOLLOWED).all():
                 break
         return times[: len(shares)], np.array(shares)
 
@@ -92,13 +92,13 @@ class Strands:
 def over_root(times: Array, values: Array) -> Callable[[Array], Array]:
     """Values at times since a leg's beginning, shape (n, ...), between them as a spline over the root of
     the time, in which survivals are smooth; beyond the last time its values."""
-    spline = make_interp_spline(np.sqrt(times), values, k=min(DEGREE, times.size - 1))
+    spline = make_interp_spline(np.sqrt(times), values, k=min(SPLINE, times.size - 1))
     return lambda t: np.asarray(spline(np.sqrt(np.clip(t, 0.0, times[-1]))))
 
 
 def survival_at(strands: Strands, speed: float, longest: float) -> Callable[[Array], Array]:
-    """Share that holds over the time since a birth up to `longest`, 0 where it is below SPENT, at one speed >= 0, of
-    one strand of one part, right after its birth."""
+    """Share that holds over the time since a birth up to `longest`, 0 below UNFOLLOWED, at one speed >= 0, of one
+    strand of one part, right after its birth."""
     turn = -float(strands.stretch[0, 0]) / speed if speed > 0.0 else 0.0
     begins = np.unique([0.0, np.clip(turn, 0.0, longest), longest])
     # another table begins where |x| turns at 0
@@ -110,6 +110,6 @@ def survival_at(strands: Strands, speed: float, longest: float) -> Callable[[Arr
         for begin, table in zip(begins, tables, strict=False):
             here = lag >= begin
             out[here] = table(lag[here] - begin)
-        return np.where(out < SPENT, 0.0, np.minimum(out, 1.0))
+        return np.where(out < UNFOLLOWED, 0.0, np.minimum(out, 1.0))
 
     return survival

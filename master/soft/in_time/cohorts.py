@@ -186,7 +186,7 @@ class Cohorts:
         self._sections.append(self._sections[-1][-1:])
 
     def repeat_later(self, at: float, weight: float = 0.0) -> None:
-        """Breaks jump by a share `weight`, or their rate jumps: births repeat it one delay later."""
+        """Breaks jump by a share `weight`, or their rate jumps: births repeat it a delay later, and bend after two."""
         for later, share in ((at + self.delay, weight), (at + 2.0 * self.delay, 0.0)):
             self.pending[later] = self.pending.get(later, 0.0) + share
 

@@ -149,7 +149,7 @@ def _beside(times: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
     return np.asarray(((np.abs(apart) <= np.abs(now - before)) | crossed).any(axis=1))
 
 
-def solve_stiff(
+def solve_on_stiff_spring(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> Solution:
     """Force on a rigid slider, taken as one on a spring so stiff that it follows the drive, with an error F/K of X. It

@@ -62,7 +62,7 @@ class Slider:
         contacts.begin_section()
         slips = False
         while not slips and contacts.now < end:
-            size = min(self._size * steps.finer, max(steps.longest(), 1e-6 * self._size))
+            size = min(self._size * steps.shrink, max(steps.longest(), 1e-6 * self._size))
             trial, slips = steps.up_to_slip(*steps.step(size), size)
             if trial.travel or trial.now > contacts.now:
                 done = nodes[-1].size + max(steps.size(trial), 0.0)
@@ -90,7 +90,9 @@ class Slider:
         # heat has broken the weakest: over this way the others may first carry more as they stretch
         least = 0.5 * scales.length
         # without births only the end has to be found, in small steps so that none is missed
-        size = steps.sign * (0.06 * scales.length if without_births else self._size * steps.length)
+        stride = steps.sign * (
+            0.06 * scales.length if without_births else self._size * steps.length
+        )
         contacts.begin_section()
         begin, broken, travel = contacts.place, contacts.breaks, 0.0
 
@@ -99,18 +101,18 @@ class Slider:
 
         ways = [steps.sign * share * least for share in (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)]
         slipped = next((way for way in ways if imbalance(way) > 0.0), 0.0)
-        slips, away = bool(slipped), 0.0 < abs(slipped) < abs(size)
-        low = slipped or 1e-4 * size  # the shortest slip
-        while slips and ((missing := imbalance(travel + size)) > 0.0 or not away):
+        slips, away = bool(slipped), 0.0 < abs(slipped) < abs(stride)
+        low = slipped or 1e-4 * stride  # where no way slips, one of next to no length
+        while slips and ((missing := imbalance(travel + stride)) > 0.0 or not away):
             away |= missing > 0.0 or abs(contacts.place + travel - begin) > least
             if without_births:
-                travel += size
+                travel += stride
             else:
-                contacts.take(contacts.trial(size, contacts.now))
+                contacts.take(contacts.trial(stride, contacts.now))
             low = travel
         if slips and imbalance(low) > 0.0:
             # accuracy of a slip's end, in mean thresholds
-            low = float(brentq(imbalance, low, travel + size, xtol=1e-15 * contacts.unit))
+            low = float(brentq(imbalance, low, travel + stride, xtol=1e-15 * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now, without_births))
         contacts.begin_section()
         if without_births:

@@ -1,7 +1,7 @@
 """Steps: one step of a slider that a spring pulls, K (X_T - X) = F, and where a slip begins.
 
-This is pseudo-arclength continuation: the size of a step combines X and time, dX/length + d(uniform
-steps of time), so that steps are uniform both where the slider creeps and just before a slip, where dX/dt
+This is pseudo-arclength continuation: the size of a step combines X and time, dX/length + d(steps of
+time, see StepCount), so that steps are even both where the slider creeps and just before a slip, where dX/dt
 diverges. A slip begins at a fold, where the time of balance, as a function of the size, is the latest.
 """
 
@@ -62,7 +62,7 @@ class Steps:
     spring : K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
     sign : direction in which the spring pulls: travels and imbalances are counted along it
-    finer : the size that the next step should have, over the one far from slips
+    shrink : factor on the next step's size: 1 far from slips
     """
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
@@ -70,7 +70,7 @@ class Steps:
         self.length, self.sign = COARSEST * contacts.memory.scales.length, 1.0
         # accuracy of a step's balance, as a share of the step; the errors of contacts that age are larger than 1e-7
         self._close = 1e-7 if contacts.memory.finer_before_slips else 1e-9
-        # guess of how fast the imbalance grows with the uniform steps of time
+        # guess of how fast the imbalance grows with the steps of time
         self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
 
     def begin(self, leg: int, end: float) -> None:
@@ -81,8 +81,8 @@ class Steps:
         even = LESS * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
         even = even + scales.rate / COARSEST if speed else 0.0
         self._count, self._end = StepCount(self._contacts.now, end, even, scales.time), end
-        # share of the uniform steps in the last step, and guess of it in the next one
-        self._share, self._guess, self.finer = np.nan, 0.5, 1.0
+        # share of the steps of time in the last step, and guess of it in the next one
+        self._share, self._guess, self.shrink = np.nan, 0.5, 1.0
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
@@ -102,7 +102,7 @@ class Steps:
         return float(self.sign * (self._spring * ahead - trial.force))
 
     def step(self, size: float) -> tuple[float, Trial]:
-        """The uniform steps of time that a balanced step of this size, or up to the end, takes; and it. If there
+        """The steps of time that a balanced step of this size, or up to the end, takes; and it. If there
         is no balance from now on, they are below 0, and the step takes no time."""
         now, steep = self._contacts.now, self._steep
         done = self._count.steps(now)
@@ -137,9 +137,9 @@ class Steps:
             self._share, self._guess = share, share + change
             # A slip begins where this share falls to 0. Steps become finer within four of the coarsest ones of it:
             # thresholds that age cross |x| step by step, and the slip would depend on where those steps end
-            finer = self._contacts.memory.finer_before_slips and change < 0.0
-            away = share * size / -change if finer else np.inf
-            self.finer = min(max(away / 4.0, 0.03), 1.0)
+            nearing = self._contacts.memory.finer_before_slips and change < 0.0
+            away = share * size / -change if nearing else np.inf
+            self.shrink = min(max(away / 4.0, 0.03), 1.0)
             return trial, False
         options = {"xatol": CLOSE_TO_SLIP * size}
         found = minimize_scalar(
