@@ -35,7 +35,7 @@ ROOMS = {
     "master": Room(7500, 7500, 200, 142),
     "eq_model": Room(2200, 3163, 60, 34),
     "origins": Room(4500, 5797, 120, 68),
-    "toolkit": Room(4000, 3997, 100, 64),
+    "toolkit": Room(4000, 4000, 100, 65),
 }
 Graph = dict[str, set[str]]
 

@@ -50,6 +50,14 @@ def test_run_prints_a_line_per_solver_and_writes(capsys: Any) -> None:
     assert toolkit.load("mine-output").text == Path("mine.toml").read_text()
 
 
+def test_a_run_whose_solvers_are_far_apart_is_status_1(capsys: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr("toolkit.commands.deviation", lambda _: SimpleNamespace(worst=7.0))
+    status, out, _ = said(
+        capsys, "run", write(thresholds=WIDE, drive={"to": 1.0, "points": 5}, eq=EQ)
+    )
+    assert status == 1 and "please report" in "".join(out)
+
+
 def test_run_of_a_surface_says_and_keeps_what_to_mind(capsys: Any) -> None:
     surface = {"kind": "self-affine", "shape": [32, 32], "pixel_size": 1e-8, "seed": 1}
     law = ROUGH | {"surface": surface | {"hurst": 0.8, "rms_slope": 0.1}}

@@ -28,10 +28,9 @@ class Number:
 
 
 def with_error(value: float, error: float, digits: int) -> str:
-    """Value and error as text, the value to `digits` or to the first digit of the error; without an error that is 0 or
-    not finite."""
+    """Value and error as text, the value to `digits` or to the first digit of the error; without an error of 0."""
     if not (np.isfinite(value) and 0.0 < error < np.inf):
-        return f"{value:.{digits}g}"
+        return f"{value:.{digits}g}" + " ± inf" * bool(np.isfinite(value) and error == np.inf)
     error_text = f"{error:.1g}"
     known = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(error_text)))) + 1
     if known >= digits:
