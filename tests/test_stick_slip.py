@@ -8,6 +8,7 @@ import scipy.stats
 
 import master
 import origins
+from master.stick_slip.extremes import extremes
 from origins import Ageing, Contacts, Thermal
 
 SPREAD = origins.gaussian_start(0.0, 0.025)
@@ -29,6 +30,11 @@ CLOSED = {
     ),
     "two values": (TWO, None, np.inf, None),
 }
+
+
+def test_a_critical_spring_that_time_does_not_suffice_for_is_unknown() -> None:
+    fall = extremes(Contacts(origins.gaussian(1.0, 0.1)), 1.0, 1e-6, until=0.0).fall
+    assert np.isnan(fall.value) and fall.error == np.inf
 
 
 @pytest.mark.parametrize("name", CLOSED)
