@@ -43,10 +43,10 @@ def solve_rigid(
     legs, times the longest stretch, and round-off."""
     began, mean = clock.perf_counter(), contacts.mean_threshold
     timeless = life.timeless and not contacts.waiting_time
-    motion, moments = motion_of(drive, mean, timeless)
+    motion, arrivals = motion_of(drive, mean, timeless)
     check_lives(contacts, motion, life)
     march = march_of(contacts, motion, life, tolerance, until).run()
-    kept = (moments <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
+    kept = (arrivals <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
     kept |= not march.unfinished
     worst = march.error.max(initial=0.0 if march.error.size else np.inf) + march.life_error
     error = float(worst * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
@@ -58,7 +58,7 @@ def solve_rigid(
     if march.unfinished:
         end = f"X = {motion.at(np.array(march.reached)):.6g}"
         success, message = False, f"stopped at {end} by wall_time; the path is cut there"
-    t = np.minimum(moments[kept], march.steady_since)
+    t = np.minimum(arrivals[kept], march.steady_since)
     # contacts that broke within the last delay are out
     broken = breaks_until(march, t) - breaks_until(march, t - march.births.delay)
     return Solution(
@@ -73,7 +73,7 @@ def solve_rigid(
         message=message,
         _march=march,
         _by_index=drive.time is not None or (not drive.forward and bool(contacts.laws)),
-        _moments=moments[kept],
+        _arrivals=arrivals[kept],
     )
 
 

@@ -84,7 +84,7 @@ class Solution:
     message: str
     _march: March | None = field(repr=False)
     _by_index: bool = field(repr=False)
-    _moments: Array = field(repr=False)
+    _arrivals: Array = field(repr=False)
 
     __repr__ = brief
 
@@ -117,7 +117,7 @@ class Solution:
         whole = isinstance(point, int | np.integer) and not isinstance(point, bool)
         if not whole or not 0 <= point < self.path.size:
             refuse("point", point, f"must be the index of a point, from 0 to {self.path.size - 1}")
-        return float(self._moments[int(point)])
+        return float(self._arrivals[int(point)])
 
     def _passing(self, motion: Motion, position: float, leg: int | None) -> float:
         """Time at which the slider passes X = position, on the given leg if there are several."""

@@ -114,7 +114,7 @@ class Nodes(NamedTuple):
         return cls(target[piece], panel, share, place, weight)
 
 
-def moments(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
+def legendre_births(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
     """Births on pieces from left to right, weighted by each one's own Legendre polynomials, shape (pieces, size);
     `ends` are those of the panels, `slopes` Legendre coefficients of the breaks' derivative, a row a panel."""
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))

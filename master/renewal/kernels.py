@@ -160,7 +160,7 @@ class Kernels:
 
     def __init__(self, births: Births) -> None:
         self._births = births
-        self._known: dict[tuple[float, float], Kernel] = {}
+        self._cache: dict[tuple[float, float], Kernel] = {}
         self._straight: dict[float, Straight] = {}
 
     @property
@@ -184,11 +184,11 @@ class Kernels:
 
     def on(self, speed: float, width: float, panels: int) -> Kernel:
         """Kernel for panels at most `panels` apart, or fewer where all births break before."""
-        delay, known = self._births.delay, self._known.get((speed, width))
+        delay, cached = self._births.delay, self._cache.get((speed, width))
         most = int(np.ceil((self.straight(speed).longest + delay) / width)) + 1
-        have = known.values.shape[0] if known else 0
-        if known and have >= min(panels, most):
-            return known
+        have = cached.values.shape[0] if cached else 0
+        if cached and have >= min(panels, most):
+            return cached
         panels = most if most <= 2 * panels else max(panels, 2 * have)
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
@@ -203,8 +203,8 @@ class Kernels:
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
         solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : rule.DEGREE + 1, 1:]))
-        self._known[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
-        return self._known[speed, width]
+        self._cache[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
+        return self._cache[speed, width]
 
     def sums(self, speed: float, t: Array, ends: Array, breaks: Array) -> Array:
         """Number and force, shape (2, n), at times t of `breaks` that are born on a leg, on panels with these ends."""

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from master.motion.motion import History
 from master.renewal import rule
-from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, moments
+from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, legendre_births
 from master.renewal.rule import Pieces, Rows
 from master.renewal.strand_births import StrandBirths
 from origins.start import Start
@@ -147,7 +147,7 @@ class Past:
             rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
             rough &= births.work <= MOST_WORK and clock.monotonic() <= births.until
             good = pieces.pick(~rough)
-            weights = moments(self._ends, self._slopes, good.low, good.high, size)
+            weights = legendre_births(self._ends, self._slopes, good.low, good.high, size)
             found = (held[:, ~rough] @ few.series * weights).sum(axis=-1)
             # births are nearly a polynomial, too: the survival's coefficient k beyond the last counts in those k before
             fading = fall[~rough, None] ** np.arange(size)[::-1]

@@ -12,7 +12,7 @@ from master.lives.age.ageing import AgeingLife
 from master.lives.age.strands import over_root
 from master.motion.motion import Motion
 from master.renewal import rule
-from master.renewal.births import Births, moments
+from master.renewal.births import Births, legendre_births
 from origins.thresholds.law import Array
 
 # Gauss nodes of a piece in the time of birth, its length over the narrowest width of the thresholds, and fewest
@@ -41,8 +41,8 @@ class StrandBirths:
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)
-        # weights of the pieces' nodes in a sum over all births
-        self._weight = moments(ends, breaks @ rule.SLOPES.T, left, right, SIZE) @ basis.series.T
+        births_on = legendre_births(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
+        self._weight = births_on @ basis.series.T  # of the pieces' nodes in a sum over all births
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Follow the strands to the leg that begins at t = 0 of this motion; whether more than is negligible hold."""

@@ -28,8 +28,8 @@ class Propensity:
     onset_power : m of P_c(x) ~ (x - a)^m at its lower end.
     critical_spring_error and the others : estimates from above of absolute errors, in the unit of the value itself.
     run_time : s.
-    success, message : whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds, with heat but
-        for growing grains in mean travels C to a break) are within the tolerance, and the accuracy reached.
+    success, message : whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds; with heat, unless
+        grains grow, in mean ways from birth to break) are within the tolerance, and the accuracy reached.
     """
 
     critical_spring: float

@@ -59,7 +59,7 @@ class _Panel(NamedTuple):
 class Passage:
     """Survival of contacts born together whose thresholds age towards a Gaussian final law.
 
-    fresh : P_ci, of which those above |start| hold; exact values allowed
+    fresh : law of thresholds at birth, of which those above |start| hold; exact values allowed
     ageing : with an uncut Gaussian final law (`normal` is not None)
     fastest : largest speed of `move`, a length per time
     start : stretch at the birth (a length)

@@ -170,5 +170,5 @@ def solve_on_stiff_spring(
         message=message,
         _march=None,
         _by_index=True,
-        _moments=times,
+        _arrivals=times,
     )
