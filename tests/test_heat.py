@@ -164,8 +164,8 @@ NARROW = gaussian(1.0, 0.05)
 @pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.slow)])
 def test_kinetic_forces_are_those_by_mpmath(every: int) -> None:
     """Double integrals to eleven digits for thresholds of mean 1 and width 0.05, closure by closure,
-    by Gauss sums in 20 digits over panels placed where the integrands change. Where soft contacts are hottest and
-    slowest by the closed form <e^(2y)>/<e^y> v/ω, y = x_s²/2T, from which those sums were off by 1.6e-11."""
+    by Gauss sums in 20 digits over panels placed where the integrands change. Where contacts are hottest and
+    slowest by the closed form <e^(2y)>/<e^y> v/ω, y = x_s²/2T, from which those sums were off by 2e-11."""
     with TABLE.open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 100

@@ -22,10 +22,7 @@ class StiffLaw(NamedTuple):
 
 @dataclass(frozen=True)
 class StiffRates(ActivatedRates):
-    """Rate of stiff contacts, whose barrier vanishes as s^(3/2) (paper, Eqs. temper9 and temper10).
-
-    Attributes and errors are those of ActivatedRates.
-    """
+    """Rate whose barrier vanishes as s^(3/2) (paper, Eqs. temper9 and temper10); attributes as ActivatedRates."""
 
     name: ClassVar[Literal["stiff"]] = "stiff"
 
@@ -58,10 +55,13 @@ class StiffRates(ActivatedRates):
         c = self.spring * stiffness * threshold * threshold
         log_part = log_amount - self.log_scale + np.log(1.5 * c / threshold)
         begin = c * np.maximum((threshold - near) / threshold, 0.0) ** 1.5
-        # c u at the end is -ln(e^log_part + e^(-c u_near))
-        more = np.log1p(np.exp(-np.abs(log_part + begin)))
-        u = np.maximum(np.minimum(-log_part, begin) - more, 0.0) / c
-        x = threshold * (1.0 - np.cbrt(u) ** 2)
+        # c u at the end is -ln(e^log_part + e^(-c u_near)), less than `begin` by `lost`
+        more = log_part + begin
+        lost = np.logaddexp(0.0, more)
+        u = np.maximum(np.minimum(-log_part, begin) - np.log1p(np.exp(-np.abs(more))), 0.0) / c
+        part = np.minimum(lost, 0.5 * begin) / np.maximum(begin, 1e-300)
+        short = near - (threshold - near) * np.expm1(np.log1p(-part) / 1.5)  # to all digits
+        x = np.where(lost < 0.5 * begin, short, threshold * (1.0 - np.cbrt(u) ** 2))
         return np.minimum(np.maximum(x, near), threshold)
 
     def compiled(self) -> CompiledRates:
