@@ -185,13 +185,13 @@ class MeanRateLife(LawLife):
         # relative rounding of h per k_BT of the barrier, over the accuracy; halving cannot reduce it
         rounding = 16.0 * _EPSILON * max(barrier, 1.0) / self._accuracy
 
-        def felt(values: Array, widths: Array) -> Array:
+        def looser(values: Array, widths: Array) -> Array:
             most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
             # near a bend panels get narrow and add little to L
             return np.asarray(most / np.minimum(1.0, widths / (1e-3 * far)))
 
         found = self.mean_rate, edges[edges <= far], self._accuracy, 1e-13 * far
-        table = self._table = Table(*found, size=14, felt=felt, rounding=rounding)
+        table = self._table = Table(*found, size=14, looser=looser, rounding=rounding)
         # the table is checked away from its nodes; an error of H counts by its part of L, the integral
         # of H, and one of ln L changes the survival e^-L by at most 1/e of it
         at = table.begin + 0.02 * table.widths

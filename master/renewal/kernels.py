@@ -78,7 +78,7 @@ class Straight:
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
         shortest = SHORTEST * min(self.typical, float(edges[1]))
-        self.table = Table(self.scaled, edges, accuracy, shortest, ends=AT_ENDS)
+        self.table = Table(self.scaled, edges, accuracy, shortest, at_ends=AT_ENDS)
         self._read = self.table
         self.edges, self.error = self.table.edges, self.table.error
 

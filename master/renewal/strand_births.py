@@ -37,7 +37,7 @@ class StrandBirths:
         left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
-        fresh = life.begin(life.rule(births.law))
+        fresh = life.begin(life.stretches(births.law))
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)

@@ -24,10 +24,10 @@ class Table:
     edges : sorted; the functions may jump or bend there
     accuracy : a panel is halved while one of its last two coefficients is larger
     shortest : length of the shortest panel
-    ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy, which detects a fall that
-        is over before the first node; 0: not checked
+    at_ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy, which detects a fall
+        that is over before the first node; 0: not checked
     size : number of coefficients of the polynomials
-    felt : takes values, as `function` gives them, and the panels' widths; returns the factor on the
+    looser : takes values, as `function` gives them, and the panels' widths; returns the factor on the
         accuracy on each panel, shape (panels,), or (functions, panels)
     rounding : in units of the accuracy: panels whose last coefficients are below it are halved only while that helps
 
@@ -42,26 +42,26 @@ class Table:
         edges: Array,
         accuracy: float,
         shortest: float,
-        ends: float = 0.0,
+        at_ends: float = 0.0,
         size: int = SIZE,
-        felt: Callable[[Array, Array], Array] | None = None,
+        looser: Callable[[Array, Array], Array] | None = None,
         rounding: float = 0.0,
     ) -> None:
         """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
-        gauss, at_ends = rule.gauss(size), rule.gauss(size).at(np.array([0.0, 1.0]))
+        gauss, to_ends = rule.gauss(size), rule.gauss(size).at(np.array([0.0, 1.0]))
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
-        shares = np.concatenate([[0.0], gauss.nodes, [1.0]]) if ends > 0.0 else gauss.nodes
+        shares = np.concatenate([[0.0], gauss.nodes, [1.0]]) if at_ends > 0.0 else gauss.nodes
         kept, self.error, before = [], 0.0, np.full(low.size, np.inf)
         for _ in range(DEPTH):
             # rounding may put the last share beyond the panel's end
             x = np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
             values = function(x)
-            series = (values[..., 1:-1] if ends > 0.0 else values) @ gauss.series
+            series = (values[..., 1:-1] if at_ends > 0.0 else values) @ gauss.series
             tail = wrong = np.abs(series[..., -2:]).max(axis=2)
-            if ends > 0.0:
-                wrong = np.abs(values[..., 1:-1] @ at_ends - values[..., [0, -1]]).max(axis=2)
-                tail = np.maximum(tail, wrong / ends)
-            tail = (tail / felt(values, high - low) if felt else tail).max(axis=0)
+            if at_ends > 0.0:
+                wrong = np.abs(values[..., 1:-1] @ to_ends - values[..., [0, -1]]).max(axis=2)
+                tail = np.maximum(tail, wrong / at_ends)
+            tail = (tail / looser(values, high - low) if looser else tail).max(axis=0)
             # nodes nearer to each other than 1e-15 of their place coincide by rounding
             rough = (tail > accuracy) & (high - low > np.maximum(shortest, 1e-15 * np.abs(high)))
             rough &= (tail > rounding * accuracy) | (tail < HARDLY * before)

@@ -98,7 +98,7 @@ class Transform:
 
         shortest = SHORTEST * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
-        self.table = Table(travel.scaled, edges, accuracy, shortest, felt=sizes, rounding=1e2)
+        self.table = Table(travel.scaled, edges, accuracy, shortest, looser=sizes, rounding=1e2)
 
     def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
         """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way

@@ -157,15 +157,15 @@ def _deepest(travel: Travel) -> float:
     crowd, tail = crowding_rate(travel), tail_rate(contacts.thresholds)[0]
     if crowd * travel.cycle < 1e-2:
         fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
-        rule = "and none is the slowest; give each a width, or follow F(X) with master.solve"
-        raise InputError(f"thresholds: {fault}, {rule}")
+        advice = "and none is the slowest; give each a width, or follow F(X) with master.solve"
+        raise InputError(f"thresholds: {fault}, {advice}")
     if tail == 0.0:
         fault = "the tail falls slower than any exponential, and with it F - F_k: no root exists"
         raise InputError(f"thresholds: {fault}")
     if travel.longest > BROAD * travel.length:
         fault = f"contacts live for all lengths up to {travel.longest / travel.length:.1g} times the mean: among so"
-        rule = "many no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
-        raise InputError(f"thermal: {fault} {rule}")
+        advice = "many no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
+        raise InputError(f"thermal: {fault} {advice}")
     return deepest_wave(travel, min(tail, crowd))
 
 

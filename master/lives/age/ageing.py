@@ -69,11 +69,11 @@ class AgeingLife(Life):
         fresh = contacts.thresholds
         diverges = fresh.support()[0] == 0.0 and fresh.onset_power < -0.15
         self._by_passage = not diverges and ageing.normal is not None and contacts.thermal is None
-        self._rules: dict[Start, StretchRule] = {}
+        self._stretches: dict[Start, StretchRule] = {}
         self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
         self._errors: dict[str, float] = {}
         if self.has_strands:
-            start = self.follow(self.begin(self.rule(contacts.start)), 0)
+            start = self.follow(self.begin(self.stretches(contacts.start)), 0)
             self._start = [over_root(times, left[..., 0]) for times, left in start]
         elif not self._by_passage:
             # so that its error is known from the beginning
@@ -93,7 +93,7 @@ class AgeingLife(Life):
             now = self._start[leg](history.t - motion.times[leg])
             return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
         if isinstance(born, Start):
-            rule = self.rule(born)
+            rule = self.stretches(born)
             each = [self.left(np.full((1, 1), stretch), history) for stretch in rule.stretch]
             return np.asarray(np.tensordot(rule.weight, each, 1))
         # that of Straight's own motion is rounded: with that of ours its tables are found again
@@ -188,7 +188,7 @@ class AgeingLife(Life):
         legs = self.motion.speeds.size
         firsts = np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()
         relaxed = stretch_rule(SingleStart(0.0), self.reach, 1)
-        born = [(0, self.rule(self.contacts.start)), *((first, relaxed) for first in firsts)]
+        born = [(0, self.stretches(self.contacts.start)), *((first, relaxed) for first in firsts)]
         return np.concatenate([self._shares(Strands(cells, *rule), first) for first, rule in born])
 
     def _shares(self, strand: Strands | Passages, first: int) -> Array:
@@ -199,12 +199,12 @@ class AgeingLife(Life):
         each = [over_root(t, left[:, 0, 0])(lasts * moments) for (t, left), lasts in followed]
         return np.concatenate(each)
 
-    def rule(self, born: Start) -> StretchRule:
+    def stretches(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
         if born.is_single:
             return stretch_rule(born, self.reach, 1)
-        if born in self._rules:
-            return self._rules[born]
+        if born in self._stretches:
+            return self._stretches[born]
         most, before = self.contacts.thresholds.support()[1], np.zeros(1)
         lags, speed = np.linspace(0.0, self._lasts[0], 150), float(self.motion.speeds[0])
         for count in COUNTS:
@@ -219,5 +219,5 @@ class AgeingLife(Life):
             if change <= self.accuracy or late:
                 break
         self._add_error("stretches", change)
-        self._rules[born] = rule
+        self._stretches[born] = rule
         return rule
