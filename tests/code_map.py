@@ -54,7 +54,7 @@ QUESTIONS = {
     "F_k, the force of steady sliding; at many speeds": ("master:Travel.force", "master:summed"),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
-    "a slip begins: T = 0, in time": ("master:LoadCurve.slip_begins", "master:Steps.up_to_slip"),
+    "a slip's begin: T = 0, in time": ("master:LoadCurve.slip_begins", "master:Steps.up_to_slip"),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),
     "the law of ageing; what survives": ("origins:Ageing", "master:AgeingLife"),

@@ -96,7 +96,7 @@ class AgeingLife(Life):
             rule = self.stretches(born)
             each = [self.left(np.full((1, 1), stretch), history) for stretch in rule.stretch]
             return np.asarray(np.tensordot(rule.weight, each, 1))
-        # that of Straight's own motion is rounded: with that of ours its tables are found again
+        # the speed of Straight's own motion is rounded; by the speed of this one its table is found again
         speed = float((motion if self.has_strands else self.motion).speeds[leg])
         lag = np.maximum(history.t - history.s, 0.0)
         share = self._held(speed, born, lag)
