@@ -27,7 +27,7 @@ class Contact(NamedTuple):
     threshold: np.int64
     log_exposure: float  # ln of the integral of its rate at which it breaks
     first: np.int64  # the stretch at which its rate breaks it if its first leg goes on
-    stiffness: float  # over the mean one
+    stiffness: float  # divided by the mean one
     fresh: bool  # False for contacts of the start
     lane: np.int64
     drawn: np.int64  # steps for which its lane has drawn words

@@ -50,7 +50,7 @@ class WholeDrive(NamedTuple):
 def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeDrive:
     """The drive of a rigid slider in whole units.
 
-    scale : the mean threshold; reach : the largest force of a contact over <k>, a length; exact : whether
+    scale : the mean threshold; reach : the largest force of a contact divided by <k>, a length; exact : whether
     thresholds have exact values, so that breaks fall on points.
     Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^22 times.
     """

@@ -132,7 +132,7 @@ def march_of(
     most: float = np.inf,
 ) -> March:
     """The march along a motion, with panels that end where the number of breaks may bend; `most` is the
-    largest force of a contact born, over <k> (a length), where the caller knows it."""
+    largest force of a contact born, divided by <k> (a length), where the caller knows it."""
     again, mean = reforming_law(contacts), contacts.mean_threshold
     moving = np.abs(motion.speeds[motion.speeds != 0.0])
     if contacts.thermal is not None and life.bends.size and moving.size:

@@ -161,6 +161,7 @@ def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> Non
 NARROW = gaussian(1.0, 0.05)
 
 
+@pytest.mark.filterwarnings("ignore::origins.contacts.TooHot")
 @pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.slow)])
 def test_kinetic_forces_are_those_by_mpmath(every: int) -> None:
     """Double integrals to eleven digits for thresholds of mean 1 and width 0.05, closure by closure,

@@ -125,7 +125,7 @@ def _straightened(above, below, x, time, law):  # type: ignore[no-untyped-def]
 
 @bare
 def _drift(y, law):  # type: ignore[no-untyped-def]
-    """Mean change of a threshold per time, over D, towards a law that is not normal."""
+    """Mean change of a threshold per time, divided by D, towards a law that is not normal."""
     last = law.slopes.size - 1
     place = min(max((np.log(y) - law.first) / law.step, 0.0), real(last))
     k = min(whole(place), last - 1)

@@ -16,7 +16,7 @@ from origins.thresholds.quadrature import finite_density
 # Gauss nodes of a piece; the integrand is evaluated at BESIDE of its length from its ends, too,
 # because the nodes would miss a steep change right at an end.
 SIZE, BESIDE = 14, 1e-9
-# Allowed error of the polynomial at the ends of its piece, over that of its last coefficients.
+# Allowed error of the polynomial at the ends of its piece, divided by that of its last coefficients.
 ENDS = 3.0
 # Most halvings of a piece; and the least length of a piece, relative to its position, at which its
 # nodes are still distinct in floating point.

@@ -65,7 +65,7 @@ class ThermalLife(LawLife):
 
     def _held(self, replay: "Replay", weight: Array, side: Array) -> Array:
         """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n). The
-        weight, shape (n,), is the factor on P_c: 1 over the survival at birth."""
+        weight, shape (n,), is the factor on P_c: 1/(the survival at birth)."""
         every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"
 
         def held(contact: Rows, threshold: Array) -> Array:
@@ -182,7 +182,7 @@ class MeanRateLife(LawLife):
         scale, far = rates.scale, self.reach
         barrier = float(np.log(scale) - rates.log_rate(0.0, far, 1.0))
         self._accuracy = 0.1 * resolved  # relative last coefficients of H in its table
-        # relative rounding of h per k_BT of the barrier, over the accuracy; halving cannot reduce it
+        # relative rounding of h per k_BT of the barrier, divided by the accuracy; halving cannot reduce it
         rounding = 16.0 * _EPSILON * max(barrier, 1.0) / self._accuracy
 
         def looser(values: Array, widths: Array) -> Array:

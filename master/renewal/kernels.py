@@ -21,7 +21,7 @@ from origins.thresholds.law import Array
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
-# Allowed error of a table at its panels' ends, over the last coefficients: larger beside a root of the survival.
+# Allowed error of a table at its panels' ends, divided by the last coefficients: larger beside a root of the survival.
 AT_ENDS = 10.0
 # Pieces of births that are summed together: 0.1 GB.
 TOGETHER_PIECES = 100_000

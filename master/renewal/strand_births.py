@@ -15,7 +15,7 @@ from master.renewal import rule
 from master.renewal.births import Births, legendre_births
 from origins.thresholds.law import Array
 
-# Gauss nodes of a piece in the time of birth, its length over the narrowest width of the thresholds, and fewest
+# Gauss nodes of a piece in the time of birth, its length divided by the narrowest width of the thresholds, and fewest
 # pieces of a leg: the error of the number is then 1e-10 (measured).
 SIZE, LENGTH, LEAST = 16, 4.0, 3
 

@@ -109,8 +109,8 @@ class LoadCurve:
     def misplaced(self, y: float | Array, shift: float = 0.0, more: float = 0.0) -> Array:
         """Errors of travels y that were computed from given loads; same shape as y.
 
-        An error e of the force displaces them by e over the slope; near a slip, where the slope
-        vanishes, by at most the root of 4 e over |F''|.
+        An error e of the force displaces them by e/(the slope); near a slip, where the slope
+        vanishes, by at most the root of 4 e/|F''|.
 
         shift : error of the position of slider and contacts together
         more : error of the loads

@@ -23,7 +23,7 @@ class Propensity:
 
     critical_spring : K*/(N_c <k>) = max over X of -dF/dX (paper Eq. Q16): at T = 0 a slider on a softer spring slips
         at least once from the start. 0 where the force never falls; inf where it drops at one X.
-    static_to_kinetic : F_s/F_k, the largest force over the kinetic one; 1 where the force never exceeds it.
+    static_to_kinetic : F_s/F_k, the largest force divided by the kinetic one; 1 where the force never exceeds it.
     decoherence_length : X* (a length) of the slowest term e^{-X/X*} in F - F_k; inf where none decays exponentially.
     onset_power : m of P_c(x) ~ (x - a)^m at its lower end.
     critical_spring_error and the others : estimates from above of absolute errors, in the unit of the value itself.

@@ -48,7 +48,7 @@ class Values(NamedTuple):
     slope: Complex  # dD/ds, a length squared
 
     def root_error(self) -> Array:
-        """Error of s (per length) where s is a root: the residual and the error of D over |dD/ds|."""
+        """Error of s (per length) where s is a root: the residual and the error of D, divided by |dD/ds|."""
         return (np.abs(self.conserved) + self.conserved_error) / np.abs(self.slope)
 
 

@@ -73,7 +73,7 @@ def relaxed_barrier(
     starts, missed = _minimum_and_saddle(island, noise)
     (minimum, force), (saddle, force_there) = map(island.without_force, starts)
     height = float(saddle.get_potential_energy() - minimum.get_potential_energy())
-    # forces that remain displace a stationary point by their size over its curvature, here 1e-6 of force over radian;
+    # forces that remain displace a stationary point by their size divided by its curvature, here 1e-6 of force/radian;
     # at flatter places the stated error is too small
     remain = max(force, force_there) / island.force
     error = missed + 2.0 * noise + island.radian * island.force * remain**2 / 1e-6
@@ -84,7 +84,7 @@ def relaxed_barrier(
 class _MovingIsland:
     """The atoms that move, all but those fixed by FixAtoms, and how they may, as relaxed_barrier says.
 
-    Units are the `radian`, the shorter period over 2 pi, and the greatest `force` on one atom at nine places.
+    Units are the `radian`, the shorter period divided by 2 pi, and the greatest `force` on one atom at nine places.
     """
 
     def __init__(

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from origins.errors import finite, positive, refuse
 from origins.thresholds.law import Array
 
-_LARGEST_DENOMINATOR = 64  # shortest wavevector over the shortest one of the reciprocal lattice
+_LARGEST_DENOMINATOR = 64  # shortest wavevector/(the shortest one of the reciprocal lattice)
 _AGREEMENT = 1e-9  # of the longest wavevector: distance at which two wavevectors count as equal
 
 

@@ -26,7 +26,7 @@ def grains(
 
     P_c is conditional on pinning, and ends where the largest grain breaks, x_max = ((3 rho/2)² - 1)^(1/2) B^(-1/2).
 
-    rho : mean grain diameter over film thickness, 2<r>/d; a number above 2/3, where the first grains pin.
+    rho : mean grain diameter divided by the film's thickness, 2<r>/d; a number above 2/3, where the first grains pin.
     B : stiffness of a contact relative to a grain's strength, in length^-2: 4c/(pi tau d²) where f_s = c x_s².
     alpha, time : instead of rho: rho = alpha time^(1/3), with `time` since coalescence began and alpha in time^(-1/3).
     jacobian : "exact": P_c = P_LS(u) du/dx with u = (1 + B x²)^(1/2)/rho, so that P_c rises as x;
@@ -66,7 +66,7 @@ class GrainGrowth:
         return (2.0 / (3.0 * self.alpha)) ** 3
 
     def excess(self, time: npt.ArrayLike) -> Array:
-        """Radius of the largest grain over that of the first to pin, less 1; 0 up to tau_m."""
+        """Radius of the largest grain divided by that of the first to pin, less 1; 0 up to tau_m."""
         return self.excess_after(np.maximum(np.asarray(time) - self.first_pinning_time, 0.0))
 
     def excess_after(self, later: npt.ArrayLike) -> Array:
@@ -74,7 +74,7 @@ class GrainGrowth:
         return np.asarray(np.expm1(np.log1p(np.asarray(later) / self.first_pinning_time) / 3.0))
 
     def rho(self, time: npt.ArrayLike) -> Array:
-        """Mean grain diameter over film thickness."""
+        """Mean grain diameter divided by the film's thickness."""
         return self.alpha * np.cbrt(self._times(time))
 
     def number(self, time: npt.ArrayLike) -> Array:
@@ -87,7 +87,7 @@ class GrainGrowth:
         return np.exp(-hazard_beyond(np.atleast_1d(q))).reshape(q.shape)[()]
 
     def pinning_number(self, time: npt.ArrayLike) -> Array:
-        """Grains that span the film, the contacts, over the number of all at tau_m: largest at rho = 1."""
+        """Grains that span the film, the contacts, divided by the number of all at tau_m: largest at rho = 1."""
         return self.number(time) * self.pinned_fraction(time)
 
     def thresholds(self, time: float, jacobian: Literal["exact", "paper"] = "exact") -> Thresholds:
@@ -145,7 +145,7 @@ class PinningGrains(Thresholds):
 
     def _log_weight(self, x: Array) -> Array:
         s = self._root_b * x
-        k = np.hypot(1.0, s)  # diameter of the grain over the film's thickness
+        k = np.hypot(1.0, s)  # diameter of the grain divided by the film's thickness
         # that of the largest one less k, without cancellation
         below, beyond = self._root_b * (self._upper - x), self._root_b * (self._upper + x)
         room = below * beyond / (self._largest + k)

@@ -38,7 +38,7 @@ class SoftRates(ActivatedRates):
         """ln of the integral of h from near to far; -inf where they are equal."""
         spring, across = self.spring * np.asarray(stiffness), np.asarray(far - near)
         root, rise = np.sqrt(spring), spring * across * (far + near)
-        # the integral over h(far), a length
+        # the integral divided by h(far), a length
         lower, upper = (scipy.special.dawsn(root * end) for end in (near, far))
         length = (upper - np.exp(-rise) * lower) / root
         flat = (rise < 1.0) & np.greater(near, 0.0)

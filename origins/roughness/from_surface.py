@@ -123,7 +123,7 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
 
 def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
     """Persson's stresses on patches of one area: P(s) ~ exp[-(s-p)²/D²] - exp[-(s+p)²/D²] (paper, Eq. PcPersson), with
-    D = E* m2^(1/2); the norm of P(s) is erf(p/D), the real over the nominal area of contact."""
+    D = E* m2^(1/2); the norm of P(s) is erf(p/D), the real area of contact divided by the nominal one."""
     material, pressure = fields["material"], fields["pressure"]
     width = float(material.contact_modulus * np.sqrt(fields["moments"].m2))
     if fields["law"] == "strength":

@@ -55,7 +55,7 @@ class Summits:
         return float(self.density * touching)
 
     def area_fraction(self, z: float) -> float:
-        """Real over nominal area of contact."""
+        """Real area of contact divided by the nominal one."""
         return self.contact_density(z) * np.pi * self.radius * self.compressions(z).mean()
 
     def pressure(self, z: float) -> float:

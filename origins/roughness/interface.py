@@ -18,7 +18,7 @@ class Material:
     """Constants of the two bodies in contact, in SI units; those that the threshold law does not need may be left out.
 
     contact_modulus : Hertz' E* in Pa, 1/E* = (1 - nu_1²)/E_1 + (1 - nu_2²)/E_2; E/(2(1 - nu²)) for equal bodies.
-    local_friction : mu, the shear force at which one contact breaks over its normal force.
+    local_friction : mu, the shear force at which one contact breaks, divided by its normal force.
     shear_modulus : G in Pa; a contact of area A has the stiffness k = G A^(1/2) (paper, Sec. II, App. A).
     density, sound_velocity : rho in kg/m³ and the transverse sound velocity c in m/s, another way to give G = rho c².
     hardness : H in Pa, about 3 Y: the mean pressure of a plastic contact.
@@ -128,10 +128,10 @@ class Interface:
 
     model, law, regime : as from_moments was asked; "elastic" of model = "persson".
     material, moments : Material, and SpectralMoments with the step and the pixel size of their differences.
-    pressure, area_fraction : nominal pressure, Pa; real over nominal area of contact.
+    pressure, area_fraction : nominal pressure, Pa; real area of contact divided by the nominal one.
     contact_density, mean_radius : contacts per nominal area, 1/m²; <(A/pi)^(1/2)> over them, m.
     mean_threshold, mean_stiffness, mean_force_threshold : fresh <x_s> in m, <k> = <f_s/x_s> in N/m, <f_s> in N.
-    friction_coefficient : kinetic friction over load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of
+    friction_coefficient : kinetic friction/load, N<k> F_k/pressure with F_k = <x_s²>/(2<x_s>), k_i independent of
         x_i (paper, Eq. Q6), with number, load and <k> of the fresh interface.
     force_law : f_s in N as a law of x_s in m: force_threshold.
     plasticity_index : psi = (E*/Y)(sigma_h/r)^(1/2) with Y = H/3; None without a hardness.

@@ -82,7 +82,7 @@ class Powered(Thresholds):
         if base.support()[0] == 0.0:
             self.onset_power = (base.onset_power + 1.0) / power.exponent - 1.0
         self._at_zero = -np.inf * self.onset_power  # log P_c(0)
-        if self.onset_power == 0.0:  # the density begins at a finite value, the cdf over x
+        if self.onset_power == 0.0:  # the density begins at a finite value, the cdf divided by x
             self._at_zero = float(np.log(1e-30 / self.ppf(1e-30)))
 
     def _logpdf(self, x: Array) -> Array:

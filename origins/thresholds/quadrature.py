@@ -64,7 +64,7 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
 
 
 def _mass(thresholds: Any, left: Array, right: Array, scale: float) -> Array:
-    """Weight and first moment (over scale) of panels, shape (m, 2, n) for ends of shape (m, n)."""
+    """Weight, and first moment divided by `scale`, of panels, shape (m, 2, n) for ends of shape (m, n)."""
     nodes, weights = gauss(left, right)
     weights *= finite_density(thresholds, nodes)
     return np.stack([weights.sum(-1), np.einsum("...i,...i->...", weights, nodes) / scale], axis=-2)

@@ -30,12 +30,12 @@ from origins.thresholds.law import Array
 LEAST_RATIO, HARDLY = 0.125, 0.8
 # Factor on an estimated error, which may be larger between the moments at which it is estimated.
 MARGIN = 1.3
-# Moments on each leg that are compared, over its duration: 20 early ones, and even in the root of time.
+# Moments on each leg that are compared, divided by its duration: 20 early ones, and even in the root of time.
 MOMENTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] ** 2)
 # Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where survivals have a kink.
 BETWEEN, COUNTS = 22, (6, 9, 13, 19, 28)
-LONGEST = 3.0  # reaches over speed: a time after which hardly any contact holds
+LONGEST = 3.0  # reaches divided by the speed: a time after which hardly any contact holds
 
 
 class AgeingLife(Life):

@@ -24,10 +24,10 @@ FINER = 0.75
 # Survival of both laws at which the cells end, and most of them; most steps of one move, some 30
 # seconds of work; and the finest resolution of strands.
 FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
-# Travel in one step at resolution 0, over the narrowest width of the laws; and the share of fresh
+# Travel in one step at resolution 0, divided by the narrowest width of the laws; and the share of fresh
 # contacts that heat breaks in it at most.
 TRAVEL_STEP, HEAT_STEP = 0.25, 0.15
-# Steps after a birth or a change of speed over the time since then, at resolution 0: the edge of the
+# Steps after a birth or a change of speed, divided by the time since then, at resolution 0: the edge of the
 # density at |x| changes, first fast and then ever more slowly. The first step over the time in which
 # thresholds spread by the narrowest width.
 AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10

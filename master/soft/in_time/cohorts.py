@@ -34,7 +34,7 @@ class Strands(NamedTuple):
     """Contacts that began or were born together at one stretch; arrays of shape (n,), (n, width).
 
     stretch, furthest : x and the largest |x| so far (lengths)
-    share : of all contacts, over the share that holds at birth
+    share : of all contacts, divided by the share that holds at birth
     record : see Memory
     """
 

@@ -118,7 +118,7 @@ class Memory:
         return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
 
     def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
-        """Share that holds and its force, the sum of k x over <k> (lengths), shape (2, n). Both are multiplied by the
+        """Share that holds and its force, the sum of k x/<k> (lengths), shape (2, n). Both are multiplied by the
         share that holds at birth; `furthest` is the largest |x| so far."""
         unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
         if not self._hot and self._contacts.stiffness == "independent":
