@@ -78,12 +78,12 @@ class Ensemble:
         if each > most:
             refuse("n_contacts", n_contacts, f"must be at most {most}")
         if not coupled and slip_fraction is not None:
-            rule = "is of a soft slider; give its spring, or leave it out"
-            refuse("slip_fraction", slip_fraction, rule)
+            hint = "is of a soft slider; give its spring, or leave it out"
+            refuse("slip_fraction", slip_fraction, hint)
         for name, value in (("tolerance", tolerance), ("histograms", histograms)):
             if coupled and value is not None and np.size(value):
-                rule = "is of independent contacts; leave it out with a spring, and give n_replicas"
-                refuse(name, value, rule)
+                hint = "is of independent contacts; leave it out with a spring, and give n_replicas"
+                refuse(name, value, hint)
         replicas = Blocks(self.total, each)
         self._work: Engine | Replicas
         if coupled:
@@ -184,8 +184,8 @@ class Ensemble:
                     comm.Allreduce(array, totals[k])
         joined = replace(reduce(State.joined, states), sums=totals[0], counts=totals[1])
         if not joined.contacts:
-            rule = "no block of contacts is finished yet; iterate over it first, or give it more"
-            raise InputError(f"ensemble: {rule} wall_time")
+            hint = "no block of contacts is finished yet; iterate over it first, or give it more"
+            raise InputError(f"ensemble: {hint} wall_time")
         fields = self._work.fields(joined)
         waited = self.clock() - started
         found = (CoupledResult if "slips" in fields else EnsembleResult)(

@@ -148,8 +148,8 @@ def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     points = np.atleast_1d(np.asarray(histograms, None if np.size(histograms) else np.intp))
     whole = points.ndim == 1 and points.dtype.kind in "iu"
     if not whole or (points < -size).any() or (points >= size).any():
-        rule = f"must be indices of points of the path, such as [0, {size - 1}]"
-        refuse("histograms", histograms, rule)
+        hint = f"must be indices of points of the path, such as [0, {size - 1}]"
+        refuse("histograms", histograms, hint)
     if points.size > 2000:
         refuse("histograms", f"{points.size} points", "must be at most 2000, which take 65 MB")
     return np.asarray(points % size, dtype=np.intp)

@@ -25,7 +25,7 @@ FURTHEST_TURN, MOST_LIVES_TURN = 1e6, 1e7
 # Longest time before a move by a mean threshold, in units of the time that this takes: later its times keep few digits.
 LONGEST_BEFORE = 1e11
 # Smallest tolerance of a panel: conservation is rounded at 1e-15, the survival of a law of scipy at some 1e-14.
-FINEST = 3e-14
+SMALLEST_TOLERANCE = 3e-14
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 
@@ -99,8 +99,8 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     motion = Motion(knots, positions)
     digits = float((motion.times[:-1] * np.abs(motion.speeds)).max() / mean)
     if not digits <= LONGEST_BEFORE:
-        rule = f"a threshold is passed in {1.0 / digits:.0e} of the time before: lost in rounding; rest shorter"
-        refuse("time[-1]", times[-1], rule)
+        hint = f"a threshold is passed in {1.0 / digits:.0e} of the time before: lost in rounding; rest shorter"
+        refuse("time[-1]", times[-1], hint)
     return motion, times
 
 
@@ -146,14 +146,14 @@ def march_of(
     taken = round_off(motion, mean) + life.error * stretch / mean
     of_panels = max(tolerance - taken, 0.4 * tolerance) * (1.0 if life.quick else 0.8)
     # survivals that are more than a look-up are rounded by some 1e-13
-    allowed = max(of_panels * mean / stretch, FINEST * (1.0 if life.quick else 15.0))
+    allowed = max(of_panels * mean / stretch, SMALLEST_TOLERANCE * (1.0 if life.quick else 15.0))
     accuracy = max(3e-3 * allowed, 1e-15)  # a panel sums some hundred integrals over births
     births = Births(life, again, motion, contacts.waiting_time, accuracy, until)
     plan = edges(births, contacts.start, allowed)
     if plan.too_many_jumps:
         fault = "exact values break together more often on this path than can be followed"
-        advice = "give them a width, as in gaussian(mean, std), or shorten the path"
-        raise InputError(f"thresholds: {fault}; {advice}")
+        hint = "give them a width, as in gaussian(mean, std), or shorten the path"
+        raise InputError(f"thresholds: {fault}; {hint}")
     first = WIDE * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
     return March(births, contacts.start, plan.times, allowed, first, stretch)
 

@@ -152,8 +152,8 @@ class Contacts:
         """InputError for arguments that are no laws, and for laws that cannot be combined."""
         if isinstance(self.thermal, Thermal):
             temperature = self.thermal.temperature
-            if rule := too_cold(temperature, self.thresholds):
-                refuse("thermal.temperature", temperature, rule)
+            if hint := too_cold(temperature, self.thresholds):
+                refuse("thermal.temperature", temperature, hint)
             if warning := too_hot(temperature, self.thresholds):
                 warnings.warn(warning, TooHot, stacklevel=3)
         if not isinstance(self.ageing, Ageing | None):
@@ -179,11 +179,11 @@ def _checked_mean(thresholds: Thresholds) -> float:
     """<x_s>; InputError where it is beyond all powers of floating point, for a weight at 0 and an invalid survival."""
     positions, weights = thresholds.atoms
     if (loose := float(weights[positions <= 0.0].sum())) > 0.0:
-        rule = "such contacts never hold, so leave them out and count them apart"
-        raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {rule}")
+        hint = "such contacts never hold, so leave them out and count them apart"
+        raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {hint}")
     if not 1e-150 < (mean := thresholds.mean()) < 1e150:
-        rule = "powers of it are beyond floating point; choose another law or unit of length"
-        raise InputError(f"thresholds: the mean is {mean:.3g}: {rule}")
+        hint = "powers of it are beyond floating point; choose another law or unit of length"
+        raise InputError(f"thresholds: the mean is {mean:.3g}: {hint}")
     thresholds.sf(mean * np.linspace(0.05, 3.0, 60))  # refuses an invalid one, by its name
     return mean
 
@@ -197,12 +197,12 @@ def check_contacts(
         refuse("contacts", contacts, "must be contacts; write origins.Contacts(thresholds)")
     for name in (law for law in contacts.laws if law not in takes):
         value = " = 'linked'" if name == "stiffness" else ""
-        rule = f"does not take it yet; leave {name} out of the contacts"
-        raise InputError(f"contacts.{name}{value}: {solver} {rule}")
+        hint = f"does not take it yet; leave {name} out of the contacts"
+        raise InputError(f"contacts.{name}{value}: {solver} {hint}")
     if not (own_rates or isinstance(contacts.thermal, Thermal | None)):
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
-        rule = f'does not take the rate law "{contacts.thermal.rates.name}" yet; use {known}'
-        raise InputError(f"contacts.thermal: {solver} {rule}")
+        hint = f'does not take the rate law "{contacts.thermal.rates.name}" yet; use {known}'
+        raise InputError(f"contacts.thermal: {solver} {hint}")
 
 
 class TooHot(UserWarning):

@@ -59,8 +59,8 @@ class Drive:
             refuse("spring", self.spring, f"{solver} takes a rigid slider; leave it out")
         for at in self._back.tolist():
             ahead = f"path[{at - 1}] = {self.path[at - 1]:g}" if at else "X = 0"
-            rule = f"lies behind {ahead}; {solver} takes a path that does not turn round"
-            refuse(f"path[{at}]", self.path[at], rule)
+            hint = f"lies behind {ahead}; {solver} takes a path that does not turn round"
+            refuse(f"path[{at}]", self.path[at], hint)
         return self
 
 
@@ -75,8 +75,8 @@ def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
         refuse("time[0]", times[0], "must be at least 0, when the slider is at X = 0")
     lasts, moves = np.diff(times, prepend=0.0), np.diff(path, prepend=0.0) != 0.0
     for at in np.flatnonzero((lasts < 0.0) | ((lasts == 0.0) & moves)).tolist():
-        rule = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
+        hint = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
         if lasts[at] == 0.0:
-            rule = "leaves no time to get there; the path moves, so must the time"
-        refuse(f"time[{at}]", times[at], rule)
+            hint = "leaves no time to get there; the path moves, so must the time"
+        refuse(f"time[{at}]", times[at], hint)
     return times

@@ -9,12 +9,12 @@ TEMPERATURE = "k_BT/<k>, a length squared in the thresholds' unit; for T = 0 lea
 
 
 class InputError(ValueError):
-    """A value that cannot be used; the message gives its name, the value, the rule, and what to write instead."""
+    """A value that cannot be used; the message gives its name, the value, what holds, and what to write instead."""
 
 
-def refuse(name: str, value: object, rule: str) -> NoReturn:
-    """Raise InputError as one line: ``name = value: rule``."""
-    raise InputError(f"{name} = {shown(value)}: {rule}")
+def refuse(name: str, value: object, hint: str) -> NoReturn:
+    """Raise InputError as one line: ``name = value: hint``."""
+    raise InputError(f"{name} = {shown(value)}: {hint}")
 
 
 def shown(value: object) -> str:
@@ -79,12 +79,12 @@ def non_negative(name: str, value: object) -> float:
 
 def whole(name: str, value: object, least: int) -> int:
     """`value` as an int of at least `least`."""
-    rule = f"must be a whole number of at least {least}"
+    hint = f"must be a whole number of at least {least}"
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
         return int(value)
     if isinstance(value, float) and least <= value < 1e16 and value % 1 == 0:
-        rule += f"; write {int(value)}"  # 100000 for 1e5
-    refuse(name, value, rule)
+        hint += f"; write {int(value)}"  # 100000 for 1e5
+    refuse(name, value, hint)
 
 
 def check_seed(value: object) -> int:

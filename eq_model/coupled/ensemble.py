@@ -178,5 +178,5 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     back = np.flatnonzero(np.diff(drive.path) < 0.0)
     if back.size:
         at = int(back[0]) + 1
-        rule = f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn"
-        refuse(f"path[{at}]", drive.path[at], rule)
+        hint = f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn"
+        refuse(f"path[{at}]", drive.path[at], hint)

@@ -25,7 +25,7 @@ HALVINGS, NARROWEST = 40, 4e-15
 # columns of a history are measured in turn.
 CHECKED = 17
 # Pieces evaluated together, so that their nodes stay in the processor's cache.
-TOGETHER = 1024
+PIECES_TOGETHER = 1024
 
 _GAUSS = rule.gauss(SIZE)
 _AT = np.concatenate([[BESIDE], _GAUSS.nodes, [1.0 - BESIDE]])
@@ -43,8 +43,8 @@ def _sums(pieces: Pieces, integrand: Integrand) -> tuple[Array, Array]:
     """Integral of each function over each piece, shape (functions, n), and the largest of the last
     coefficients and errors at ends of the first function, shape (n,), as contributions to it."""
     sums, tails = [], []
-    for begin in range(0, max(pieces.owner.size, 1), TOGETHER):
-        some = slice(begin, begin + TOGETHER)
+    for begin in range(0, max(pieces.owner.size, 1), PIECES_TOGETHER):
+        some = slice(begin, begin + PIECES_TOGETHER)
         owner, low, high = pieces.owner[some], pieces.low[some], pieces.high[some]
         values = integrand(owner, low[:, None] + (high - low)[:, None] * _AT)
         sums.append(values @ _RULE * (high - low))

@@ -172,8 +172,8 @@ class ColdLife(LawLife):
         beneath = float(law.cdf(LOWEST * self._mean))
         if beneath > 1e-12:
             fault = f"a weight of {beneath:.2g} lies below {LOWEST:g} of the mean"
-            rule = "where floating point ends; leave such contacts out and count them apart"
-            raise InputError(f"thresholds: {fault}, {rule}")
+            hint = "where floating point ends; leave such contacts out and count them apart"
+            raise InputError(f"thresholds: {fault}, {hint}")
         super().__init__(contacts)
         self.grain *= 0.5  # a first guess: no heat smooths the survival
         # a narrow law breaks only between `quiet` and `reach`

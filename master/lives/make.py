@@ -29,8 +29,8 @@ def life_of(
         assert motion is not None
         if contacts.ageing.closure == "paper":
             fault = 'closure = "paper" (Q15) has one P_c for all contacts at each X, and none for single ones'
-            rule = 'use closure = "exact", or ask steady_state or critical_velocity, which take it'
-            raise InputError(f"contacts.ageing: {fault}; {rule}")
+            hint = 'use closure = "exact", or ask steady_state or critical_velocity, which take it'
+            raise InputError(f"contacts.ageing: {fault}; {hint}")
         return AgeingLife(contacts, motion, max(0.2 * tolerance, 1e-10), until)
     # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
     resolved = float(np.clip(tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
@@ -50,8 +50,8 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
         if lost > 300.0:  # a share of e^-300 is close to underflow
             few = f"none holds but a fraction exp(-{lost:.4g})"
             why = "they are stretched before their grains have grown"
-            rule = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
-            refuse("velocity", velocity, rule)
+            hint = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
+            refuse("velocity", velocity, hint)
         assert grains.age is not None
         # until even the strongest contacts of the start are broken
         longest, behind = grains.growth.first_pinning_time, max(-contacts.start.span[0], 0.0)

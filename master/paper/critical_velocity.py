@@ -53,8 +53,8 @@ def critical_velocity(
     spring = positive("spring", spring)
     slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
     if contacts.ageing is None:
-        rule = "v_c is that of contacts that age; master.phase_line tells K* at each speed of any"
-        raise InputError(f"contacts.ageing: is None; {rule}")
+        hint = "v_c is that of contacts that age; master.phase_line tells K* at each speed of any"
+        raise InputError(f"contacts.ageing: is None; {hint}")
     if not slowest < fastest:
         refuse("slowest", slowest, f"must be below fastest = {fastest:g}")
     check_contacts(contacts, "master.critical_velocity", ("ageing",))
@@ -75,8 +75,8 @@ def critical_velocity(
     slow, fast = (excess(end) for end in ends)
     if not slow > 0.0 >= fast:
         found = f"{slow + spring:.4g} at v = {slowest:g} and {fast + spring:.4g} at v = {fastest:g}"
-        rule = f"the spring {spring:g} must lie between them"
-        raise InputError(f"slowest, fastest: -F' is at most {found}; {rule}")
+        hint = f"the spring {spring:g} must lie between them"
+        raise InputError(f"slowest, fastest: -F' is at most {found}; {hint}")
     root = brentq(excess, *ends, xtol=TOLERANCE)
     slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
     steepest = fall(root)

@@ -132,7 +132,7 @@ def broken_fraction(contacts: Contacts, x: Array, step: float, breaking: Breakin
         if breaking == "survival":
             return np.where(before > -np.inf, -np.expm1(here - before), 1.0)
         if law.atoms[0].size:
-            rule = 'P(x) does not exist at exact thresholds; write "survival"'
-            refuse("breaking", breaking, rule)
+            hint = 'P(x) does not exist at exact thresholds; write "survival"'
+            refuse("breaking", breaking, hint)
         hazard = np.where(x > 0.0, np.exp(law.logpdf(x) - here), 0.0)
     return np.where(here > -np.inf, np.minimum(hazard * step, 1.0), 1.0)

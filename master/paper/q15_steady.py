@@ -30,8 +30,8 @@ def ageing_of(contacts: Contacts) -> Ageing:
         raise InputError("contacts.ageing: is None; without ageing use master.solve")
     if contacts.start.is_single:
         fault = f"all contacts at the one stretch {contacts.start.mean():g}: there (Q15) multiplies"
-        rule = 'give it a width, as gaussian_start(mean=0.1, std=0.025), or use closure = "exact"'
-        raise InputError(f"start: {fault} what is infinite by what it empties; {rule}")
+        hint = 'give it a width, as gaussian_start(mean=0.1, std=0.025), or use closure = "exact"'
+        raise InputError(f"start: {fault} what is infinite by what it empties; {hint}")
     check_contacts(contacts, PRINTED, ("ageing",))
     return contacts.ageing
 

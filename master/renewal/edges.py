@@ -16,7 +16,7 @@ from origins.thresholds.law import Array
 # and about two digits smaller in its effect on panels of 17 nodes.
 SMOOTHER = 1e-2
 # Most edges, as halving resolves further bends; and most where breaks jump, at exact thresholds, which it does not.
-MOST, MOST_JUMPS = 400, 4000
+MOST_EDGES, MOST_JUMPS = 400, 4000
 # Two edges nearer than this share of the time since their leg began, and ROUNDED of all the time, count as equal, and a
 # point nearer than this before an edge counts as after it: times are rounded.
 SAME_TIME, ROUNDED = 1e-12, 2e-15
@@ -90,7 +90,7 @@ def edges(
                 if delay > 0.0:
                     heapq.heappush(coming, Moment(time + delay, SMOOTHER * size))
 
-    most, least = MOST_JUMPS if life.atoms.size else MOST, SMOOTHER * tolerance
+    most, least = MOST_JUMPS if life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     while len(met := list(islice(following(least), most + 1))) > most:
         least *= 10.0
     too_many = bool(life.atoms.size) and least > 1e3 * tolerance

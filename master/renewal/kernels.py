@@ -26,9 +26,9 @@ AT_ENDS = 10.0
 # Pieces of births that are summed together: 0.1 GB.
 TOGETHER_PIECES = 100_000
 # Width of the narrowest panel of a table, in units of the typical lag from a birth to the break.
-SHORTEST = 1e-13
+NARROWEST_PANEL = 1e-13
 # Ratio of lags at which the survival is sampled to find where contacts break, and how many are sampled together.
-RATIO, TOGETHER = 4.0, 6
+RATIO, LAGS_TOGETHER = 4.0, 6
 # Shares of contacts: until UNBROKEN have broken a table needs no further edges; NEGLIGIBLE adds nothing to integrals.
 UNBROKEN, NEGLIGIBLE = 1e-3, 1e-17
 
@@ -77,7 +77,7 @@ class Straight:
         first = max(int(np.argmax(held < 1.0 - UNBROKEN)) - 1, 0)
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
-        shortest = SHORTEST * min(self.typical, float(edges[1]))
+        shortest = NARROWEST_PANEL * min(self.typical, float(edges[1]))
         self.table = Table(self.scaled, edges, accuracy, shortest, at_ends=AT_ENDS)
         self._read = self.table
         self.edges, self.error = self.table.edges, self.table.error
@@ -119,7 +119,7 @@ class Straight:
             if lags[0] < 1e-150 * longest:
                 told = "contacts break before they have moved a length that is a number"
                 refuse("velocity", abs(self._speed), f"{told}; slide faster")
-            lower = lags[0] * RATIO ** -np.arange(TOGETHER, 0.0, -1.0)
+            lower = lags[0] * RATIO ** -np.arange(LAGS_TOGETHER, 0.0, -1.0)
             lags, held = np.append(lower, lags), np.append(self.scaled(lower[:, None])[0], held)
         self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
         # not even the heaviest tail is followed beyond 1e120 times the reach

@@ -104,7 +104,7 @@ class March:
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
         """Solve from one edge to the next, both counted from the leg's beginning: a run of equal panels that are
         all good makes the next longer, and its panels wider if errors are far below the tolerance."""
-        t, width, count, easy, wider, worse = begin, 0.0, 16, 0, 0.0, 0.0
+        t, width, count, easy, tried_width, tried_missed = begin, 0.0, 16, 0, 0.0, 0.0
         quick, first = self.life.quick, self._duration(self.guess, leg)
         # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
         narrowest = min(first, end - begin) * (1e-10 if quick else 1e-18)
@@ -124,14 +124,14 @@ class March:
             if bad.size:
                 missed = float(run.error[good]) / self.tolerance
                 part = 0.25 if missed > 100.0 else 0.5
-                if not good and missed < 0.5 * worse:
+                if not good and missed < 0.5 * tried_missed:
                     # beside a power of t the error is one of the width, which two panels tell
-                    power = np.log(worse / missed) / np.log(wider / width)
+                    power = np.log(tried_missed / missed) / np.log(tried_width / width)
                     part = min(part, (0.5 / missed) ** (1.0 / power))
-                wider, worse = width, missed
+                tried_width, tried_missed = width, missed
                 self.widest, count, easy = part * width, 2, 0
                 continue
-            worse = 0.0
+            tried_missed = 0.0
             # the error grows as the width to the power DEGREE; where contacts break at rates of all
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
             still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance

@@ -17,7 +17,7 @@ from origins.thresholds.law import Array
 
 # Gauss nodes of a piece in the time of birth, its length divided by the narrowest width of the thresholds, and fewest
 # pieces of a leg: the error of the number is then 1e-10 (measured).
-SIZE, LENGTH, LEAST = 16, 4.0, 3
+SIZE, LENGTH, FEWEST_PIECES = 16, 4.0, 3
 
 
 class StrandBirths:
@@ -32,7 +32,7 @@ class StrandBirths:
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
-        count = max(LEAST, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
+        count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes

@@ -11,9 +11,9 @@ from origins.thresholds.law import Array
 # Coefficients of a panel's polynomial.
 SIZE = 12
 # Most new panels that are halved together, and most halvings of one: more would only resolve rounding.
-MOST, DEPTH = 1024, 50
+MOST_TOGETHER, DEPTH = 1024, 50
 # Halving reduces the last coefficients below this share of themselves, unless they are rounding.
-HARDLY = 0.3
+HALVED_TO = 0.3
 
 
 class Table:
@@ -64,8 +64,8 @@ class Table:
             tail = (tail / looser(values, high - low) if looser else tail).max(axis=0)
             # nodes nearer to each other than 1e-15 of their place coincide by rounding
             rough = (tail > accuracy) & (high - low > np.maximum(shortest, 1e-15 * np.abs(high)))
-            rough &= (tail > rounding * accuracy) | (tail < HARDLY * before)
-            rough &= low.size <= MOST + edges.size
+            rough &= (tail > rounding * accuracy) | (tail < HALVED_TO * before)
+            rough &= low.size <= MOST_TOGETHER + edges.size
             kept.append((low[~rough], high[~rough], series[:, ~rough].transpose(2, 0, 1)))
             self.error = max(self.error, float(wrong[:, ~rough].max(initial=0.0)))
             low, high, before = low[rough], high[rough], np.tile(tail[rough], 2)

@@ -18,7 +18,7 @@ class ColdSlider:
 
     def __init__(self, contacts: Contacts, drive: Drive, tolerance: float, until: float) -> None:
         """Balance the spring with the force of the start, at X = 0."""
-        self.rule, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
+        self.slip, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
         self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until)
         self._start_force = cold.force_of(contacts.start)
         self._force_after_reset = cold.force_of(cold.formed_again)
@@ -80,11 +80,11 @@ class ColdSlider:
                 self._loaded = move.stopped(at[-1], error)
                 return
             drives = drives[count:]
-            if self.rule == "instant":
+            if self.slip == "instant":
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip)
                 self._note(move, slip, begin, float(curve.force(y)))
             else:
-                slips = self._reset if self.rule == "reset" else self._reform_after
+                slips = self._reset if self.slip == "reset" else self._reform_after
                 self._loaded, y = slips(move, slip, begin), 0.0
 
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:

@@ -91,7 +91,7 @@ class Move:
         """The first slip after a travel, if it begins before the load reaches the target."""
         travel = after
         while True:
-            curve = self.reach(travel)
+            curve = self.curve_to(travel)
             y = curve.slip_begins(after)
             last = min(y, curve.end)
             load = float(curve.force(last)) + curve.spring * last
@@ -107,13 +107,13 @@ class Move:
         # is looked for from ten times as far on, at most 1e-4 of the travel, as slips are longer
         falling, travel = min(10.0 * begin.misplaced, 1e-4 * begin.curve.end), after
         while True:
-            curve = self.reach(travel)
+            curve = self.curve_to(travel)
             y = curve.slip_ends(after, load, falling)
             if np.isfinite(y):
                 return curve, y
             travel = curve.end + self.contacts.life.grain
 
-    def reach(self, y: float) -> LoadCurve:
+    def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
         while len(self._march.begin) == self._first or self._march.reached < self.loaded.end + y:
             # following a lump over one run of panels costs as much as 15 pieces of integrals

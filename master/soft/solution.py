@@ -63,11 +63,11 @@ def solve_soft(
     a different X. Raises InputError where contacts that form again elsewhere than at x = 0 would be
     out in a slip; where a drive in time does not begin at the balance; for too many steps.
     """
-    began, again, rule = time.perf_counter(), contacts.reforming, drive.slip
-    out = rule == "reform-after" or (contacts.delay is not None and rule == "instant")
+    began, again, slip = time.perf_counter(), contacts.reforming, drive.slip
+    out = slip == "reform-after" or (contacts.delay is not None and slip == "instant")
     if again is not None and out:
-        must = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
-        refuse("slip", rule, must)
+        hint = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
+        refuse("slip", slip, hint)
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
         balance = balance_of(contacts, drive)

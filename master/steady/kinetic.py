@@ -58,11 +58,11 @@ class Points:
         # a rate law of the user's own has no temperature
         thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
         if asked["temperature"] is not None and thermal is None:
-            rule = 'thermal = Thermal("soft", 0.1), or a rate law of your own at each temperature'
-            raise InputError(f"temperature: these contacts have no law for it; give them {rule}")
+            hint = 'thermal = Thermal("soft", 0.1), or a rate law of your own at each temperature'
+            raise InputError(f"temperature: these contacts have no law for it; give them {hint}")
         if asked["rate"] is not None and contacts.ageing is None:
-            rule = "give them ageing = Ageing(final, rate)"
-            raise InputError(f"rate: these contacts do not age; {rule}")
+            hint = "give them ageing = Ageing(final, rate)"
+            raise InputError(f"rate: these contacts do not age; {hint}")
         own = {
             "temperature": thermal.temperature if thermal else None,
             "rate": contacts.ageing.rate if contacts.ageing else None,

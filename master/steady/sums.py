@@ -18,7 +18,7 @@ from origins.thresholds.law import Array
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
 
 # Range of ln e: the shares of contacts that break below and above it are negligible.
-LEAST, MOST = -32.0, 3.65
+LEAST_LOG, MOST_LOG = -32.0, 3.65
 # ln e beyond which e^-e counts as 0; larger ln e are cut here to avoid overflow.
 OVER = 7.0
 # Panels of 8 nodes in u: of one width above ln e = EVEN, wider and wider ones below, where the weight is an
@@ -29,7 +29,7 @@ EVEN, WIDTH, ROUND_OFF = -1.0, 0.6, 2e-12
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last two Legendre coefficients on a panel of thresholds, in units of typical values, below which it is
 # not halved (the error of its integral is about their square); and its least width, in mean thresholds.
-ACCURACY, SHORTEST = 1e-7, 1e-13
+ACCURACY, NARROWEST_PANEL = 1e-7, 1e-13
 # Thresholds are summed up to this survival.
 TAIL = 1e-80
 
@@ -45,7 +45,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
         total += np.einsum("a,kas->ks", shares, breaks(positions))
     if float(shares.sum()) < 1.0 - 1e-14:
         edges = panel_edges(law, tail=TAIL)
-        at_edges = breaks(np.maximum(edges, SHORTEST * unit))
+        at_edges = breaks(np.maximum(edges, NARROWEST_PANEL * unit))
         parts = -np.diff(law.sf(edges))[:, None] * np.maximum(at_edges[:, 1:], at_edges[:, :-1])
         about = total + parts.sum(axis=1)
         scale = np.maximum(about, np.finfo(float).tiny) / unit
@@ -58,7 +58,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
             found = breaks(xi.ravel()).transpose(0, 2, 1) / scale[..., None]
             return found.reshape(-1, *xi.shape) * finite_density(law, xi)
 
-        table = Table(integrand, edges[first : last + 2], ACCURACY, SHORTEST * unit)
+        table = Table(integrand, edges[first : last + 2], ACCURACY, NARROWEST_PANEL * unit)
         total += table.integrals().reshape(2, -1) * scale
         off += table.missed().reshape(2, -1) * scale
         off += thresholds_beyond(contacts, float(edges[-1]))[:, None]
@@ -70,10 +70,10 @@ def _make_breaks(contacts: Contacts, speeds: Array) -> Callable[[Array], Array]:
     """Mean x_b and k x_b^2 of relaxed contacts as a function of thresholds, at all speeds."""
     assert contacts.thermal is not None
     rates, log_speeds = contacts.thermal.rates, np.log(speeds)
-    bottom, top = float(log_speeds.min()) + EVEN, float(log_speeds.max()) + MOST
+    bottom, top = float(log_speeds.min()) + EVEN, float(log_speeds.max()) + MOST_LOG
     even = np.linspace(bottom, top, 2 + int((top - bottom) / WIDTH))
     wider = np.linspace(1.0, 0.0, 13)[:-1] ** 1.5  # the next to the even ones is 0.75 wide
-    edges = np.append(bottom - (EVEN - LEAST) * wider, even)
+    edges = np.append(bottom - (EVEN - LEAST_LOG) * wider, even)
     every_u, shares = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
     at_speeds = shares[:, None] * _weight(every_u[:, None] - log_speeds)
     # the rate may vanish at the threshold: a panel must be at least its width away from it

@@ -119,5 +119,5 @@ def check_finite(contacts: Contacts) -> None:
     power, changing = power_of(contacts), {"ageing", "grains"}.intersection(contacts.laws)
     if not changing and not np.isfinite(contacts.thresholds.moment(power)):
         fault = f"<x_s^{power}> is infinite, and with it the kinetic force: it grows for ever"
-        rule = f"use a law whose tail falls faster than x^-{power + 1}"
-        raise InputError(f"thresholds: {fault}; {rule}")
+        hint = f"use a law whose tail falls faster than x^-{power + 1}"
+        raise InputError(f"thresholds: {fault}; {hint}")

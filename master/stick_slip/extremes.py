@@ -9,7 +9,7 @@ from master.lives.make import steady_life
 from master.motion.motion import Motion
 from master.renewal import rule
 from master.renewal.march import WIDE, March
-from master.rigid import FINEST, ROUND_OFF, longest_stretch, march_of
+from master.rigid import ROUND_OFF, SMALLEST_TOLERANCE, longest_stretch, march_of
 from master.steady.travel import Travel
 from origins import Contacts
 from origins.thresholds.law import Array
@@ -39,7 +39,7 @@ class Extremes(NamedTuple):
 def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = np.inf) -> Extremes:
     """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`; unknown where they are not found by
     the reading `until` of time.monotonic()."""
-    travel = births_table(contacts, speed, tolerance)
+    travel = travel_table(contacts, speed, tolerance)
     horizon, followed = _horizon(travel)
     unit, diverges = unit_of(travel), _diverges(contacts, travel.life.bends)
     # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of its slope:
@@ -69,14 +69,14 @@ def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = 
     return Extremes(fall, force, travel)
 
 
-def births_table(contacts: Contacts, velocity: float, tolerance: float) -> Travel:
+def travel_table(contacts: Contacts, velocity: float, tolerance: float) -> Travel:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(1e-6 * tolerance, 1e-13)  # a slope loses some four digits
     return Travel(contacts, steady_life(contacts, velocity), velocity, accuracy)
 
 
 def forward_march(travel: Travel, horizon: float, tolerance: float, until: float = np.inf) -> March:
-    """The march of contacts with this `births_table` from their start to X = `horizon` (a length), not yet run;
+    """The march of contacts with this `travel_table` from their start to X = `horizon` (a length), not yet run;
     the tolerance of the force, in mean thresholds, is limited by the error of the survival."""
     contacts, life, mean = travel.contacts, travel.life, travel.contacts.mean_threshold
     motion = Motion(np.array([0.0, horizon / travel.velocity]), np.array([0.0, horizon]))
@@ -85,7 +85,7 @@ def forward_march(travel: Travel, horizon: float, tolerance: float, until: float
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
     known = life.error + (0.0 if life.quick else float(travel.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
-    finest = max(FINEST, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
+    finest = max(SMALLEST_TOLERANCE, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
     finest *= min(longest_stretch(contacts, motion, life), most) / mean
     march = march_of(contacts, motion, life, max(tolerance, finest), until, most)
     if not life.quick:

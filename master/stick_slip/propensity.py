@@ -66,8 +66,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     kinetic, off = travel.force()
     if not kinetic > 0.0:
         fault = f"contacts form again behind x = 0 and bear {kinetic:.3g} in steady sliding"
-        rule = "of which no F_s is a multiple; ask master.phase_line for K* alone"
-        raise InputError(f"reforming: {fault}, {rule}")
+        hint = "of which no F_s is a multiple; ask master.phase_line for K* alone"
+        raise InputError(f"reforming: {fault}, {hint}")
     length, length_error = decoherence_length(travel)
     # where F(X) falls nowhere F_k is its largest value
     ratio = max(static.value / kinetic, 1.0) if fall.value > 0.0 else 1.0

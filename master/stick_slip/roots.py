@@ -18,7 +18,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from master.renewal import rule
-from master.renewal.kernels import SHORTEST
+from master.renewal.kernels import NARROWEST_PANEL
 from master.renewal.table import SIZE, Table
 from master.steady.travel import FEW, UNDERFLOW, Travel
 from origins.thresholds.law import Array
@@ -96,7 +96,7 @@ class Transform:
             known = held * life.error / np.maximum(held, FEW) + life.left_out
             return np.maximum(held, np.stack([known, known + life.kernel_error]) / accuracy)
 
-        shortest = SHORTEST * min(travel.typical, float(edges[1]))
+        shortest = NARROWEST_PANEL * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
         self.table = Table(travel.scaled, edges, accuracy, shortest, looser=sizes, rounding=1e2)
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from master.renewal import rule
 from master.steady.travel import Travel
-from master.stick_slip.extremes import births_table, forward_march
+from master.stick_slip.extremes import forward_march, travel_table
 from master.stick_slip.roots import (
     BROAD,
     Complex,
@@ -31,7 +31,7 @@ from origins.thresholds.tail import tail_rate
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
 # Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd everywhere.
-LONGEST = 400.0
+LONGEST_DELAY = 400.0
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def decoherence_spectrum(
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = between("velocity", velocity, 1e-100, 1e100), whole("n_roots", n_roots, 1)
-    travel, start = births_table(contacts, velocity, TOLERANCE), contacts.start
+    travel, start = travel_table(contacts, velocity, TOLERANCE), contacts.start
     wait, unit = travel.wait, contacts.mean_threshold
     transform = Transform(travel, _deepest(travel))
     roots, searched = leading_roots(transform, n_roots + 1)
@@ -150,22 +150,22 @@ def decoherence_spectrum(
 def _deepest(travel: Travel) -> float:
     """The decay rate to which roots are searched; InputError where none can be resolved."""
     contacts, wait = travel.contacts, travel.wait
-    if wait > LONGEST * travel.length:
+    if wait > LONGEST_DELAY * travel.length:
         grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
         fault = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
-        refuse("velocity", travel.velocity, f"{fault}; roots are told up to {LONGEST:g} times")
+        refuse("velocity", travel.velocity, f"{fault}; roots are told to {LONGEST_DELAY:g} times")
     crowd, tail = crowding_rate(travel), tail_rate(contacts.thresholds)[0]
     if crowd * travel.cycle < 1e-2:
         fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
-        advice = "and none is the slowest; give each a width, or follow F(X) with master.solve"
-        raise InputError(f"thresholds: {fault}, {advice}")
+        hint = "and none is the slowest; give each a width, or follow F(X) with master.solve"
+        raise InputError(f"thresholds: {fault}, {hint}")
     if tail == 0.0:
         fault = "the tail falls slower than any exponential, and with it F - F_k: no root exists"
         raise InputError(f"thresholds: {fault}")
     if travel.longest > BROAD * travel.length:
         fault = f"contacts live for all lengths up to {travel.longest / travel.length:.1g} times the mean: among so"
-        advice = "many no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
-        raise InputError(f"thermal: {fault} {advice}")
+        hint = "many no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
+        raise InputError(f"thermal: {fault} {hint}")
     return deepest_wave(travel, min(tail, crowd))
 
 

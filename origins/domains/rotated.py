@@ -146,8 +146,8 @@ def _checked_law(law: str, stiffness: object, coefficient: object) -> float:
     if given[other] is not None:
         refuse(other, given[other], f'has no part in law = "{law}"; leave it out')
     if given[needed] is None:
-        rule = f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0'
-        refuse(needed, None, rule)
+        hint = f'law = "{law}" needs it; for lengths in units of your own write {needed} = 1.0'
+        refuse(needed, None, hint)
     return positive(needed, given[needed])
 
 

@@ -82,8 +82,8 @@ class GrainContact:
     def check_speed(self, velocity: float) -> None:
         """InputError for speeds so far from that at which thresholds grow that their powers overflow."""
         if not 1.0 / _FASTEST < (share := self._relative(velocity)) < _FASTEST:
-            rule = f"of that at which thresholds grow, beyond {1.0 / _FASTEST:g} to {_FASTEST:g}"
-            refuse("velocity", velocity, f"is {share:.3g} {rule}")
+            hint = f"of that at which thresholds grow, beyond {1.0 / _FASTEST:g} to {_FASTEST:g}"
+            refuse("velocity", velocity, f"is {share:.3g} {hint}")
 
     def _relative(self, velocity: float) -> float:
         return velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))

@@ -65,24 +65,24 @@ class Ageing:
         """InputError where Ũ = -ln P_cf is infinite inside the support, or for the exact closure jumps."""
         atoms, corners = self.final.atoms[0], self.final.breakpoints
         if atoms.size:
-            rule = "thresholds cannot diffuse to it; use a law with a density, such as gaussian"
-            raise InputError(f"final: holds the single value {atoms[0]:g}: {rule}")
+            hint = "thresholds cannot diffuse to it; use a law with a density, such as gaussian"
+            raise InputError(f"final: holds the single value {atoms[0]:g}: {hint}")
         gaps = np.isneginf(self.final.logpdf(0.5 * (corners[:-1] + corners[1:])))
         for low, high in zip(corners[:-1][gaps], corners[1:][gaps], strict=True):
-            rule = "thresholds cannot diffuse across; use a law without gaps"
-            raise InputError(f"final: has no weight between {low:g} and {high:g}: {rule}")
+            hint = "thresholds cannot diffuse across; use a law without gaps"
+            raise InputError(f"final: has no weight between {low:g} and {high:g}: {hint}")
         inside = corners[(corners > corners[0]) & (corners < self.final.support()[1])]
         # log P_cf at 20,000 and 10,000 roundings of x on both sides
         around = inside + 1e4 * np.spacing(inside) * np.array([[-2.0], [-1.0], [1.0], [2.0]])
         below, across, above = np.abs(np.diff(self.final.logpdf(around), axis=0))
         jumps = inside[across > 1e-6 + 10.0 * np.maximum(below, above)]
         if self.closure == "exact" and jumps.size:
-            rule = 'there no solver follows the drift; use another law, or closure = "paper"'
-            raise InputError(f"final: the density jumps at {jumps[0]:g}: {rule}")
+            hint = 'there no solver follows the drift; use another law, or closure = "paper"'
+            raise InputError(f"final: the density jumps at {jumps[0]:g}: {hint}")
         low, high = self.final.support()
         if self.closure == "exact" and (low > 0.0 or high < np.inf):
-            rule = "thresholds would be reflected; use a final law on all x > 0"
-            raise InputError(f"ageing: the final law ends at {low:g} and {high:g}, where {rule}")
+            hint = "thresholds would be reflected; use a final law on all x > 0"
+            raise InputError(f"ageing: the final law ends at {low:g} and {high:g}, where {hint}")
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,8 @@ class Diffusion:
         self.weights(final, "final")
         log_density = final.logpdf(middles)
         for middle in middles[~np.isfinite(log_density)]:
-            rule = "use a law whose density is positive between the outermost edges"
-            raise InputError(f"final: has no finite density at {middle:g}; {rule}")
+            hint = "use a law whose density is positive between the outermost edges"
+            raise InputError(f"final: has no finite density at {middle:g}; {hint}")
         uphill, distances = -np.diff(log_density), np.diff(middles)
         self.up = 1.0 / (scipy.special.exprel(uphill) * widths[:-1] * distances)
         self.down = 1.0 / (scipy.special.exprel(-uphill) * widths[1:] * distances)

@@ -131,12 +131,12 @@ def _checked(threshold: Numbers, stiffness: Numbers, **others: Numbers) -> list[
     named = {**others, "threshold": threshold, "stiffness": stiffness}
     arrays = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in named.values()))
     for name, values in zip(named, arrays, strict=True):
-        good, rule = (values > 0.0) & np.isfinite(values), "must be finite and above zero"
+        good, hint = (values > 0.0) & np.isfinite(values), "must be finite and above zero"
         if name == "amount":
-            good, rule = values >= 0.0, "must be zero or above"
+            good, hint = values >= 0.0, "must be zero or above"
         elif name in others:
             good = np.abs(values) <= arrays[-2]
-            rule = f"a contact holds only where |{name}| is at most its threshold"
+            hint = f"a contact holds only where |{name}| is at most its threshold"
         if not good.all():
-            refuse(name, values[~good][0], rule)
+            refuse(name, values[~good][0], hint)
     return list(arrays)

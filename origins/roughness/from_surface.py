@@ -154,8 +154,8 @@ def _joined(size: Thresholds, load: Bend, area: Bend, fields: dict[str, Any]) ->
         each = area.times(given.coefficient, given.exponent)
         stretch = force.times(1.0 / each.coefficient, exponent=-each.exponent)
         if not min(stretch.exponent, stretch.above) > 0.0:
-            rule = "makes thresholds fall as a summit is pressed down; take one with k ~ A^(1/2)"
-            raise InputError(f"material.contact_stiffness: k ~ A^{given.exponent:g} {rule}")
+            hint = "makes thresholds fall as a summit is pressed down; take one with k ~ A^(1/2)"
+            raise InputError(f"material.contact_stiffness: k ~ A^{given.exponent:g} {hint}")
         thresholds = Powered(size, stretch)
         stiffness = each.coefficient * size._moment(each.exponent)
     psi = None

@@ -85,8 +85,8 @@ class Summits:
             most = f"{self.pressure(0.0):.3g} Pa, where every summit touches"
             refuse(name, value, f"exponential heights begin at 0 and bear at most {most}; {other}")
         if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
-            rule = f"summits would cover {covered:.3g} of the surface, not far apart: {other}"
-            refuse(name, value, f"{rule}; are heights and pixel size in metres, moduli in Pa?")
+            hint = f"summits would cover {covered:.3g} of the surface, not far apart: {other}"
+            refuse(name, value, f"{hint}; are heights and pixel size in metres, moduli in Pa?")
 
 
 def separation_of_pressure(

@@ -35,8 +35,8 @@ class SpectralMoments:
 
     def __post_init__(self) -> None:
         if not self.bandwidth > _BANDWIDTH_LIMIT:
-            rule = "a Gaussian surface has at least 1.5; remove less trend or use a larger scan"
-            raise InputError(f"heights: alpha = m0 m4/m2² is {self.bandwidth:.4g}, and {rule}")
+            hint = "a Gaussian surface has at least 1.5; remove less trend or use a larger scan"
+            raise InputError(f"heights: alpha = m0 m4/m2² is {self.bandwidth:.4g}, and {hint}")
 
     @property
     def m2(self) -> float:
@@ -125,8 +125,8 @@ def spectral_moments(
     missing = float(np.isnan(h).mean())
     used = curvatures.shape[1] / math.prod(n if periodic else n - 2 * step for n in shape)
     if used < 0.5:
-        rule = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils, less than half"
-        refuse("heights", h, f"{rule}; fill them in or cut out a part that is whole")
+        hint = f"missing points ({missing:.1%}) leave {used:.1%} of the curvature stencils, less than half"
+        refuse("heights", h, f"{hint}; fill them in or cut out a part that is whole")
     dx, dy = surface.pixel_size
     apart, size = (step * dx, step * dy), (shape[0] * dx, shape[1] * dy)
     m2 = ((slopes**2).mean(axis=1) / np.square(apart)).tolist()

@@ -108,8 +108,8 @@ def self_affine_surface(
     pages = ("SC_PHYS_PAGES", "SC_PAGE_SIZE")
     total = math.prod(map(os.sysconf, pages)) if hasattr(os, "sysconf") else np.inf
     if needed > total:
-        rule = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {total / 1e9:.3g} GB"
-        refuse("shape", (n_x, n_y), f"{rule}; take a smaller one, such as [4096, 4096]")
+        hint = f"needs {min(needed, 10**300) / 1e9:.3g} GB, 40 bytes a point, and this machine has {total / 1e9:.3g} GB"
+        refuse("shape", (n_x, n_y), f"{hint}; take a smaller one, such as [4096, 4096]")
     dx, dy = _pixel_sizes(pixel_size)
     hurst = between("hurst", hurst, 0.0, 1.0, "it is the Hurst exponent")
     rms_slope = between("rms_slope", rms_slope, 1e-20, 1e20, "it is metres per metre")
@@ -117,8 +117,8 @@ def self_affine_surface(
     shortest = least if short_cutoff is None else positive("short_cutoff", short_cutoff)
     longest = box if long_cutoff is None else positive("long_cutoff", long_cutoff)
     if not least <= shortest <= longest:
-        rule = f"must be at least two pixels, {least:g}, and at most long_cutoff, {longest:g}"
-        refuse("short_cutoff", shortest, rule)
+        hint = f"must be at least two pixels, {least:g}, and at most long_cutoff, {longest:g}"
+        refuse("short_cutoff", shortest, hint)
     q_x = 2.0 * np.pi * np.fft.fftfreq(n_x, dx)
     q_y = 2.0 * np.pi * np.fft.rfftfreq(n_y, dy)
     q = np.hypot(q_x[:, None], q_y[None, :])

@@ -41,18 +41,18 @@ def from_samples(
     a tenth of which a smooth law misplaces, beyond what sampling explains: give each peak or group apart, in a mixture.
     """
     if (x_s is None) == (f_s is None):
-        rule = "give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
-        raise InputError(f"from_samples: {rule}")
+        hint = "give either x_s, the thresholds as lengths, or f_s, as forces, and not both"
+        raise InputError(f"from_samples: {hint}")
     name, values = ("x_s", x_s) if f_s is None else ("f_s", f_s)
     lengths = given = positive_array(name, values)
     if f_s is not None:
         lengths = _lengths(given, coefficient, stiffness)
     elif coefficient is not None or stiffness is not None:
-        rule = "coefficient and stiffness turn forces f_s into lengths; leave them out with x_s"
-        raise InputError(f"from_samples: {rule}")
+        hint = "coefficient and stiffness turn forces f_s into lengths; leave them out with x_s"
+        raise InputError(f"from_samples: {hint}")
     for bad in np.flatnonzero((lengths < 1e-100) | (lengths > 1e100)):
-        rule = "must lie between 1e-100 and 1e+100, as a length; choose another unit"
-        refuse(f"{name}[{bad}]", given[bad], rule)
+        hint = "must lie between 1e-100 and 1e+100, as a length; choose another unit"
+        refuse(f"{name}[{bad}]", given[bad], hint)
     counts = np.ones(lengths.size) if weights is None else positive_array("weights", weights)
     if counts.size != lengths.size:
         refuse("weights", counts, f"must hold one value for each of the {lengths.size} samples")
@@ -70,8 +70,8 @@ def from_samples(
 def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None) -> Array:
     """Forces as lengths, by the paper's quadratic law or by a stiffness."""
     if (coefficient is None) == (stiffness is None):
-        rule = "coefficient, for f_s = coefficient * x_s^2, or stiffness, for x_s = f_s / stiffness"
-        raise InputError(f"from_samples: with f_s give either {rule}, and not both")
+        hint = "coefficient, for f_s = coefficient * x_s^2, or stiffness, for x_s = f_s / stiffness"
+        raise InputError(f"from_samples: with f_s give either {hint}, and not both")
     if stiffness is None:
         return np.sqrt(forces / positive("coefficient", coefficient))
     each = positive_array("stiffness", stiffness)
@@ -142,9 +142,9 @@ class Sampled(Mixture):
         mean = float(shares @ values)
         off = abs(self.mean() - mean) / float(np.sqrt(shares @ (values - mean) ** 2 / size))
         if off > 0.1 or self.cdf_misfit > self.cdf_error + 0.1:
-            rule = "peaks that one smooth density does not follow; give each apart, in a mixture"
+            hint = "peaks that one smooth density does not follow; give each apart, in a mixture"
             among = f"among the samples from {values[0]:g} to {values[-1]:g}"
-            raise InputError(f"from_samples: {among} are groups or {rule}")
+            raise InputError(f"from_samples: {among} are groups or {hint}")
 
 
 @dataclass(frozen=True)
@@ -211,8 +211,8 @@ def bootstrap_laws(
     may all come from the same samples.
     """
     if not sampled_parts(thresholds) or isinstance(thresholds, ContinuousMixture):
-        rule = "must come from at least two different values in from_samples, or be a finite mixture with such a law"
-        refuse("thresholds", thresholds, rule)
+        hint = "must come from at least two different values in from_samples, or be a finite mixture with such a law"
+        refuse("thresholds", thresholds, hint)
     count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
     return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
 

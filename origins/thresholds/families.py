@@ -143,8 +143,8 @@ def persson(centre: float, width: float) -> Thresholds:
     centre, width = non_negative("centre", centre), positive("width", width)
     if centre > 100.0 * width:
         std = width / centre * width / np.sqrt(8.0)
-        rule = "is more than 100 widths, a normal law to 1e-4: take gaussian"
-        refuse("centre", centre, f"{rule}, mean = {centre:g}, std = {std:.9g}")
+        hint = "is more than 100 widths, a normal law to 1e-4: take gaussian"
+        refuse("centre", centre, f"{hint}, mean = {centre:g}, std = {std:.9g}")
     return Persson(centre, width)
 
 

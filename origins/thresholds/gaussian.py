@@ -27,8 +27,8 @@ def gaussian(
     if abs(mean) > _LARGEST:
         refuse("mean", mean, f"must be at most {_LARGEST:g}; {_UNIT}")
     if std < 1e-15 * abs(mean):
-        rule = f"is below 1e-15 of the mean, {mean:g}, one value to round-off; take identical"
-        refuse("std", std, rule)
+        hint = f"is below 1e-15 of the mean, {mean:g}, one value to round-off; take identical"
+        refuse("std", std, hint)
     if form == "cut":
         if upper is not None:
             refuse("upper", upper, 'belongs to form = "paper" alone; leave it out')

@@ -95,8 +95,8 @@ class Thresholds:
         normalised = type(self)._log_weight is Thresholds._log_weight
         if normalised and not abs(numerical.log_whole) < 1e-6:  # more than rounding explains
             adds_up = f"its density adds up to {np.exp(numerical.log_whole):.6g}, not to 1"
-            rule = "state it as _log_weight, which need not be normalised"
-            raise InputError(f"{type(self).__name__}: {adds_up}; {rule}")
+            hint = "state it as _log_weight, which need not be normalised"
+            raise InputError(f"{type(self).__name__}: {adds_up}; {hint}")
         return numerical
 
     def _log_weight(self, x: Array) -> Array:

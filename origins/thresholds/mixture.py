@@ -27,8 +27,8 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
         refuse("components", components, f"must be a list of thresholds, {such}")
     shares = positive_array("weights", weights)
     if shares.size != len(components):
-        rule = f"must hold one weight for each of the {len(components)} components"
-        refuse("weights", weights, rule)
+        hint = f"must hold one weight for each of the {len(components)} components"
+        refuse("weights", weights, hint)
     if abs((whole := float(shares.sum())) - 1.0) > 1e-12:
         refuse("weights", weights, f"must add up to 1, not {whole:.15g}; divide each by their sum")
     return Mixture([as_thresholds(component) for component in components], shares / whole)
@@ -87,8 +87,8 @@ def continuous_mixture(
                 return average
         before = sums
     fault = f"{_NODES[-1]} laws reach {average.quadrature_error:.2g} only; ask for less, or smooth the law"
-    rule = "values and jumps that move with phi average yourself, as uniform(1.0, 1.0) for identical(1.0 + phi)"
-    refuse("accuracy", accuracy, f"{fault}; {rule}")
+    hint = "values and jumps that move with phi average yourself, as uniform(1.0, 1.0) for identical(1.0 + phi)"
+    refuse("accuracy", accuracy, f"{fault}; {hint}")
 
 
 class Mixture(Thresholds):

@@ -30,11 +30,11 @@ def as_thresholds(law: object, name: str = "thresholds") -> Thresholds:
     below = float(frozen.cdf(0.0)) if lower <= 0.0 else 0.0
     if upper <= 0.0 or below > 1e-6:  # the same limit as for starts
         fault = f"the distribution has weight {below:.3g} at or below x = 0"
-        rule = "a threshold is a positive length: cut it there, or use origins.gaussian, which does"
-        raise InputError(f"{name}: {fault}; {rule}")
+        hint = "a threshold is a positive length: cut it there, or use origins.gaussian, which does"
+        raise InputError(f"{name}: {fault}; {hint}")
     if not np.isfinite(mean):
-        rule = "without a finite mean contacts never reach a steady state"
-        raise InputError(f"{name}: the mean is {mean}; {rule}")
+        hint = "without a finite mean contacts never reach a steady state"
+        raise InputError(f"{name}: the mean is {mean}; {hint}")
     kind = ScipyDensity if below > _ROUNDING or frozen is not law else FrozenThresholds
     return kind(frozen, (max(lower, 0.0), upper), below)
 
@@ -56,8 +56,8 @@ def single_mean(name: str, frozen: Any) -> float:
         with warnings.catch_warnings(action="ignore"):  # of integrals: the value is judged
             mean = frozen.mean()
     except TypeError as error:
-        rule = "freeze it, as in scipy.stats.gamma(3.0)"
-        raise InputError(f"{name}: the distribution lacks its parameters; {rule}") from error
+        hint = "freeze it, as in scipy.stats.gamma(3.0)"
+        raise InputError(f"{name}: the distribution lacks its parameters; {hint}") from error
     if np.ndim(mean) > 0:
         raise InputError(f"{name}: the distribution has arrays as parameters; give one law")
     return float(mean)
@@ -112,8 +112,8 @@ class FrozenThresholds(ScipyDensity):
         wrong = int((~(tail * x <= 2.0 * self._mean)).argmax())
         if wrong and not tail[wrong - 1] <= _ROUNDING:
             last = f"{tail[wrong - 1]:.2g} at x = {x[wrong - 1]:g}"
-            rule = f"the distribution's sf, {last}, is no survival beyond"
-            raise InputError(f"thresholds: {rule}; use another distribution")
+            hint = f"the distribution's sf, {last}, is no survival beyond"
+            raise InputError(f"thresholds: {hint}; use another distribution")
         super().__init__(distribution, ends, below)
 
     def _logpdf(self, x: Array) -> Array:

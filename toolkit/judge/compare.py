@@ -140,8 +140,8 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
     started = {one.name: one.result.asked.contacts.start for one in verdicts}
     if any(start != started[verdicts[0].name] for start in started.values()):
         names = ", ".join(name for name, start in started.items() if start is not None)
-        rule = "K* and F_s/F_k depend on it; compare scenes of one start"
-        notes.append(f"starts differ, and contacts of {names} do not start relaxed: {rule}")
+        hint = "K* and F_s/F_k depend on it; compare scenes of one start"
+        notes.append(f"starts differ, and contacts of {names} do not start relaxed: {hint}")
     widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
     padded = ([f"{cell:>{n}}" for cell, n in zip(row, widths, strict=False)] for row in rows)
     head, *lines = ("  ".join(row).rstrip() for row in padded)

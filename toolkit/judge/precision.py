@@ -127,8 +127,8 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
                 force -= mean * scipy.special.ndtr(z) - width**2 / scatter * bell
             # each term and its argument are rounded, and the latter matters more the narrower the laws are
             return force, float(2.0**-53 * (count + 4.0 + mean / narrowest) * reach / mean)
-    rule = "needs F in closed form: Gaussian thresholds far from 0, from one stretch or a Gaussian"
-    raise InputError(f"precision: {rule} of them")
+    hint = "needs F in closed form: Gaussian thresholds far from 0, from one stretch or a Gaussian"
+    raise InputError(f"precision: {hint} of them")
 
 
 def draw_picture(found: dict[str, Any]) -> Any:

@@ -39,8 +39,8 @@ def only_writer(folder: str | os.PathLike[str]) -> Iterator[None]:
             if sys.platform == "linux":
                 lock.bind(f"\0mesofriction-{os.getuid()}-{name}")
         except OSError as error:
-            rule = "another run is writing there; choose another folder, or wait"
-            raise InputError(f"out = {str(folder)!r}: {rule}") from error
+            hint = "another run is writing there; choose another folder, or wait"
+            raise InputError(f"out = {str(folder)!r}: {hint}") from error
         yield
 
 

@@ -151,8 +151,8 @@ def read_state(file: Path) -> Any:
     except OSError:
         return None
     except (KeyError, TypeError, ValueError) as error:  # its checksum was right
-        rule = f"remove {file.parent}, or choose another folder"
-        raise InputError(f"{file}: is a checkpoint of an older version; {rule}") from error
+        hint = f"remove {file.parent}, or choose another folder"
+        raise InputError(f"{file}: is a checkpoint of an older version; {hint}") from error
 
 
 def identity(scene: Scene) -> dict[str, str]:

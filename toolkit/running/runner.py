@@ -197,8 +197,8 @@ def until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
         with no_longer_than(None if deadline is None else deadline - time.monotonic()):
             yield
     except TimeIsUp:
-        rule = f"is over before {what} is solved; give more, or ask for less"
-        refuse("wall_time", scene.wall_time, rule)
+        hint = f"is over before {what} is solved; give more, or ask for less"
+        refuse("wall_time", scene.wall_time, hint)
 
 
 def solve_master(

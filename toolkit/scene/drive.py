@@ -29,17 +29,17 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
         given, unit = positive("drive.spring", float(read[1])), read[2]
     if unit == "N/m":
         if interface is None:
-            rule = "in N/m needs <k> in N/m, which thresholds from a rough surface know"
-            raise InputError(f"drive.spring: {rule}; give a number")
+            hint = "in N/m needs <k> in N/m, which thresholds from a rough surface know"
+            raise InputError(f"drive.spring: {hint}; give a number")
         if table.area is None:
             refuse("drive.spring", table.spring, "needs drive.area, the nominal area in m²; add it")
         if (held := interface.contact_density * table.area) < 1.0:
-            rule = f"holds {held:.2g} contacts; give over {1.0 / interface.contact_density:.2g} m²"
-            refuse("drive.area", table.area, rule)
+            hint = f"holds {held:.2g} contacts; give over {1.0 / interface.contact_density:.2g} m²"
+            refuse("drive.area", table.area, hint)
         return positive("drive.spring", given) / (held * interface.mean_stiffness)
     if interface is not None and given is not None and not unit:
-        rule = f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m²'
-        refuse("drive.spring", given, f'{rule}, or spring = "{given:g} N_c<k>"')
+        hint = f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m²'
+        refuse("drive.spring", given, f'{hint}, or spring = "{given:g} N_c<k>"')
     if table.area is not None:
         refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
     return given
@@ -88,8 +88,8 @@ def _corners(table: DriveTable) -> tuple[Array, Array | None]:
     clock = np.array([*([] if table.begin is not None else [0.0]), *table.times])
     if clock.size != places.size:
         count = places.size - (table.begin is None)
-        rule = f"must hold one time for drive.from and each of drive.turns, {count}"
-        refuse("drive.times", table.times, rule)
+        hint = f"must hold one time for drive.from and each of drive.turns, {count}"
+        refuse("drive.times", table.times, hint)
     if (np.diff(clock) <= 0.0).any():
         refuse("drive.times", table.times, "each must be later than the one before, and than 0")
     return places, clock
@@ -113,8 +113,8 @@ def _path(
     holds = np.flatnonzero(np.diff(places) == 0.0)
     # a scale below 1e-14 of the last time is lost in rounding
     if clock is None or time is None or not holds.size or hold_scale < 1e-14 * clock[-1]:
-        rule = "is of holds: turns where the path stands, with drive.times not too far beyond it"
-        raise InputError(f"drive.hold_scale = {hold_scale}: {rule}")
+        hint = "is of holds: turns where the path stands, with drive.times not too far beyond it"
+        raise InputError(f"drive.hold_scale = {hold_scale}: {hint}")
     for leg in holds:
         share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
         later = hold_scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / hold_scale))
@@ -131,16 +131,16 @@ def histogram_points(drive: Drive, asked: EqTable) -> npt.NDArray[np.intp]:
     for name, points in places.items():
         for k, value in enumerate(getattr(asked, name) or []):
             if points is None:
-                rule = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
-                refuse(f"eq.{name}", asked.histogram_times, rule)
+                hint = "are of a path with drive.times; without them say where the slider is, as in histograms = [1.0]"
+                refuse(f"eq.{name}", asked.histogram_times, hint)
             off = np.abs(points - value)
             # relative distances of 1e-9 count as none; a position near 0 is rounded as the path is
             size = abs(value) if points is drive.time else max(abs(value), np.abs(points).max())
             there = np.flatnonzero(off <= 1e-9 * size)
             if not there.size:
                 near = np.unique(points[np.argsort(off, kind="stable")[:2]])
-                rule = f"is none of the path's points; near it are {' and '.join(f'{x:.12g}' for x in near)}"
-                refuse(f"eq.{name}[{k}]", value, rule)
+                hint = f"is none of the path's points; near it are {' and '.join(f'{x:.12g}' for x in near)}"
+                refuse(f"eq.{name}[{k}]", value, hint)
             if points is drive.time:
                 there = there[[np.argmin(off[there])]]
             found |= {int(at) for at in there if at - 1 not in there or at + 1 not in there}

@@ -38,8 +38,8 @@ def from_samples(
     given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
     if file is None:
         if (column, weight_column, quantity) != (None, None, "x_s"):
-            rule = "quantity, column and weight_column say what a file holds; leave them out without one"
-            raise InputError(f"from_samples: {rule}")
+            hint = "quantity, column and weight_column say what a file holds; leave them out without one"
+            raise InputError(f"from_samples: {hint}")
     else:
         if any(values is not None for values in given.values()):
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
@@ -61,11 +61,11 @@ def _column(file: str, lines: list[str], name: str, place: int | None) -> list[f
         refuse("file", file, "holds no numbers; write one value a line")
     width = len(rows[0][1])
     if place is None and all(re.fullmatch(r"\s*\d+,\d+\s*", lines[n - 1]) for n, _ in rows):
-        rule = "a decimal comma? write 1.0238; two columns? part them by ; or say which"
-        refuse("file", file, f"holds two whole numbers a line, parted by a comma: {rule}")
+        hint = "a decimal comma? write 1.0238; two columns? part them by ; or say which"
+        refuse("file", file, f"holds two whole numbers a line, parted by a comma: {hint}")
     if place is None and width > 1:
-        rule = f"say which of the {width} columns holds {name}, such as column = {width}"
-        refuse("file", file, f"holds several columns; {rule}")
+        hint = f"say which of the {width} columns holds {name}, such as column = {width}"
+        refuse("file", file, f"holds several columns; {hint}")
     if (column := whole("column", 1 if place is None else place, 1)) > width:
         refuse("file", file, f"there is no column {place} of {width}")
     for number, row in rows:
@@ -119,8 +119,8 @@ def domains(
     options = dict(locals())
     del options["island"]
     if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
-        rule = "such as [[10, 9]], mean_atoms, such as 100, and the table island"
-        raise InputError(f"domains: give exactly one of sizes, {rule}")
+        hint = "such as [[10, 9]], mean_atoms, such as 100, and the table island"
+        raise InputError(f"domains: give exactly one of sizes, {hint}")
     if island is not None and lattice_constant is not None:
         refuse("lattice_constant", lattice_constant, "the table island has its own; leave it out")
     return origins.domains(**options, islands=None if island is None else [island])
@@ -232,8 +232,8 @@ def open_scan(
             raise
         except Exception as error:  # readers raise whatever their parsing does
             if "physical_sizes" in str(error):
-                rule = 'holds no lengths; add physical_sizes = [1e-5, 1e-5], unit = "m", with its own numbers'
-                refuse("file", file, rule)
+                hint = 'holds no lengths; add physical_sizes = [1e-5, 1e-5], unit = "m", with its own numbers'
+                refuse("file", file, hint)
             why = shorten(str(error), 160, placeholder=" ...") or type(error).__name__
             refuse("file", file, f"cannot be read as a scan: {why}")
 

@@ -96,8 +96,8 @@ def build(
                 arguments[key] = build(_TABLES[key], value, key, folder, comm)
             elif key == "components":
                 if not isinstance(value, list) or not value or not isinstance(value[0], Mapping):
-                    rule = 'must be a list of tables, such as [{kind = "identical", value = 0.9}]'
-                    refuse(key, value, rule)
+                    hint = 'must be a list of tables, such as [{kind = "identical", value = 0.9}]'
+                    refuse(key, value, hint)
                 arguments[key] = [
                     build(THRESHOLDS, part, f"{key}[{k}]", folder, comm)
                     for k, part in enumerate(value)
@@ -105,8 +105,8 @@ def build(
         try:
             return function(**arguments, **given)
         except ArithmeticError as error:
-            rule = "some of its numbers are too large or too small; are they in the right unit?"
-            raise InputError(f"{title}: {rule}") from error
+            hint = "some of its numbers are too large or too small; are they in the right unit?"
+            raise InputError(f"{title}: {hint}") from error
 
 
 def without_kelvin(
@@ -119,15 +119,15 @@ def without_kelvin(
     if isinstance(given, float) and surface is not None:
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
         if 1.0 < joules < 1e4 < kelvin:  # plausible temperatures, in K
-            rule = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; if joules are meant, write temperature ="
-            refuse(where, given, f"{rule} {{ kelvin = {joules:.4g} }}")
+            hint = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; if joules are meant, write temperature ="
+            refuse(where, given, f"{hint} {{ kelvin = {joules:.4g} }}")
     if not isinstance(given, Mapping):
         return table
     if set(given) != {"kelvin"}:
         refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")
     if surface is None:
-        rule = "needs <k> in N/m, which thresholds from a rough surface know; give k_BT/<k>, the square of a length"
-        refuse(f"{where}.kelvin", given["kelvin"], rule)
+        hint = "needs <k> in N/m, which thresholds from a rough surface know; give k_BT/<k>, the square of a length"
+        refuse(f"{where}.kelvin", given["kelvin"], hint)
     with inside(where, {"kelvin": "kelvin"}):
         return {**table, "temperature": surface.temperature(kelvin=given["kelvin"])}
 
@@ -171,8 +171,8 @@ def read_file(
             refuse(key, file, "is no text in UTF-8; name another file, or save it as UTF-8")
         except (OSError, ValueError) as error:  # a name too long for the disk
             refuse(key, file, f"cannot be read: {getattr(error, 'strerror', None) or error}")
-        rule = f"no such file in {path.parent.resolve()}, or no plain {what} of at most a gigabyte"
-        refuse(key, file, rule)
+        hint = f"no such file in {path.parent.resolve()}, or no plain {what} of at most a gigabyte"
+        refuse(key, file, hint)
 
     return on_root(comm, checked)
 

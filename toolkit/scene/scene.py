@@ -132,8 +132,8 @@ def _find(scene: object) -> Path:
     close = get_close_matches(file.stem, sorted({*beside, *shipped_scenes()}))
     meant = f" did you mean {' or '.join(beside.get(name, name) for name in close)}?"
     shipped = "`mesofriction scenes` lists those that are shipped"
-    rule = f"no such file, and no shipped scene;{meant if close else ''} {shipped}"
-    refuse("scene", str(scene), rule)
+    hint = f"no such file, and no shipped scene;{meant if close else ''} {shipped}"
+    refuse("scene", str(scene), hint)
 
 
 def _checked(
@@ -162,11 +162,11 @@ def _checked(
     if table.eq is not None:
         far = float(np.abs(scene.path).max()) / contacts.mean_threshold
         if solved and far > 1e6:  # contacts would break for hours
-            rule = f"goes as far as {far:.1g} mean thresholds of {contacts.mean_threshold:.3g}; is that its unit?"
-            raise InputError(f"drive: {rule} 1e6 mean thresholds at most, or leave [eq] out")
+            hint = f"goes as far as {far:.1g} mean thresholds of {contacts.mean_threshold:.3g}; is that its unit?"
+            raise InputError(f"drive: {hint} 1e6 mean thresholds at most, or leave [eq] out")
         if scene.drive.spring is not None and (np.diff(scene.path) < 0.0).any():
-            rule = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
-            raise InputError(f"drive.turns: {rule}")
+            hint = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
+            raise InputError(f"drive.turns: {hint}")
         scene.histogram_points()
     return scene
 
@@ -186,8 +186,8 @@ def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
             "as 1e12, and has no default"
         )
     warmth = thermal.get("temperature")
-    if isinstance(warmth, Mapping) and (rule := too_cold(made["thermal"].temperature, thresholds)):
-        refuse("contacts.thermal.temperature.kelvin", warmth["kelvin"], rule)
+    if isinstance(warmth, Mapping) and (hint := too_cold(made["thermal"].temperature, thresholds)):
+        refuse("contacts.thermal.temperature.kelvin", warmth["kelvin"], hint)
     with laws.inside("contacts", {name: name for name in made}), warnings.catch_warnings():
         warnings.simplefilter("ignore", TooHot)  # a note of the run says it
         return Contacts(**made)

@@ -70,8 +70,8 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
     along = [name for name in given if given[name].size > 1]
     along.sort(key=lambda name: -given[name].size)
     if not 1 <= len(along) <= 2:
-        rule = "one or two of the keys must have several values, as velocity = { from = 1e-2, to = 1e2, points = 50 }"
-        raise InputError(f"sweep: goes along {', '.join(along) or 'nothing'}; {rule}")
+        hint = "one or two of the keys must have several values, as velocity = { from = 1e-2, to = 1e2, points = 50 }"
+        raise InputError(f"sweep: goes along {', '.join(along) or 'nothing'}; {hint}")
     if (points := int(np.prod([given[name].size for name in along]))) > 100_000:
         raise InputError(f"sweep: has {points:,} points; take 100,000 at most")
     axes = np.meshgrid(*(given[name] for name in along), indexing="ij")
@@ -79,8 +79,8 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
     made |= dict(zip(along, axes, strict=True))
     if "kelvin" in given:
         if contacts.interface is None:
-            rule = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
-            raise InputError(f"sweep.kelvin: {rule}")
+            hint = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
+            raise InputError(f"sweep.kelvin: {hint}")
         made["temperature"] = made["kelvin"] * contacts.interface.temperature(kelvin=1.0)
     return Sweep(tuple(along), table.critical_spring, made)
 

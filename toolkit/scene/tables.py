@@ -101,19 +101,19 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         return msgspec.convert(_counted(tables), SceneTable)
     except msgspec.ValidationError as error:
         # such as: Expected `float | null`, got `str` - at `$.drive.to`
-        rule, _, place = str(error).replace("object", "table").partition(" - at ")
+        expected, _, place = str(error).replace("object", "table").partition(" - at ")
         where = place.strip("`$").lstrip(".")
-        if "field" in rule:
-            key = f"{where}.{rule.split('`')[1]}".lstrip(".")
+        if "field" in expected:
+            key = f"{where}.{expected.split('`')[1]}".lstrip(".")
             known = _TABLES.get(where, RangeTable).__struct_encode_fields__
             close = get_close_matches(key.rpartition(".")[2], known, 1)
             meant = f"did you mean {close[0]}? " if close else ""
             said = f"unknown key; {meant}known here: {', '.join(known)}"
-            raise InputError(f"{key}: {'is missing' if 'missing' in rule else said}") from error
+            raise InputError(f"{key}: {'is missing' if 'missing' in expected else said}") from error
         value: Any = tables
         for key in where.replace("]", "").replace("[", ".").split("."):
             value = value[int(key) if key.isdigit() else key]
-        said = rule.partition(", got")[0].replace(" | null", "").replace("`", "")
+        said = expected.partition(", got")[0].replace(" | null", "").replace("`", "")
         said = said.replace(f" <= {sys.float_info.max}", ", finite").replace("str", "text")
         said = said.replace("int", "a whole number").replace("float", "a number")
         refuse(where, value, f"{said[0].lower()}{said[1:]}")

@@ -27,15 +27,15 @@ from origins.thresholds.law import Array
 
 # Smallest ratio of an error to that of the resolution before that is trusted; and that above which no
 # finer resolution is tried.
-LEAST_RATIO, HARDLY = 0.125, 0.8
+LEAST_RATIO, STALLED = 0.125, 0.8
 # Factor on an estimated error, which may be larger between the moments at which it is estimated.
-MARGIN = 1.3
+MOMENTS_MARGIN = 1.3
 # Moments on each leg that are compared, divided by its duration: 20 early ones, and even in the root of time.
 MOMENTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] ** 2)
 # Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where survivals have a kink.
 BETWEEN, COUNTS = 22, (6, 9, 13, 19, 28)
-LONGEST = 3.0  # reaches divided by the speed: a time after which hardly any contact holds
+LONGEST_LIFE = 3.0  # reaches divided by the speed: a time after which hardly any contact holds
 
 
 class AgeingLife(Life):
@@ -61,7 +61,7 @@ class AgeingLife(Life):
         self.reach = max(float(law.isf(1e-17)) for law in laws)
         self.width = min(narrowest(law) for law in laws)
         self.grain = TRAVEL_STEP * self.width
-        longest = LONGEST * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
+        longest = LONGEST_LIFE * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
         # of each leg the time until it ends or hardly any contact holds
         self._lasts = np.minimum(np.diff(motion.times), longest)
         # where the fresh density diverges at 0, so do the breaks right after a birth: below this power
@@ -127,7 +127,7 @@ class AgeingLife(Life):
         if (speed, stretch) not in self._tables:
             # |x| does not change when speed and stretch change sign
             along, lasts = -stretch if speed < 0.0 else stretch, float(np.ptp(self.motion.times))
-            longest = min(lasts, LONGEST * self.reach / abs(speed)) if speed else lasts
+            longest = min(lasts, LONGEST_LIFE * self.reach / abs(speed)) if speed else lasts
             if self._by_passage:
                 found = self._passage(along)
                 found.move(abs(speed), longest)
@@ -167,11 +167,11 @@ class AgeingLife(Life):
             now = self._trial(finer)
             change, larger = float(np.abs(now - before).max()), change
             # of the first change only that it is larger than the next is known
-            fall = float(np.clip(change / larger, LEAST_RATIO, HARDLY)) if larger < np.inf else 0.5
-            last, error = error, MARGIN * change / (1.0 - fall)
+            fall = float(np.clip(change / larger, LEAST_RATIO, STALLED)) if larger < np.inf else 0.5
+            last, error = error, MOMENTS_MARGIN * change / (1.0 - fall)
             if error > self.accuracy:
                 cells, before, error = finer, now, fall * error
-            if error > HARDLY * last:
+            if error > STALLED * last:
                 break
         self._add_error("cells", error)
         return cells

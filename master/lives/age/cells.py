@@ -23,7 +23,7 @@ from origins.thresholds.law import Array
 FINER = 0.75
 # Survival of both laws at which the cells end, and most of them; most steps of one move, some 30
 # seconds of work; and the finest resolution of strands.
-FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
+FAR, MOST_CELLS, MOST_STEPS, FINEST_LEVEL = 1e-16, 4000, 200_000, 6
 # Travel in one step at resolution 0, divided by the narrowest width of the laws; and the share of fresh
 # contacts that heat breaks in it at most.
 TRAVEL_STEP, HEAT_STEP = 0.25, 0.15
@@ -53,8 +53,8 @@ class Cells:
         ageing, law = contacts.ageing, contacts.thresholds
         assert ageing is not None
         if law.atoms[0].size:
-            rule = "contacts that age need a fresh law with a density here; give it a width"
-            raise InputError(f"thresholds: hold the single value {law.atoms[0][0]:g}: {rule}")
+            hint = "contacts that age need a fresh law with a density here; give it a width"
+            raise InputError(f"thresholds: hold the single value {law.atoms[0][0]:g}: {hint}")
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
         self._diffusion, self.resolution = ageing.rate, resolution
         laws = law, ageing.final
@@ -75,7 +75,7 @@ class Cells:
     @property
     def can_be_finer(self) -> bool:
         """Whether the next resolution does not need too many cells or steps."""
-        return bool(self.resolution < FINEST and self.edges.size * 2.0**FINER < MOST_CELLS)
+        return bool(self.resolution < FINEST_LEVEL and self.edges.size * 2.0**FINER < MOST_CELLS)
 
     def steps(self, speed: float, steady_for: float, duration: float) -> Array:
         """Ends of the steps of a move, times from 0 to `duration`; the last birth or change of speed was `steady_for`
@@ -86,8 +86,8 @@ class Cells:
             step = min(AFTER_CHANGE * (steady_for + times[-1]) + shortest, 1.0 / fastest)
             times.append(times[-1] + step * 2.0**-self.resolution)
             if len(times) > MOST_STEPS:
-                rule = f"more than {MOST_STEPS} steps; use a shorter path, or a larger tolerance"
-                raise InputError(f"ageing: a move of {duration:.3g} in time needs {rule}")
+                hint = f"more than {MOST_STEPS} steps; use a shorter path, or a larger tolerance"
+                raise InputError(f"ageing: a move of {duration:.3g} in time needs {hint}")
         return duration * (np.array(times) / times[-1])
 
     def fresh(self, stretch: Array) -> Array:
@@ -168,8 +168,8 @@ def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share:
         room = 1.0 / (thinnest + 0.3 * edges[-1]) + 1.0 / widest
         edges.append(edges[-1] + share / room)
         if len(edges) > MOST_CELLS:
-            rule = f"need more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
-            raise InputError(f"ageing: laws as sharp as {width:.3g} that reach {reach:.3g} {rule}")
+            hint = f"need more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
+            raise InputError(f"ageing: laws as sharp as {width:.3g} that reach {reach:.3g} {hint}")
     # scale so that the last cell ends at `reach`
     return np.array(edges) * (reach / edges[-1])
 

@@ -83,8 +83,8 @@ class Passage:
         self._diffusion = max(ageing.rate, 1e-28 * fresh.mean() * fastest)
         self._mean, self._std, self._rate = normal.mean, normal.std, self._diffusion / normal.std**2
         if self._rate * normal.mean > 1e10 * fastest > 0.0:
-            rule = f"relaxes thresholds 1e10 times while the slider moves by one at {fastest:g}"
-            refuse("rate", ageing.rate, f"{rule}, too often to follow; slide faster")
+            hint = f"relaxes thresholds 1e10 times while the slider moves by one at {fastest:g}"
+            refuse("rate", ageing.rate, f"{hint}, too often to follow; slide faster")
         self.age, self.stretch, self.left = 0.0, start, 1.0
         self.error = self._tails = self._missed = 0.0
         # the fresh thresholds of contacts that hold at first: exact values, and edges of the others

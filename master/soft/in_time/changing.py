@@ -16,7 +16,7 @@ from origins import Contacts
 from origins.thresholds.law import Array
 
 # Longest age of grains, in pinning times: they hardly grow beyond.
-LONGEST = 1e7
+OLDEST = 1e7
 # Columns of a strand's numbers: largest hazard, hazard at birth, time since pinning, and from there A.
 LARGEST_HAZARD, BIRTH_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(4)
 
@@ -63,7 +63,7 @@ class GrainMemory(Memory):
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         self._grains, first = grains, grains.growth.first_pinning_time
-        life = GrainLife(contacts, LONGEST * first)
+        life = GrainLife(contacts, OLDEST * first)
         self._start_since, self.reach = life.start_since, life.birth_reach
         self.starts = 24 + 8 * level
         # births change over a length of some 2 narrowest widths of the laws of thresholds; the first

@@ -23,7 +23,7 @@ from origins.thresholds.law import Array
 # there, and halved with each level, from the fourth on with every second one.
 RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
 # The logarithms of the least and of the largest A that are told apart from 0 and infinity.
-LEAST, MOST = -700.0, 6.5
+LEAST_LOG, MOST_LOG = -700.0, 6.5
 
 
 class Scales(NamedTuple):
@@ -133,7 +133,7 @@ class Memory:
         cut = np.clip(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
         low = np.clip(least, edges[cut], edges[cut + 1])
         if self._hot:
-            log = np.log(np.maximum(spent, np.exp(LEAST)))
+            log = np.log(np.maximum(spent, np.exp(LEAST_LOG)))
             near, far = log[every, cut + 1], log[every, cut + 2]
             # there ln A is extrapolated, by the square of the threshold as barriers change; the
             # narrow cell of an exact threshold has no slope
@@ -178,12 +178,12 @@ class MeanRateMemory(Memory):
 
 def mean_share(log: Array) -> Array:
     """Mean of e^-A over cells at whose ends ln A has the values (n, k + 1), shape (n, k)."""
-    share = np.exp(-np.exp(np.minimum(log, MOST)))
+    share = np.exp(-np.exp(np.minimum(log, MOST_LOG)))
     low, high = share[:, :-1], share[:, 1:]
     mean = 0.5 * (low + high)
     steep = np.abs(high - low) > 1e-4
     ends = log[:, :-1][steep], log[:, 1:][steep]
     # the integral of e^-A over ln A is -E_1(A)
-    below, above = (exp1(np.exp(np.clip(end, LEAST, MOST))) for end in ends)
+    below, above = (exp1(np.exp(np.clip(end, LEAST_LOG, MOST_LOG))) for end in ends)
     mean[steep] = (above - below) / (ends[0] - ends[1])
     return mean

@@ -44,8 +44,8 @@ def balance_of(contacts: Contacts, drive: Drive) -> float:
     if abs(drive.path[0] - balance) <= 1e-12 * contacts.mean_threshold:
         return float(drive.path[0])  # the difference is rounding
     if drive.time is not None and drive.time[0] == 0.0:
-        rule = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
-        refuse("path[0]", drive.path[0], rule)
+        hint = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
+        refuse("path[0]", drive.path[0], hint)
     return balance
 
 
