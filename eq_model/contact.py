@@ -93,7 +93,7 @@ def by_law(choose: Callable[[type], Any]) -> Any:
 
 BREAKS: dict[type, Callable[..., Any]] = {}
 AGED: dict[type, Callable[..., Any]] = {}
-# by the class of their law; arguments are those of CompiledRates
+# by the class of their law; arguments are those of CompiledRates. All three are filled below and in laws/*.py
 RATES: dict[type, CompiledRates] = {}
 # break_of(law, contact, way, counts): the break of a contact
 break_of = by_law(BREAKS.__getitem__)

@@ -221,4 +221,4 @@ class Ensemble:
         return False, f"{says}, above the tolerance {self._tolerance:.1e}; {needs}"
 
 
-CoupledEnsemble = Ensemble
+CoupledEnsemble = Ensemble  # an older name: with a spring an Ensemble is of coupled contacts

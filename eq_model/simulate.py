@@ -37,7 +37,7 @@ def simulate(
     With a `spring` the contacts of one replica are coupled: the path is that of the drive, X_T, and one slider has
     K (X_T - X) = sum of k_i x_i. Every break moves the slider, so that more contacts may break; all that break at one
     X_T make an avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Then of the laws only delay and
-    linked stiffness are possible, with slip "instant" also re-forming stretched; and the drive never turns.
+    linked stiffness are possible, with slip "instant" and no delay re-forming stretched; and the drive never turns.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def simulate(
     slip : "reset", "reform-after" or "instant"
         With a spring, when broken contacts re-form. "instant": at once. "reform-after": when the avalanche ends, or one
         delay later. "reset": the same, but once an avalanche has broken `slip_fraction` of the contacts, all contacts,
-        those that are out too, are replaced by fresh ones, and the slider moves to X_T.
+        those that are out too, are replaced by fresh relaxed ones, and the slider moves to X_T.
     slip_fraction : float, optional
         Smallest share of a replica's contacts that breaks in an avalanche that counts as a slip; None: 0.2. Before a
         slip avalanches break up to 2 N^(-1/3) of them, 0.13 at N = 4,000.
@@ -82,7 +82,7 @@ def simulate(
 
     Plain Python twin: eq_model/closest.py, the paper's algorithm (Sec. II).
     """
-    ensemble = Ensemble(**locals())  # the same arguments
+    ensemble = Ensemble(**locals())  # the same arguments: this must stay the first line
     for _ in ensemble:
         pass
     return ensemble.result()

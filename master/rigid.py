@@ -39,8 +39,8 @@ def solve_rigid(
     until: float = np.inf,
 ) -> Solution:
     """F along the path of a rigid slider (paper, Eq. Q6), for contacts of any life, see `solve`; it stops at the
-    reading `until` of time.monotonic(). force_error is of the worst panel, the life, its tables and births on earlier
-    legs, times the longest stretch, and round-off."""
+    reading `until` of time.monotonic(). force_error is the error of the worst panel plus those of the survivals
+    (March.life_error), times the longest stretch, plus round-off."""
     began, mean = clock.perf_counter(), contacts.mean_threshold
     timeless = life.timeless and not contacts.waiting_time
     motion, arrivals = motion_of(drive, mean, timeless)
@@ -79,7 +79,7 @@ def solve_rigid(
 
 def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:
     """The slider's motion to just beyond the path's end, and the times (`timeless`: distances travelled) of the path's
-    points. Raises InputError for a path that is too long: one that turns round is limited by rounding."""
+    points. InputError for a path too long (one that turns is limited by rounding), or a move after too long a rest."""
     away = np.abs(drive.path) / mean
     furthest, most = int(np.argmax(away)), FURTHEST if drive.forward else FURTHEST_TURN
     if not away[furthest] <= most:
@@ -97,9 +97,9 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
     positions = np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]])
     motion = Motion(knots, positions)
-    digits = float((motion.times[:-1] * np.abs(motion.speeds)).max() / mean)
-    if not digits <= LONGEST_BEFORE:
-        hint = f"a threshold is passed in {1.0 / digits:.0e} of the time before: lost in rounding; rest shorter"
+    before = float((motion.times[:-1] * np.abs(motion.speeds)).max() / mean)
+    if not before <= LONGEST_BEFORE:
+        hint = f"a threshold is passed in {1.0 / before:.0e} of the time before: lost in rounding; rest shorter"
         refuse("time[-1]", times[-1], hint)
     return motion, times
 
@@ -136,9 +136,9 @@ def march_of(
     again, mean = reforming_law(contacts), contacts.mean_threshold
     moving = np.abs(motion.speeds[motion.speeds != 0.0])
     if contacts.thermal is not None and life.bends.size and moving.size:
-        # before a jump of P_c heat breaks contacts in a thin layer, which F hardly shows, but later F and F' do
+        # before a jump of P_c heat breaks contacts in a thin layer, from where A = e^-25 on; later F and F' show it
         given = 0.0, life.bends, contacts.relative_stiffness(life.bends)
-        layers = contacts.thermal.rates.reached(np.log(moving.min()) - 25.0, *given)  # A = e^-25
+        layers = contacts.thermal.rates.reached(np.log(moving.min()) - 25.0, *given)
         life = copy(life)
         life.bends = np.union1d(life.bends, layers[layers > 0.8 * life.bends])
     stretch = min(longest_stretch(contacts, motion, life), most)
@@ -181,11 +181,11 @@ def breaks_until(march: March, t: Array) -> Array:
 
 
 def _read(march: March, values: Array, t: Array) -> Array:
-    """At times t, polynomials with these values at the beginning and nodes of each panel; after a jump at jumps."""
+    """Values at times t, shape (n,), from those at the panels' beginnings and nodes; at a jump the value after it."""
     begin, since, width, knots = march.begin, march.since, march.width, march.motion.times
     near = begin * (1.0 - ROUNDED) - SAME_TIME * (since + width.min(initial=np.inf))
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
-    leg = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
-    share = np.clip((t - leg - since[panel]) / width[panel], 0.0, 1.0)
+    leg_begin = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
+    share = np.clip((t - leg_begin - since[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))

@@ -96,8 +96,8 @@ class Solution:
         leg : which straight leg of a path that turns round, counted from 0; may be omitted where
             the path passes X only once
 
-        Raises InputError where the path does not pass X; and where contacts re-form at many
-        stretches, age or have growing thresholds, for which Q is not computed on such a path.
+        Raises InputError where the path does not pass X; for contacts that re-form at many stretches; and, along
+        paths of several legs, for contacts that age or whose thresholds grow: Q is not computed there.
         """
         march, unknown = self._march, "is not known along paths in time yet where"
         if march is None or (isinstance(march.life, GrainLife) and not march.motion.one_leg):
@@ -105,8 +105,9 @@ class Solution:
         if march.life.has_strands:
             raise InputError(f"contacts.ageing: Q(x;X) {unknown} contacts age")
         if not march.births.law.is_single:
-            many = "is not known where contacts re-form at many stretches"
-            raise InputError(f"contacts.reforming: Q(x;X) {many}")
+            raise InputError("contacts.reforming: Q(x;X) is not known with many stretches")
+        if self._by_index and leg is not None:
+            refuse("leg", leg, "is that of a position X; here `where` is the index of a point")
         time = self._point(where) if self._by_index else self._passing(march.motion, where, leg)
         time = min(time, march.steady_since)
         found = _deltas(march, time)
@@ -116,12 +117,12 @@ class Solution:
         """Time at which the path reaches the point with this index."""
         whole = isinstance(point, int | np.integer) and not isinstance(point, bool)
         if not whole or not 0 <= point < self.path.size:
-            refuse("point", point, f"must be the index of a point, from 0 to {self.path.size - 1}")
+            refuse("where", point, f"must be the index of a point, from 0 to {self.path.size - 1}")
         return float(self._arrivals[int(point)])
 
     def _passing(self, motion: Motion, position: float, leg: int | None) -> float:
         """Time at which the slider passes X = position, on the given leg if there are several."""
-        position = finite("position", position)
+        position = finite("where", position)
         slack = 1e-12 * (1.0 + np.abs(motion.positions).max())  # positions are rounded
         low, high = np.sort([motion.positions[:-1], motion.positions[1:]], axis=0)
         legs = np.flatnonzero((low - slack <= position) & (position <= high + slack))
@@ -131,7 +132,7 @@ class Solution:
             told = f"the path, between {low.min():g} and {high.max():g}, does not come there"
             if leg is not None:
                 refuse("leg", leg, f"{told}; {motion.speeds.size} legs are counted from 0")
-            refuse("position", position, told)
+            refuse("where", position, told)
         # a hold is passed as it begins
         ways, speeds = position - motion.positions[legs], motion.speeds[legs]
         lasting = np.divide(ways, speeds, out=np.zeros(legs.size), where=speeds != 0.0)
@@ -140,8 +141,7 @@ class Solution:
         apart = legs[np.append(True, np.diff(times) > 0.0)]
         if apart.size > 1:
             several = ", ".join(map(str, apart))
-            told = f"is passed on legs {several}; say which, as in leg={legs[0]}"
-            refuse("position", position, told)
+            refuse("where", position, f"is passed on legs {several}; choose, as in leg={legs[0]}")
         return float(times[0])
 
 

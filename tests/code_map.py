@@ -51,7 +51,9 @@ NOWHERE = {
 # What a newcomer looks for first, and the functions or classes that answer, wherever they stand.
 QUESTIONS = {
     "the force F(X) that (Q5a) gives": ("master:solve", "master:March"),
-    "F_k, the force of steady sliding; at many speeds": ("master:Travel.force", "master:summed"),
+    "number conservation solved at the nodes of a panel": ("master:solve_run",),
+    "force_error of a path; of a panel": ("master:solve_rigid", "master:Run"),
+    "F_k, the force of steady sliding; at many speeds": ("master:Travel.force", "master:kinetic_curve"),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
     "a slip's begin: T = 0, in time": ("master:LoadCurve.slip_begins", "master:Steps.up_to_slip"),
@@ -64,7 +66,10 @@ QUESTIONS = {
     "Gaussian heights, in metres": ("origins:from_moments", "origins:Summits"),
     "Persson's stresses and thresholds": ("origins:persson", "origins:from_moments"),
     "the barrier of an island": ("origins:barrier",),
-    "the draw of a threshold in the ensemble": ("eq_model:draw_values",),
+    "the draw of a threshold in the ensemble": ("eq_model:draw_thresholds",),
+    "the break of a contact there: T = 0, with heat": ("eq_model:_at_threshold", "eq_model:_by_rate"),
+    "an avalanche of the ensemble": ("eq_model:slide",),
+    "a scene read; solved; written to disk": ("toolkit:load_scene", "toolkit:solve", "toolkit:save"),
     "how to add an origin": "[extending.md](extending.md#a-new-origin)",
     "how to add a law": "[extending.md](extending.md#a-new-law-by-which-contacts-break-early)",
 }

@@ -1,4 +1,4 @@
-"""The four rooms put to work: scene files, runs, result files, pictures, the command line.
+"""origins, master and eq_model put to work: scene files, runs, result files, pictures, the command line.
 
 result = toolkit.run("gaussian")         # a shipped scene, a scene file or a dict
 toolkit.save(result, "gaussian-output")  # result.h5, summary.json, picture.png

@@ -174,21 +174,21 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
         force = s.force + s.stiffness * np.float64(b - s.at)
         load = force + pull.spring * np.float64(b)
         both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
-        back = False  # whether contacts re-form before b
+        returns = False  # whether contacts re-form before b
         if s.broken == 0:  # the slider sticks
             level, time = load, -np.inf
             if s.returning < s.returns:
                 due = pull.returns[s.returning % pull.returns.size]
                 comes = pull.spring * _straight(due, pull.clock, pull.clock_drive)
                 if comes < level:
-                    back, level, time = True, comes, due
+                    returns, level, time = True, comes, due
             _store_points(s, pull, b, load, level, time)
             if s.point == pull.path.size:
                 return PATH_DONE
-            if not back:
+            if not returns:
                 s.pulled = max(s.pulled, level)
                 pull.avalanche[1], pull.avalanche[3] = np.float64(b), force
-        if back:
+        if returns:
             _move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
             forming = pull.many[s.returning % pull.returns.size]
             s.returning += 1

@@ -54,7 +54,7 @@ def _sums(pieces: Pieces, integrand: Integrand) -> tuple[Array, Array]:
 
 class Integrals(NamedTuple):
     """value : of each function over each range, array of shape (functions, ranges); missed : errors of
-    the same shape, on ranges where they are measured, else 0; pieces : those that resolve the integrand."""
+    the same shape, 0 on ranges where they are not measured; pieces : those that resolve the integrand."""
 
     value: Array
     missed: Array

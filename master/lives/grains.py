@@ -48,7 +48,7 @@ class GrainLife(Life):
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         self.grains: GrainContact = grains
-        self.start, self._began = contacts.start, False
+        self.start, self._of_start = contacts.start, False
         self.start_since = grains.age - grains.growth.first_pinning_time
         self.reach = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
         # no contact of the start is stretched beyond the largest threshold at t = 0
@@ -60,25 +60,25 @@ class GrainLife(Life):
 
     def left(self, born: Start | Array, history: History) -> Array:
         """See Life."""
-        self._began = born is self.start if isinstance(born, Start) else bool(np.any(born))
+        self._of_start = born is self.start if isinstance(born, Start) else bool(np.any(born))
         return super().left(born, history)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""
         displacement, lived, speed = history.legs()
         stretch = born[:, None] + displacement
-        since = np.cumsum(np.insert(lived, 0, self.start_since * self._began, axis=1), axis=1)
+        since = np.cumsum(np.insert(lived, 0, self.start_since * self._of_start, axis=1), axis=1)
         hazards = self.grains.hazard_at(stretch, self.grains.growth.excess_after(since))
         worst = hazards.max(axis=1)
-        if not self._began:
+        if not self._of_start:
             # right after pinning some are stretched faster than their thresholds grow
             lost = np.array([self.grains.lost_hazard(abs(float(v))) for v in speed])
             on_a_leg = lived.any(axis=1)
             birth = np.where(on_a_leg, np.argmax(lived > 0.0, axis=1), speed.size - 1)
             worst = np.maximum(worst, lost[birth])
         # contacts with |x| above the largest threshold at t = 0 never hold
-        began = np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf)
-        share = np.exp(began - worst)
+        at_birth = np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf)
+        share = np.exp(at_birth - worst)
         if self._thermal is not None:
             alive = share > 0.0
             share[alive] *= self._unbroken(stretch[alive], since[alive], worst[alive])

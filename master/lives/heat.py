@@ -16,10 +16,10 @@ from origins.laws.rate_law import LARGEST_EXPONENT
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
 
-# Last two Legendre coefficients, on a piece of the stretches at birth, below which it is not halved.
+# Last two Legendre coefficients below which pieces of the stretches at birth, and panels of H, are not halved.
 RESOLVED = 1e-9
-# Above ln A = _GONE a share e^-A is negligible, even where few contacts hold, and above _DEAD it is
-# taken as 0. Panels with a share of contacts below _NO_WEIGHT are left out.
+# Above ln A = _GONE a share e^-A < 1e-29 is negligible, even where few contacts hold, and above _DEAD it is
+# 0 in floating point. Panels with a share of contacts below _NO_WEIGHT are left out.
 _GONE, _DEAD, _NO_WEIGHT = np.log(67.0), 7.0, 1e-18
 # Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35

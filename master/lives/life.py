@@ -17,8 +17,8 @@ NONE_LEFT = 1e-18
 # An exact threshold within this relative distance above |x| counts as met: a turning point placed
 # exactly at it may be off by rounding.
 TIE = 1e-12
-# Factor on the largest measured error of an integral: near a root halving shows only two thirds of
-# the error, and only some integrals are measured.
+# Factor on the largest measured error of an integral: halving shows only two thirds of the error where
+# the integrand begins as a square root, and only some integrals are measured.
 MARGIN = 4.0
 SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
 # Thresholds below this many mean thresholds underflow in sums.
@@ -46,10 +46,10 @@ class Life:
     pair_work : work of `left` for one birth at one moment, in look-ups in a table
     timeless : whether the survival depends only on the way, and not on the time that it took
     error : estimate from above of the error of the share that `left` returns, which finer panels do not reduce
-    left_out : share of the contacts that the survival may leave out: its error however few of them hold
-    kernel_error : error of K that is none of E, in units of the stretches at a break; of transforms alone
+    left_out : share of the contacts that the survival may leave out: its error is never below that
+    kernel_error : further error of K, in units of the stretches at a break; only transforms need it
     resolved : last coefficients, on a piece of the stretches at birth, below which it is not halved
-    fresh : whether contacts of the start are as those born later at the same stretch
+    fresh : whether contacts of the start survive as those born later at the same stretch
     has_strands : whether births of earlier legs have to be followed, since `left` does not know them
     """
 

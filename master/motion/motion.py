@@ -38,8 +38,8 @@ class Motion:
         times, positions = times[later], positions[later]
         steps = np.diff(times)
         speeds = np.diff(positions) / steps
-        # quotients of positions and times are accurate to some 1e-13 where a path has thousands of
-        # points, and rounding of the times changes the speeds of short steps most
+        # speeds that differ by 1e-9 count as equal: quotients of positions and times are rounded, to 1e-13 where a path
+        # has thousands of points, and rounding of the times changes the speeds of short steps most
         rounding = 4.0 * np.finfo(float).eps * times[-1] / np.minimum(steps[1:], steps[:-1])
         larger = np.maximum(np.abs(speeds[1:]), np.abs(speeds[:-1]))
         turns = np.flatnonzero(np.abs(np.diff(speeds)) > (1e-9 + rounding) * larger) + 1

@@ -40,9 +40,9 @@ class Births:
 
     law : of the stretches at which broken contacts form again
     delay : time for which a broken contact is out, in the unit of the motion's times
-    accuracy : aimed-at error of the number that the births on one leg contribute
+    accuracy : allowed error of the number that the births on one leg contribute
     until : reading of time.monotonic() at which to stop, and after which no piece is halved
-    work : pieces of births integrated so far, times their cost; see MOST_WORK
+    work : of the integrals over births so far, in look-ups in a table; see MOST_WORK
     """
 
     life: Life
@@ -54,8 +54,8 @@ class Births:
     work: int = 0
 
     def add_work(self, pieces: int) -> None:
-        """Add the work of so many pieces whose survivals are computed, and not looked up."""
-        cost = 1 if self.life.quick else 18 * self.life.pair_work
+        """Add the work of so many pieces of computed survivals: at each node, and for 40 of many stretches at birth."""
+        cost = 1 if self.life.quick else rule.PANEL_NODES * self.life.pair_work
         self.work += pieces * cost * (1 if self.law.is_single else 40)
 
 
@@ -88,12 +88,12 @@ class Panels(NamedTuple):
 
 class Nodes(NamedTuple):
     """Nodes on the parts of pieces that lie on one panel each: target and panel of each part, shape
-    (parts,), and share, place and weight in an integral over the panel's share, (parts, GAUSS)."""
+    (parts,); share of the panel, time, and weight in an integral over the share, (parts, PANEL_NODES)."""
 
     target: Rows
     panel: Rows
     share: Array
-    place: Array
+    time: Array
     weight: Array
 
     @classmethod
@@ -108,10 +108,10 @@ class Nodes(NamedTuple):
         begin, width = ends[panel, None], np.maximum(np.diff(ends)[panel], TINY)[:, None]
         low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
         high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
-        lobatto = rule.lobatto(rule.GAUSS)
+        lobatto = rule.lobatto(rule.PANEL_NODES)
         share = low + (high - low) * lobatto.nodes
-        place, weight = begin + width * share, (high - low) * lobatto.series[:, 0]
-        return cls(target[piece], panel, share, place, weight)
+        time, weight = begin + width * share, (high - low) * lobatto.series[:, 0]
+        return cls(target[piece], panel, share, time, weight)
 
 
 def legendre_births(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
@@ -120,6 +120,6 @@ def legendre_births(ends: Array, slopes: Array, left: Array, right: Array, size:
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
     births = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
-    z = np.clip((2.0 * nodes.place - middle) / width, -1.0, 1.0)
+    z = np.clip((2.0 * nodes.time - middle) / width, -1.0, 1.0)
     weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]
     return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))

@@ -12,8 +12,8 @@ from master.renewal.births import Births
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Births that jump or bend make later breaks bend where these contacts meet a bend of P_c, one order smoother each time,
-# and about two digits smaller in its effect on panels of 17 nodes.
+# Births that jump or bend make later breaks bend where these contacts meet a bend of P_c, each time one order smoother;
+# the effect of the bend on a panel of 17 nodes is then about this times as large.
 SMOOTHER = 1e-2
 # Most edges, as halving resolves further bends; and most where breaks jump, at exact thresholds, which it does not.
 MOST_EDGES, MOST_JUMPS = 400, 4000
@@ -23,7 +23,7 @@ SAME_TIME, ROUNDED = 1e-12, 2e-15
 
 
 class Moment(NamedTuple):
-    """A time at which breaks jump or bend, and the share of contacts that the jump, or the bend's effect, counts."""
+    """A time at which breaks jump or bend, and the share of the contacts in it; of a bend, what it is worth."""
 
     time: float
     size: float
@@ -54,16 +54,16 @@ def edges(
     alike = life.quiet > 0.9 * life.reach
     bends = np.union1d(life.bends, [life.quiet, life.reach] if alike else [])
 
-    def breaks(birth: float, size: float, law: Start) -> Iterator[Moment]:
-        """When births with a jump or bend of this size make breaks jump or bend: one order smoother where P_c jumps;
-        as sharp at an exact threshold, times the share of the contacts that have it."""
+    def break_moments(birth: float, size: float, law: Start) -> Iterator[Moment]:
+        """When births with a jump or bend of this size make breaks jump or bend. At a jump of P_c breaks are one order
+        smoother; at an exact threshold they are as sharp, times the share of the contacts that have it."""
         ends = law.span if np.ptp(law.span) < 0.1 * life.reach else []
         for stretch in np.union1d(law.breakpoints, ends).tolist():
             for t, bend in passings(motion, birth, stretch, bends):
                 if t > since + same_time(motion, t) + SAME_TIME * grain:
                     yield Moment(t, size * (life.atom_share(bend, stretch) or SMOOTHER))
 
-    first = [*known, *breaks(0.0, 1.0, start)]
+    first = [*known, *break_moments(0.0, 1.0, start)]
     for time, speed in zip(motion.times[1:-1].tolist(), motion.speeds.tolist(), strict=False):
         first.append(Moment(time, SMOOTHER))
         # contacts born in one hold share one stretch
@@ -85,7 +85,7 @@ def edges(
             if size > least and time < end - close:
                 if time > since + close:
                     yield Moment(time, size)
-                for moment in breaks(time + delay, size, again):
+                for moment in break_moments(time + delay, size, again):
                     heapq.heappush(coming, moment)
                 if delay > 0.0:
                     heapq.heappush(coming, Moment(time + delay, SMOOTHER * size))
@@ -99,7 +99,7 @@ def edges(
 
 
 def same_time(motion: Motion, time: float) -> float:
-    """Moments nearer to this one count as equal to it; the ends of its leg are no nearer, unless by rounding."""
+    """Time within which moments count as equal to this one; the ends of its leg are farther off, but for rounding."""
     rounded = ROUNDED * time
     leg = min(int(np.searchsorted(motion.times, time + rounded, "right")), motion.speeds.size) - 1
     before, after = time - motion.times[leg], motion.times[leg + 1] - time
@@ -107,8 +107,8 @@ def same_time(motion: Motion, time: float) -> float:
 
 
 def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[tuple[float, float]]:
-    """When the |x| of contacts born then, at a stretch x, first passes each of the lengths `bends`, and that length;
-    and when it comes back to its largest (nan)."""
+    """When the |x| of contacts born then, at a stretch x, first passes each of the lengths `bends`, with that length;
+    and, with nan, when it comes back to its largest value so far."""
     furthest, begin = abs(x), birth
     first = int(motion.leg(birth + same_time(motion, birth)))
     for leg in range(first, motion.speeds.size):

@@ -21,7 +21,7 @@ from origins.thresholds.law import Array
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
-# Allowed error of a table at its panels' ends, divided by the last coefficients: larger beside a root of the survival.
+# Allowed error of a table at its panels' ends, divided by the last coefficients; it is larger beside a square root.
 AT_ENDS = 10.0
 # Pieces of births that are summed together: 0.1 GB.
 TOGETHER_PIECES = 100_000
@@ -29,21 +29,21 @@ TOGETHER_PIECES = 100_000
 NARROWEST_PANEL = 1e-13
 # Ratio of lags at which the survival is sampled to find where contacts break, and how many are sampled together.
 RATIO, LAGS_TOGETHER = 4.0, 6
-# Shares of contacts: until UNBROKEN have broken a table needs no further edges; NEGLIGIBLE adds nothing to integrals.
-UNBROKEN, NEGLIGIBLE = 1e-3, 1e-17
+# Shares of contacts: AT_FIRST may break before a table's first edge; NEGLIGIBLE adds nothing to integrals.
+AT_FIRST, NEGLIGIBLE = 1e-3, 1e-17
 
 
 class Straight:
     """E and K over the lag since birth, a time or the slider's way, at the speed dX/dt of either sign, or 0.
 
     born : law of the stretches at birth
-    longest : the longest lag, or an earlier one after which no contact holds
+    longest : the longest lag; the table ends there or where no contact holds, if `steady` where hardly any does
     accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
-    steady : whether lags are ways instead of times, and followed until hardly any contact holds
+    steady : whether lags are ways instead of times
 
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
-    typical : the lag after which about half of the contacts have broken
+    typical : a lag, to a factor of 4, after which half of the contacts have broken
     scale : a length, of the stretches at a break
     error : of the share that holds, as the table gives it; in addition to the life's own error
 
@@ -74,7 +74,7 @@ class Straight:
         self.longest = float(lags[-1])
         way = self.typical * abs(speed) / self._per_time
         self.scale = max(way, *(abs(end) for end in born.span)) or life.reach
-        first = max(int(np.argmax(held < 1.0 - UNBROKEN)) - 1, 0)
+        first = max(int(np.argmax(held < 1.0 - AT_FIRST)) - 1, 0)
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
         shortest = NARROWEST_PANEL * min(self.typical, float(edges[1]))
@@ -115,7 +115,7 @@ class Straight:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
         lags = np.array([longest])
         held = self.scaled(lags[:, None])[0, :, 0]
-        while held[0] < 1.0 - UNBROKEN and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
+        while held[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
             if lags[0] < 1e-150 * longest:
                 told = "contacts break before they have moved a length that is a number"
                 refuse("velocity", abs(self._speed), f"{told}; slide faster")
@@ -139,8 +139,8 @@ def _edges(longest: float, lags: Array) -> Array:
 
 
 class Kernel(NamedTuple):
-    """Contributions of a panel to the number, then the force, of panels of its own width, of shape (panels apart,
-    2 * TARGETS.size, DEGREE + 1); and the matrix from 1 - number at the nodes to the breaks there."""
+    """Contributions of a panel's breaks, at 0 and its nodes, to number, then force, on panels of its own width, shape
+    (panels apart, 2 * TARGETS.size, DEGREE + 1); and the matrix from 1 - number at the nodes to the breaks there."""
 
     values: Array
     solve: Array
@@ -218,20 +218,20 @@ class Kernels:
 
     def _integrals(self, speed: float, t: Array, ends: Array) -> tuple[Nodes, Array]:
         """Nodes of births on panels of a leg, as seen from times t, and share and force there times
-        the weights, shape (2, parts, GAUSS): exact for the polynomials of the table."""
+        the weights, shape (2, parts, PANEL_NODES): exact for the polynomials of the table."""
         straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
         nodes = Nodes.of(ends, Pieces.between(np.clip(cuts, begin, end)))
         self._births.work += nodes.target.size
-        return nodes, nodes.weight * straight.look_up(t[nodes.target, None] - nodes.place)
+        return nodes, nodes.weight * straight.look_up(t[nodes.target, None] - nodes.time)
 
 
 def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:
-    """Solve panels of one width by conservation; `stretch`: the longest |x| of a contact.
+    """Solve panels of one width: at each node, number of earlier births + own kernel * breaks = 1.
 
     known : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
-    earlier : breaks on the panels of this width that directly precede the first
+    earlier : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
     """
     count, size, targets = known.shape[1], rule.DEGREE + 1, TARGETS.size
     before = min(kernel.values.shape[0], len(earlier) + count) - 1
@@ -239,16 +239,16 @@ def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> R
     kept = min(len(earlier), before)
     panels[before - kept : before] = earlier[len(earlier) - kept :]
     # the farthest panels first, the order in which `panels` holds them
-    far = kernel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
-    both = known.swapaxes(0, 1).reshape(count, -1)
+    of_earlier = kernel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
+    sums = known.swapaxes(0, 1).reshape(count, -1)
     for panel in range(count):
-        both[panel] += far @ panels[panel : panel + before].ravel()
-        panels[panel + before, 1:] = kernel.solve @ (1.0 - both[panel, 1:size])
-    both += panels[before:] @ kernel.values[0].T
-    number, force = both[:, :targets], both[:, targets:]
-    missing = np.abs(number[:, size:] - 1.0).max(axis=1)
-    bent = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
+        sums[panel] += of_earlier @ panels[panel : panel + before].ravel()
+        panels[panel + before, 1:] = kernel.solve @ (1.0 - sums[panel, 1:size])
+    sums += panels[before:] @ kernel.values[0].T
+    number, force = sums[:, :targets], sums[:, targets:]
+    of_number = np.abs(number[:, size:] - 1.0).max(axis=1)
+    of_force = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
     # the residual of conservation is the share of contacts miscounted, which bear the longest stretch at
     # most; of samples at a few points the largest is at least half of the true one (measured)
-    error = np.nan_to_num(2.0 * (missing + bent / stretch), nan=np.inf)
+    error = np.nan_to_num(2.0 * (of_number + of_force / stretch), nan=np.inf)
     return Run(panels[before:], force[:, :size], error)

@@ -24,7 +24,7 @@ from master.renewal.past import Past
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# First guess of a panel's width, in grains of the life, at a tolerance of 1e-8; 1e-10 for Gaussian thresholds.
+# First guess of a panel's width at a tolerance of 1e-8, in grains of the life; Gaussian ones then have errors of 1e-10.
 WIDE = 6.0
 
 
@@ -33,7 +33,7 @@ class March:
 
     start : law of the stretches at t = 0
     edges : sorted times at which the number of breaks may bend or jump; the first is 0
-    tolerance : largest error of the number of breaks on a panel
+    tolerance : largest error of the number of breaks on a panel, a share of the contacts
     guess : the first guess of the width of a panel, a length
     stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
 
@@ -81,7 +81,7 @@ class March:
         try:
             for _ in self.runs():
                 if self.motion.one_leg and self._steady():
-                    # nothing changes later but what `_steady` lets pass; times and breaks would lose digits
+                    # later changes are at most those that `_steady` allows, an error; going on would cost digits
                     self.steady_since = self.reached - 0.5 * self.width[-1]
                     self.error[-1] += 0.25 * self.tolerance
                     break
@@ -115,7 +115,7 @@ class March:
                 width = (end - t) / left
             run = self._run(t, width, min(count, left), leg)
             bad = np.flatnonzero(run.error > self.tolerance)
-            # beyond the allowed work, on the narrowest panels and on those spoiled by rounding, the error is accepted
+            # beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error
             hurried = self.births.work > MOST_WORK or width < max(narrowest, 1e-13 * t)
             bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.error.size
@@ -125,7 +125,7 @@ class March:
                 missed = float(run.error[good]) / self.tolerance
                 part = 0.25 if missed > 100.0 else 0.5
                 if not good and missed < 0.5 * tried_missed:
-                    # beside a power of t the error is one of the width, which two panels tell
+                    # where B begins as a power of t, the error is a power of the width: two widths give its exponent
                     power = np.log(tried_missed / missed) / np.log(tried_width / width)
                     part = min(part, (0.5 / missed) ** (1.0 / power))
                 tried_width, tried_missed = width, missed
@@ -157,15 +157,15 @@ class March:
         return self.kernels.straight(float(self.motion.speeds[leg])).longest + self.births.delay
 
     def _steady(self) -> bool:
-        """Whether breaks have been steady for longer than any life: the rate of breaks is a mean of the
-        rates over the longest life before; where these agree to the tolerance, so do all that follow."""
+        """Whether breaks have been steady for longer than any life. Each rate of breaks is a mean of those before, to
+        the longest life (renewal equation); where these agree to the tolerance, so do all that follow."""
         memory, speed = 1.1 * self._memory(0), self.motion.speeds[0]
         since = self.reached - self.lumps[-1].time
         if not speed or since < memory or self.edges[-1] - self.reached < 8.0 * memory:
             return False
         first = max(int(np.searchsorted(self.begin, self.reached - memory, "right")) - 1, 0)
         slopes = self.breaks[first:] @ rule.SLOPES.T / self.width[first:, None]
-        rates = slopes @ rule.legendre_values(rule.gauss(rule.GAUSS).nodes).T
+        rates = slopes @ rule.legendre_values(rule.gauss(rule.PANEL_NODES).nodes).T
         alike = np.ptp(rates) < 0.25 * self.tolerance * rates.mean()
         return bool(alike and np.ptp(self.force[first:]) < 0.25 * self.tolerance * self.stretch)
 
@@ -229,7 +229,7 @@ class March:
         return self.kernels.sums(float(self.motion.speeds[leg]), t, ends, panels.breaks)
 
     def _break_lumps(self, t: float, end: float) -> None:
-        """Make a new lump of the contacts that reach an exact threshold, together, at the edge t."""
+        """Make a lump of the contacts that break together at the edge t, if any: the fall of the number there."""
         if not t > 0.0 or not len(self.life.atoms):
             return
         leg = int(self.motion.leg(t))

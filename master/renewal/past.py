@@ -3,7 +3,7 @@
 Lumps are contacts that are born together, the start among them (G_0 and M_0 of the equation).
 Where the slider has turned round, rested or changed its speed since a birth, the survival depends on the moves since.
 As a function of the time of birth on one leg it bends where the largest |x| of a contact changes sides or meets a bend
-of the law; between bends it is a polynomial. Times are counted from the beginning of the present leg, to keep digits.
+of the law, and is smooth between bends. Times are counted from the beginning of the present leg, to keep digits.
 """
 
 import time as clock
@@ -35,11 +35,11 @@ class Past:
         self._births, self._life = births, births.life
         # sums of survivals that take long to compute are less accurate
         self._accuracy = births.accuracy * (1.0 if births.life.quick else 30.0)
-        # many legs may be dropped: each is this much smaller
+        # many legs may be dropped: each must be a thousandth of that
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
         # legs of whose births hardly any hold: left out, and to be left out from the next leg on
-        self._over, self._faded = set[int](), set[int]()
+        self._dropped, self._dropped_next = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
 
@@ -60,8 +60,8 @@ class Past:
         self._ends = np.append(begin, begin[-1:] + panels.width[-1:])
         self._slopes = panels.breaks @ rule.SLOPES.T
         self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
-        self._over |= self._faded
-        self._legs = np.array(sorted(set(legs.tolist()) - self._over), dtype=int)
+        self._dropped |= self._dropped_next
+        self._legs = np.array(sorted(set(legs.tolist()) - self._dropped), dtype=int)
 
     def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force of births on the legs before, and of all lumps, (2, rows, columns), at times in rows: each
@@ -84,7 +84,7 @@ class Past:
             leg = self._motion.leg(0.5 * (low + high)[late])
             held += np.bincount(leg, found[0, late], held.size)
         self.error = max(self.error, float(out[2].max()))
-        self._faded = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
+        self._dropped_next = {leg for leg in self._legs.tolist() if held[leg] <= self._negligible}
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
@@ -129,19 +129,19 @@ class Past:
         births, pieces = self._births, self._pieces(t)
         # pieces may end at exact thresholds, where the survival jumps
         nodes = rule.gauss if self._life.atoms.size else rule.lobatto
-        size = rule.GAUSS if self._life.quick else 5  # few first where survivals take long
+        size = rule.PANEL_NODES if self._life.quick else 5  # few first where survivals take long
         while pieces.owner.size:
             owner, low, high = pieces
             few = nodes(size)
             place = low[:, None] + (high - low)[:, None] * few.nodes
-            births.add_work(owner.size * size // rule.GAUSS)
+            births.add_work(owner.size * size // rule.PANEL_NODES)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
-            number = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
-            # about the first coefficient left out, by the decay of the last four, of number or force
+            born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
+            # about the first coefficient c_n left out of number or force, by the decay of the last four
             last, fall = rule.last_and_fall(np.abs(held @ few.series[:, -4:]))
             fall, unit = np.sqrt(fall), np.array([[1.0], [self._life.reach]])
             left_out, fall = (last * fall / unit).max(axis=0), fall.max(axis=0)
-            wrong = left_out * number
+            wrong = left_out * born
             leg = self._motion.leg(place[:, 1])
             narrowest = rule.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
             rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
@@ -149,13 +149,13 @@ class Past:
             good = pieces.pick(~rough)
             weights = legendre_births(self._ends, self._slopes, good.low, good.high, size)
             found = (held[:, ~rough] @ few.series * weights).sum(axis=-1)
-            # births are nearly a polynomial, too: the survival's coefficient k beyond the last counts in those k before
+            # |c_n| fall^k, the coefficient k beyond, is felt by a polynomial of births of degree n - k: both decay
             fading = fall[~rough, None] ** np.arange(size)[::-1]
             missed = left_out[~rough] * (np.abs(weights) * fading).sum(axis=1)
             yield good, np.append(found, missed[None], axis=0)
             pieces = pieces.pick(rough)
-            pieces = pieces.halves() if size == rule.GAUSS else pieces
-            size = min(2 * size, rule.GAUSS)
+            pieces = pieces.halves() if size == rule.PANEL_NODES else pieces
+            size = min(2 * size, rule.PANEL_NODES)
 
     def _pieces(self, t: Array) -> Pieces:
         """Pieces of the births on each leg, for each target, with ends where the survival bends."""

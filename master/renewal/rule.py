@@ -22,8 +22,8 @@ Rows = npt.NDArray[np.intp]
 DEGREE = 16
 # Two edges of a range nearer than this share of it count as equal.
 CLOSE = 1e-13
-# Nodes of an integral over one panel: exact for a product of polynomials of degrees 16 and 17.
-GAUSS = 18
+# Lobatto nodes of an integral over one panel: exact for a product of polynomials of degrees 16 and 17.
+PANEL_NODES = 18
 
 
 class Pieces(NamedTuple):

@@ -62,15 +62,15 @@ class StrandBirths:
         return np.moveaxis(self._sums(t), -1, 0)
 
 
-def _missed(told: Array, weight: Array) -> Array:
-    """Error of the sums over each piece's nodes; told, the survival, has shape (times, pieces, SIZE).
+def _missed(survival: Array, weight: Array) -> Array:
+    """Error of the sums over each piece's nodes; the survival has shape (times, pieces, SIZE).
 
-    The survival's coefficients alone, extrapolated by their decay, overestimate it up to 1e4 times, as the rate of
+    Its coefficients alone, extrapolated by their decay, overestimate the error up to 1e4 times, as the rate of
     births is nearly constant; what the last ones contribute to the sums underestimates it up to 20 times. The
     geometric mean of both is about right, twice that a bound.
     """
     basis = rule.gauss(SIZE)
-    size = np.abs(told @ basis.series)
+    size = np.abs(survival @ basis.series)
     last, fall = rule.last_and_fall(size)
     alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)
     moments_of_births = np.abs(weight @ legendre.legvander(2.0 * basis.nodes - 1.0, SIZE - 1))

@@ -24,8 +24,8 @@ class Table:
     edges : sorted; the functions may jump or bend there
     accuracy : a panel is halved while one of its last two coefficients is larger
     shortest : length of the shortest panel
-    at_ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy, which detects a fall
-        that is over before the first node; 0: not checked
+    at_ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy, which finds a fall
+        between an end and the first node; 0: not checked
     size : number of coefficients of the polynomials
     looser : takes values, as `function` gives them, and the panels' widths; returns the factor on the
         accuracy on each panel, shape (panels,), or (functions, panels)

@@ -71,7 +71,7 @@ class ColdSlider:
             if count:
                 at = curve.travel_at(loads[:count], y, slip.travel)
                 self.force.append(direction * curve.force(at))
-                off = curve.misplaced(at, self._base_error)
+                off = curve.travel_errors(at, self._base_error)
                 self.error = max(self.error, spring * float(off.max()))
             if not np.isfinite(slip.load):
                 # F' jumps to 1 at a turn: the error of its place is one of the force
@@ -102,8 +102,8 @@ class ColdSlider:
         curve, y = held.end_of_slip(0.0, slip.load - spring * slip.travel, slip)
         self._note(move, slip, begin, float(curve.force(y)))
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
-        error = (1.0 + spring) * slip.misplaced * y / self.contacts.unit
-        self._base_error += float(curve.misplaced(y, 0.0, slip.error + error))
+        error = (1.0 + spring) * slip.begin_error * y / self.contacts.unit
+        self._base_error += float(curve.travel_errors(y, 0.0, slip.error + error))
         return held.after_slip(y, error + float(curve.error_at(y)))
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float) -> None:

@@ -23,7 +23,7 @@ from origins.thresholds.law import Array
 
 @dataclass(frozen=True)
 class LoadCurve:
-    """Force along the motion over the slider's travel, a polynomial on each panel.
+    """Force along the motion, F times its direction +1 or -1, over the travel: a polynomial on each panel.
 
     begin, width : arrays of shape (n,), of panels one after the other from 0
     series : array of shape (n, DEGREE + 1), Legendre coefficients of the force (lengths)
@@ -106,7 +106,7 @@ class LoadCurve:
                 return float(points[np.argmax(above)])
         return np.inf
 
-    def misplaced(self, y: float | Array, shift: float = 0.0, more: float = 0.0) -> Array:
+    def travel_errors(self, y: float | Array, shift: float = 0.0, more: float = 0.0) -> Array:
         """Errors of travels y that were computed from given loads; same shape as y.
 
         An error e of the force displaces them by e/(the slope); near a slip, where the slope
@@ -153,7 +153,7 @@ class SlipBegin(NamedTuple):
         return float(self.curve.error_at(self.travel))
 
     @property
-    def misplaced(self) -> float:
+    def begin_error(self) -> float:
         """Error of the travel due to that of F' (a length); 0 where F' jumps, or contacts break together."""
         curve, y = self.curve, self.travel
         panel = int(curve.panel(y))

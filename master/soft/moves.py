@@ -39,8 +39,8 @@ class ColdContacts:
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
         self.formed_again = reforming_law(contacts)
         # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred
-        # times that of its values: hence 1e-4 of the tolerance, which counts as 1e-6 mean thresholds
-        # at most; below 1e-13 panels would be halved for round-off alone
+        # times that of its values: hence 1e-4 of the tolerance, or of 1e-6 mean thresholds if it is
+        # larger; below 1e-13 panels would be halved for round-off alone
         self.tolerance = max(1e-4 * min(tolerance, 1e-6) * self.unit / self.life.reach, 1e-13)
         self.spring, self.until, self.nodes = spring, until, 0
 
@@ -103,9 +103,9 @@ class Move:
 
     def end_of_slip(self, after: float, load: float, begin: SlipBegin) -> tuple[LoadCurve, float]:
         """The curve, and the travel at the end of the slip that begins at the travel `after` with this load."""
-        # next to the beginning, which is known to `misplaced`, the computed load may still rise: its rise at the end
+        # next to the beginning, which is known to `begin_error`, the computed load may still rise: its rise at the end
         # is looked for from ten times as far on, at most 1e-4 of the travel, as slips are longer
-        falling, travel = min(10.0 * begin.misplaced, 1e-4 * begin.curve.end), after
+        falling, travel = min(10.0 * begin.begin_error, 1e-4 * begin.curve.end), after
         while True:
             curve = self.curve_to(travel)
             y = curve.slip_ends(after, load, falling)

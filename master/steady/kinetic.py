@@ -161,7 +161,7 @@ def kinetic_curve(
     off = holding * (1.0 - holding) * length_error / length
     force, force_error = force * holding, force_error * holding + force * off
     return KineticCurve(
-        **points.outcome(*judged("F_k", force_error / force, WELL)),
+        **points.outcome(*judged("F_k", force_error / np.abs(force), WELL)),
         force=force,
         force_error=force_error / contacts.mean_threshold,
         holding=holding,

@@ -91,14 +91,14 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
         known = {
             "force": force,
             "force_error": force_error / unit,
-            "holding": travel.length / travel.cycle,
+            "holding": travel.length / travel.birth_to_birth,
             "thresholds": contacts.thresholds,
             "mean_threshold": unit,
             "cycle_length": travel.length,
             "cycle_length_error": travel.length_error / unit,
             "_held": partial(_held, travel),
         }
-    relative = known["force_error"] / max(abs(known["force"]) / unit, WELL)
+    relative = known["force_error"] * unit / max(abs(known["force"]), 1e-300)
     success, message = judged("F_k", relative, WELL)
     return SteadyState(success=bool(success), message=message, **known)
 

@@ -38,14 +38,15 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
     """C (lengths) and the integral of the force over a cycle (lengths squared), each with its error, shape (2, 2, n),
     of contacts with heat (closure "exact"), born relaxed, at speeds of shape (n,)."""
     check_finite(contacts)
-    law, unit, breaks = contacts.thresholds, contacts.mean_threshold, _make_breaks(contacts, speeds)
+    law, unit = contacts.thresholds, contacts.mean_threshold
+    moments = _break_moments(contacts, speeds)
     positions, shares = law.atoms
     total, off = np.zeros((2, 2, speeds.size))
     if positions.size:
-        total += np.einsum("a,kas->ks", shares, breaks(positions))
+        total += np.einsum("a,kas->ks", shares, moments(positions))
     if float(shares.sum()) < 1.0 - 1e-14:
         edges = panel_edges(law, tail=TAIL)
-        at_edges = breaks(np.maximum(edges, NARROWEST_PANEL * unit))
+        at_edges = moments(np.maximum(edges, NARROWEST_PANEL * unit))
         parts = -np.diff(law.sf(edges))[:, None] * np.maximum(at_edges[:, 1:], at_edges[:, :-1])
         about = total + parts.sum(axis=1)
         scale = np.maximum(about, np.finfo(float).tiny) / unit
@@ -55,7 +56,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
         off += parts[:, few].sum(axis=1)
 
         def integrand(xi: Array) -> Array:
-            found = breaks(xi.ravel()).transpose(0, 2, 1) / scale[..., None]
+            found = moments(xi.ravel()).transpose(0, 2, 1) / scale[..., None]
             return found.reshape(-1, *xi.shape) * finite_density(law, xi)
 
         table = Table(integrand, edges[first : last + 2], ACCURACY, NARROWEST_PANEL * unit)
@@ -66,7 +67,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
     return np.stack([total, off], axis=1) * np.array([1.0, 0.5])[:, None, None]
 
 
-def _make_breaks(contacts: Contacts, speeds: Array) -> Callable[[Array], Array]:
+def _break_moments(contacts: Contacts, speeds: Array) -> Callable[[Array], Array]:
     """Mean x_b and k x_b^2 of relaxed contacts as a function of thresholds, at all speeds."""
     assert contacts.thermal is not None
     rates, log_speeds = contacts.thermal.rates, np.log(speeds)
@@ -79,7 +80,7 @@ def _make_breaks(contacts: Contacts, speeds: Array) -> Callable[[Array], Array]:
     # the rate may vanish at the threshold: a panel must be at least its width away from it
     usable_from = edges[1:] + np.diff(edges)
 
-    def breaks(thresholds: Array) -> Array:
+    def moments(thresholds: Array) -> Array:
         """Shape (2, thresholds, speeds)."""
         stiffness = np.asarray(contacts.relative_stiffness(thresholds))
         given = 0.0, thresholds[:, None], stiffness[:, None]
@@ -102,7 +103,7 @@ def _make_breaks(contacts: Contacts, speeds: Array) -> Callable[[Array], Array]:
         out[1] *= stiffness[:, None]
         return out
 
-    return breaks
+    return moments
 
 
 def _weight(log_e: Array) -> Array:

@@ -63,7 +63,7 @@ class Travel(Straight):
         units = np.array([1.0, self.scale])
         self.length, self.area = (table.integrals() * units).tolist()
         if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
-            # at T = 0 both are moments of P_c; by how much the integrals miss these counts as their error
+            # at T = 0 both are moments of P_c; the difference from the integrals counts as their error
             law, power = contacts.thresholds, power_of(contacts)
             length, area = self.length, self.area
             self.length = law.mean()
@@ -85,14 +85,14 @@ class Travel(Straight):
         self.area_error = float(off[1]) * self.scale + 1e-13 * abs(self.area)
 
     @property
-    def cycle(self) -> float:
+    def birth_to_birth(self) -> float:
         """The mean way from a birth to the next one, a length."""
         return self.length + self.wait
 
     def force(self) -> tuple[float, float]:
         """F_k/(N_c <k>) and its error (paper, Eq. Q11d), lengths."""
-        force = self.area / self.cycle
-        return force, (self.area_error + abs(force) * self.length_error) / self.cycle
+        force = self.area / self.birth_to_birth
+        return force, (self.area_error + abs(force) * self.length_error) / self.birth_to_birth
 
 
 def thresholds_beyond(contacts: Contacts, far: float) -> Array:

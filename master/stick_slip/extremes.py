@@ -28,8 +28,8 @@ class Largest(NamedTuple):
 
 
 class Extremes(NamedTuple):
-    """The largest -dF/dX, K*/(N_c <k>): 0 where F never falls, inf where it drops at one X; F_s, the largest F (a
-    length); their errors are absolute. And E and K of contacts that re-form, in steady sliding."""
+    """The largest -dF/dX, K*/(N_c <k>): 0 where F never falls, inf where it drops or its slope diverges; F_s, the
+    largest F (a length); their errors are absolute. And E and K of contacts that re-form, in steady sliding."""
 
     fall: Largest
     force: Largest
@@ -144,7 +144,7 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
     life, contacts = travel.life, travel.contacts
     low, high = contacts.start.span
     if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):
-        # F is followed for 0.01 mean thresholds beyond the last break of the first generation
+        # the last first break comes before the first second one: F is followed for 0.01 mean thresholds beyond it
         return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
     old = end[travel.table(begin)[0] * end > OLD * travel.length].max(initial=0.0)
@@ -156,7 +156,7 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
 def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
     """Bounds of the slope -dF/dX and of F (a length) beyond the horizon. In -dF/dX = integral of x p (u - 1), u
     is C times the rate of breaks; u - 1 has an integral of about F_k, and decays to the contribution of lives longer
-    than the horizon. Both are taken twice for safety."""
+    than the horizon. Both bounds are doubled for safety."""
     ways = np.append(0.5 * horizon, travel.table.end[travel.table.end > 0.5 * horizon])
     middle = np.sqrt(ways[1:] * ways[:-1])
     held, kinetic = travel.table(middle)[0], travel.area / travel.length
@@ -168,7 +168,7 @@ def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
 
 
 def _diverges(contacts: Contacts, bends: Array) -> bool:
-    """Whether P_c diverges at a stretch that all contacts reach together: F then drops there."""
+    """Whether P_c diverges at a stretch that all contacts reach together: so does F's slope there."""
     if not contacts.start.is_single:
         return False
     points = np.append(bends, contacts.thresholds.support()[1])

@@ -22,7 +22,7 @@ class Propensity:
     """Measures of stick-slip propensity for a start, a law of thresholds and the laws of contacts.
 
     critical_spring : K*/(N_c <k>) = max over X of -dF/dX (paper Eq. Q16): at T = 0 a slider on a softer spring slips
-        at least once from the start. 0 where the force never falls; inf where it drops at one X.
+        at least once from the start. 0 where the force never falls; inf where it drops or its slope diverges.
     static_to_kinetic : F_s/F_k, the largest force divided by the kinetic one; 1 where the force never exceeds it.
     decoherence_length : X* (a length) of the slowest term e^{-X/X*} in F - F_k; inf where none decays exponentially.
     onset_power : m of P_c(x) ~ (x - a)^m at its lower end.
@@ -52,8 +52,9 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     tolerance : largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
-    F(X) is followed for ten of these units, or the first generation of breaks alone where others do not overlap it;
-    further, to 1,000 units, where more than 1e-6 of the contacts live longer. Errors bound what may follow, too.
+    F(X) is followed for ten mean thresholds, with heat ten mean ways from birth to break; where generations of breaks
+    do not overlap, along the first; and up to 100 times as far where more than 1e-6 of the contacts live longer. Errors
+    bound what may follow, too.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and where contacts re-form
     so far behind x = 0 that the kinetic force is not above 0.

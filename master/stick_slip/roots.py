@@ -6,9 +6,9 @@ since birth (docs/equations.md). With d the travel in the delay it is
     b^(s) D(s) = 1/s - G_0^(s),      D(s) = E^(s) e^(-sd) + (1 - e^(-sd))/s,
 
 and F - F_k is a sum of e^(sX) over the roots of D, all left of the imaginary axis, none on the real one.
-There the transform w = 1 - sD of the way from a birth to the next is 1. By the argument principle as
-many of them lie right of a line of constant Re s as the real numbers above 1 that w passes on the line:
-Newton's method starts from there, and has to find as many.
+There the transform w = 1 - sD of the way from a birth to the next is 1. By the argument principle as many roots lie
+right of a line of constant Re s as w crosses the real axis above 1 along it: Newton's method starts from there, and
+has to find as many.
 """
 
 from typing import NamedTuple
@@ -192,14 +192,14 @@ def decoherence_length(travel: Travel) -> tuple[float, float]:
 
 def deepest_wave(travel: Travel, rate: float) -> float:
     """Decay rate to which roots are searched (per length): deeper waves vanish within a mean life."""
-    return min(NEAR * rate, 40.0 / travel.cycle)
+    return min(NEAR * rate, 40.0 / travel.birth_to_birth)
 
 
 def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
     """All roots of D with Im s > 0 right of Re s = -searched, slowest first, and `searched` (per length):
     at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate (0: everywhere)."""
     roots, searched, deepest = np.empty(0, dtype=complex), 0.0, transform.deepest
-    decay = min(0.5 / transform.travel.cycle, deepest)
+    decay = min(0.5 / transform.travel.birth_to_birth, deepest)
     while roots.size < count and searched <= 0.99 * deepest:
         found, number = _right(transform, decay, roots)
         if found.size >= number:
@@ -222,7 +222,7 @@ def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, 
     # w = 1 - sD turns by half a radian in a step: its slope on the real axis is the mean way, weighted by e^(decay x)
     step = float((0.5 * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     # at most 1e8 frequencies times nodes of an integral, and at most 2,000 per mean way
-    highest = min(2e3 / travel.cycle, np.sqrt(1e8 * step / transform.table.end[-1]))
+    highest = min(2e3 / travel.birth_to_birth, np.sqrt(1e8 * step / transform.table.end[-1]))
     last = max(4.0 / travel.grain, 15.0 * step)
     while True:
         last = min(2.0 * last, highest)

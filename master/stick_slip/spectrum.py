@@ -1,7 +1,6 @@
 """How F(X) decays to the kinetic force: the leading roots of D, their amplitudes, and their sum.
 
-F - F_k ~ sum over pairs of roots of Re[c_n e^(s_n X)],
-c_n = 2 K^(s_n) e^(-s_n d) [1/s_n - G_0^(s_n)] / D'(s_n).
+F - F_k ~ sum over pairs of roots of Re[c_n e^(s_n X)], c_n = 2 K^(s_n) e^(-s_n d) [1/s_n - G_0^(s_n)] / D'(s_n).
 """
 
 import time
@@ -39,9 +38,8 @@ class DecoherenceSpectrum:
     """Leading roots, one of each pair, slowest first; arrays of shape (n,). n is 0 where no oscillation decays as
     slowly as `beyond`, as where heat breaks contacts long before x_s.
 
-    roots : s_n with Im s_n > 0, per length.
-    period, decay_length : 2π/Im s_n and -1/Re s_n, lengths.
-    amplitude : c_n, lengths.
+    roots : s_n with Im s_n > 0, per length; period, decay_length : 2π/Im s_n and -1/Re s_n, lengths.
+    amplitude : c_n, lengths; errors of these four are absolute, in the same units.
     kinetic_force : F_k/(N_c <k>), a length; its error is in units of the mean threshold.
     beyond : decay length (a length) of the terms left out, and so of `force_error`; that of further roots may be
         shorter.
@@ -155,7 +153,7 @@ def _deepest(travel: Travel) -> float:
         fault = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
         refuse("velocity", travel.velocity, f"{fault}; roots are told to {LONGEST_DELAY:g} times")
     crowd, tail = crowding_rate(travel), tail_rate(contacts.thresholds)[0]
-    if crowd * travel.cycle < 1e-2:
+    if crowd * travel.birth_to_birth < 1e-2:
         fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
         hint = "and none is the slowest; give each a width, or follow F(X) with master.solve"
         raise InputError(f"thresholds: {fault}, {hint}")
@@ -171,7 +169,7 @@ def _deepest(travel: Travel) -> float:
 
 def _remainder(travel: Travel, spectrum: DecoherenceSpectrum) -> float:
     """The largest error of the terms over the first few mean ways from birth to birth, times e^(X/beyond), a length."""
-    horizon = 6.0 * travel.cycle + max(-2.0 * travel.contacts.start.span[0], 0.0)
+    horizon = 6.0 * travel.birth_to_birth + max(-2.0 * travel.contacts.start.span[0], 0.0)
     march = forward_march(travel, horizon, TOLERANCE).run()
     share = np.append(0.0, rule.NODES)
     x = travel.velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)

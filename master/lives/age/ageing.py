@@ -80,7 +80,7 @@ class AgeingLife(Life):
             self._table(float(motion.speeds[0]), 0.0)
 
     def _add_error(self, source: str, error: float) -> None:
-        """Count an error of the share that holds: the largest of each source, and 1e-13 by rounding."""
+        """Count an error of the share that holds: `error` sums the largest of each source, and 1e-13 by rounding."""
         self._errors[source] = max(self._errors.get(source, 0.0), error)
         self.error = self.left_out = sum(self._errors.values()) + 1e-13
 
@@ -88,7 +88,7 @@ class AgeingLife(Life):
         """Share of contacts that hold, and their force per contact born; see Life.left."""
         motion = history.motion
         leg = motion.leg_of_all(history.t)
-        # tables of births of this very law are made by kernels.Straight, on a motion of its own with one leg
+        # on a motion of one leg, as that of a kernels.Straight, contacts of the start are looked up as births
         if born is self.contacts.start and not motion.one_leg:
             now = self._start[leg](history.t - motion.times[leg])
             return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))

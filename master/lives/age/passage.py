@@ -133,7 +133,7 @@ class Passage:
     def _march(self, here: _Segment) -> None:
         """Add the panels of the last segment, until hardly any contact holds."""
         speed, last = abs(here.slope), here.root
-        # speed u at which the level recedes from thresholds of any size: e^(-u² t/4D) < e^-40 are met after a time t
+        # speed u at which the level recedes from all thresholds: of these fewer than e^-40 are met after t = 160 D/u²
         recedes = -here.slope - self._rate * max(self._furthest - self._mean, 0.0)
         if recedes > 0.0:
             last = min(last, float(np.sqrt(160.0 * self._diffusion)) / recedes)
@@ -178,8 +178,8 @@ class Passage:
         """The share below the level now, at rho (n,) on the last segment, of what broke on some panels, one function of
         n ranges; `each`: if 2 ρ b were each of the Legendre polynomials of the first panel, DEGREE functions.
 
-        The variable is -c, where c is ρ on the last segment, and goes on below 0 on those before: its root is taken
-        from the lower end, where c is now, as `below` is a series in that root.
+        Integrated over y = -c: c is ρ on the last segment, and on those before ρ less the roots of all later durations.
+        Near now, the lower end of y, `below` is a series in the root of the distance from there.
         """
         begin, lowest, slope, root = np.array(self._segments).T
         first = np.append(-np.cumsum(root[-2::-1])[::-1], 0.0)  # c where each segment begins

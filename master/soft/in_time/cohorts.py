@@ -1,9 +1,9 @@
 """Cohorts: all contacts of a slider on its way, trial steps, and the steps taken.
 
-With J(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
+With N(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
 born at s, number conservation says
 
-    G_0(t) + integral of E(t, s) dJ(s) + [B(t) - J(t)] = 1,        J(t) = B(t - delay).
+    G_0(t) + integral of E(t, s) dN(s) + [B(t) - N(t)] = 1,        N(t) = B(t - delay).
 
 Contacts are independent: the survival of those born at one moment depends on the motion since and on nothing else. They
 are represented by a cohort born at the end of each step, and each cohort by one strand for each stretch at which
@@ -125,7 +125,7 @@ class Cohorts:
         last, pull = new.tolist()
         without_births |= bool(self.delay) and now == self.now
         slope, rest = (0.0, born) if without_births else self._births_at(now)
-        # known + last (J - J_before) + B - J = 1, J = slope B + rest
+        # known + last (N - N_before) + B - N = 1, N = slope B + rest
         breaks = (1.0 - known + last * born + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
         more = slope * breaks + rest - born
         force, held = force + pull * more, known + last * more

@@ -1,10 +1,10 @@
 """Refining: the whole path solved with steps halved each time, and extrapolated.
 
 Errors of the answers fall about as the square of the step, faster with ageing, more slowly where thresholds grow
-or births jump; all are extrapolated to step 0 as if by the square. The error estimate is one to three times the last
-change, of the extrapolated answers or of the others, whichever is smaller, plus the error of the contacts' memory and
-rounding, or what the steps do not resolve if that is larger. Steps are halved until force and holding are both known;
-the error of the force, and of the load at slips, is claimed.
+or births jump; all are extrapolated to step 0 as if by the square. The error estimate is three times, with ageing
+once, the last change of the extrapolated or of the plain answers, whichever is smaller, plus the error of the contacts'
+memory and rounding, or what the steps do not resolve if that is larger. Steps are halved until force and holding are
+both known; the error of the force, and of the load at slips, is claimed.
 """
 
 import time
