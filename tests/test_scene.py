@@ -97,9 +97,11 @@ def test_scans_are_found_beside_the_scene_file(tmp_path: Path) -> None:
     material = origins.Material(**ROUGH["material"])
     direct = origins.from_topography(topography, **options, material=material)
     assert mean(file="own.txt") == direct.mean()
-    told = r"^contacts\.thresholds\.surface.file = .*: cannot be read as a scan"
-    for wrong in ({"file": "text.di"}, {"file": "own.txt", "unit": "nm"}):
-        with pytest.raises(InputError, match=told):
+    for key, told, wrong in (
+        ("file", "cannot be read as a scan", {"file": "text.di"}),
+        ("unit", "the file has its own; leave it out", {"file": "own.txt", "unit": "nm"}),
+    ):
+        with pytest.raises(InputError, match=rf"^contacts\.thresholds\.surface.{key} = .*: {told}"):
             mean(**wrong)
 
 

@@ -224,17 +224,18 @@ def open_scan(
                     refuse("channel", channel, f"is 0 to {len(reader.channels) - 1} in this file")
                 scan = reader.topography(channel_index=channel, **said)
             if getattr(scan, "unit", None) not in METRES:
-                refuse("unit", unit, 'the file holds none for all lengths; write unit = "nm" or so')
+                refuse("unit", unit, 'is not in the file; write "nm", or take a channel of heights')
             return as_topography(scan)
         except ImportError:
             refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")
         except InputError:
             raise
         except Exception as error:  # readers raise whatever their parsing does
-            if "physical_sizes" in str(error):
-                hint = 'holds no lengths; add physical_sizes = [1e-5, 1e-5], unit = "m", with its own numbers'
-                refuse("file", file, hint)
             why = shorten(str(error), 160, placeholder=" ...") or type(error).__name__
+            if key := next((name for name in said if f"'{name}'" in why), ""):
+                refuse(key, said[key], "the file has its own; leave it out")
+            if "physical_sizes" in why:
+                refuse("file", file, 'no lengths; add physical_sizes = [1e-5, 1e-5], unit = "m"')
             refuse("file", file, f"cannot be read as a scan: {why}")
 
     return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
@@ -250,5 +251,5 @@ def generate(
     short_cutoff: float | None = None,
 ) -> Heights:
     """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
-    law = dict(locals())
-    return Heights(as_topography(origins.self_affine_surface(**law), pixel_size), periodic=True)
+    made = origins.self_affine_surface(**locals())
+    return Heights(as_topography(made, pixel_size), periodic=True)
