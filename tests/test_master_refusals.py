@@ -49,14 +49,15 @@ solve(PLAIN, [0.0, 1.0], wall_time=0.0)  wall_time
 solve(PAIR, [0.0, 1000.0])  .*exact values break together more often
 solve(PLAIN.replace(thermal=Thermal("soft", 1e3, 1e18), delay=Delay(0.3)), [1.0])  delay = 0.3: .*, too short to follow
 solve(FIERCE, [3.0, -3.0, 3.0])  .*attempt_frequency or scale = 10+\.0: .* on the way
-told(PLAIN, [0.0, 3.0], 3.1)  position =
-told(PLAIN, [0.0, 3.0], np.nan)  position =
-told(PLAIN, [0.0, 3.0], "1")  position =
-told(ONE, [0.7, -0.6], 0.3)  .*is passed on legs 0, 1; say which
+told(PLAIN, [0.0, 3.0], 3.1)  where =
+told(PLAIN, [0.0, 3.0], np.nan)  where =
+told(PLAIN, [0.0, 3.0], "1")  where =
+told(ONE, [0.7, -0.6], 0.3)  .*is passed on legs 0, 1; choose
 told(ONE, [0.7, -0.6], 5.0)  .*does not come there
 told(ONE, [0.7, -0.6], 0.3, 7)  leg = 7
 told(Contacts(WIDE, delay=Delay(0.3)), [0.3, 0.2], 2)  .*index of a point
-told(Contacts(WIDE, reforming=gaussian_start(0.0, 0.05)), [0.3, 0.2], 1)  .*at many stretches
+told(Contacts(WIDE, delay=Delay(0.3)), [0.3, 0.2], 1, 0)  leg = 0: is that of a position
+told(Contacts(WIDE, reforming=gaussian_start(0.0, 0.05)), [0.3, 0.2], 1)  .*with many stretches
 told(OLD, [0.3, 0.2], 1)  .*Q\(x;X\) is not known.*where contacts age
 told(GROWING, [0.3, 0.2], 1)  .*Q\(x;X\) is not known
 steady_state(Contacts(stats.lomax(1.9)))  thresholds: <x_s\^2> is

@@ -147,3 +147,15 @@ def test_births_deep_in_the_tail_of_the_thresholds(at: float) -> None:
         expected = float(at + mpmath.mpf("0.1") * second / first)
     assert found.success
     assert abs(found.force - expected) <= found.force_error * found.mean_threshold < 1e-10
+
+
+def test_force_errors_are_judged_relative_to_the_size_of_the_force() -> None:
+    """Also where contacts re-form so far behind that F_k is below 0, and where it is far below <x_s>."""
+    behind = Contacts(gaussian(0.5, 0.05), reforming=-0.45, thermal=Thermal("soft", 0.5))
+    hot = Contacts(NARROW, thermal=Thermal("soft", 0.5, 1e5))
+    for contacts, velocity in ((behind, 1e-3), (hot, 1.0)):
+        one = master.steady_state(contacts, velocity=velocity)
+        assert one.force < 1e-2
+        for found in (one, master.kinetic_curve(contacts, velocity)):
+            relative = float(found.force_error * contacts.mean_threshold / abs(found.force))
+            assert f"F_k known to {relative:.1e}, within" in found.message

@@ -226,7 +226,7 @@ class Interface:
             f"slopes of the two axes differ by a factor {uneven:.2g}: not isotropic": uneven > 1.5,
             f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic": too_plastic,
             f"{by_hertz:.1%} would be plastic by Hertz' theory, and all are taken as such": too_elastic,
-            f"contacts stretch by {reach:.2g} m, over their radius {radius:.2g} m": reach > radius,
+            f"contacts stretch by {reach:.2g} m, above their radius {radius:.2g} m": reach > radius,
             f"mean radius {radius:.2g} m is not far below the summits' {tops:.2g} m, as Hertz' theory needs": too_wide,
             f"mean radius {radius:.2g} m is below 2 pixels: the scan does not resolve it": too_small,
             f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random": too_high,

@@ -229,6 +229,6 @@ def slip_line(result: Result) -> str:
         if slip["have"] > 1
     ]
     if late:
-        line += f"; of eq the first are late by {', '.join(late)} of <x_s>"
+        line += f"; place in eq less that of the master equation: {', '.join(late)} of <x_s>"
     line += "; N contacts slip late by some 0.5 N^(-2/3)/K <x_s>, more at each; unless N is large,"
     return f"{line} chance may make them slip early, and at K > K*, too"
