@@ -14,7 +14,7 @@ from eq_model.compiling import bare, inlined, real, unsigned, whole
 from eq_model.draws.births import LEVEL_UNIT, Births
 from eq_model.draws.streams import Stream
 from eq_model.draws.tables import Table
-from eq_model.lattice import STIFFNESS_UNIT, WholeDrive
+from eq_model.whole_drive import STIFFNESS_UNIT, WholeDrive
 from origins.laws.compiled import CompiledRates
 
 
@@ -26,7 +26,7 @@ class Contact(NamedTuple):
     stretch: np.int64
     threshold: np.int64
     log_exposure: float  # ln of the integral of its rate at which it breaks
-    first: np.int64  # the stretch at which its rate breaks it if its first leg goes on
+    breaks_at: np.int64  # the stretch at which its rate breaks it if its first leg goes on
     stiffness: float  # divided by the mean one
     fresh: bool  # False for contacts of the start
     lane: np.int64
@@ -117,7 +117,7 @@ def bin_of(clock, way):  # type: ignore[no-untyped-def]
     """Index of the first point at or after a moment of the clock; the moment is not after the end."""
     if way.even:
         return max((clock + way.offset) >> way.shift, whole(0))
-    j = whole(way.first[unsigned(clock >> way.shift)])
+    j = whole(way.first_bin[unsigned(clock >> way.shift)])
     while way.bin_ends[unsigned(j)] < clock:
         j += 1
     return j
@@ -217,33 +217,33 @@ def _break_at(law, x, goal, threshold, k):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _from_rest(law, n, x, log_amounts, first):  # type: ignore[no-untyped-def]
+def _from_rest(law, n, x, log_amounts, breaks_at):  # type: ignore[no-untyped-def]
     """As `_in_row`, for contacts of the mean stiffness that form relaxed."""
     for i in range(unsigned(n)):
         threshold = real(x[i]) * law.unit
         far = min(reached(law.rates, log_amounts[i], threshold, 1.0), threshold)
-        first[i] = whole(np.floor(far * (1.0 / law.unit) + 0.5))
+        breaks_at[i] = whole(np.floor(far * (1.0 / law.unit) + 0.5))
 
 
-def _in_row(law, n, x, first, lanes, work):  # type: ignore[no-untyped-def]
-    """Set `first`, the stretches in the directions of their legs at which n contacts break if the legs go on."""
+def _in_row(law, n, x, breaks_at, lanes, work):  # type: ignore[no-untyped-def]
+    """Set `breaks_at`, the stretches in the directions of their legs at which n contacts break if the legs go on."""
     legs, log_amounts = lanes.leg, lanes.log_amount
     for i in range(unsigned(n)):
         log_amounts[i] = real(lanes.log_exposure[i]) * LEVEL_UNIT - law.log_slow[unsigned(legs[i])]
-    _from_rest(law, n, x, log_amounts, first)
+    _from_rest(law, n, x, log_amounts, breaks_at)
     for i in range(n if work.linked or not work.again.relaxed else 0):
         r = -lanes.stretch[i] if work.way.directions[legs[i]] < 0 else lanes.stretch[i]
         if r != 0 or work.linked:
             threshold, k = real(x[i]) * law.unit, real(x[i]) / work.mean if work.linked else 1.0
             goal = _integral(law, r, threshold, k) + np.exp(log_amounts[i])
-            first[i] = _break_at(law, r, goal, threshold, k)
-    return first
+            breaks_at[i] = _break_at(law, r, goal, threshold, k)
+    return breaks_at
 
 
 def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
     """The break of a contact, where the integral of its rate over time reaches its exposure."""
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
-    moved, d = contact.first - way.directions[leg] * x, way.directions[leg]
+    moved, d = contact.breaks_at - way.directions[leg] * x, way.directions[leg]
     legs, room = way.directions.size, way.begins[leg + 1] - clock
     if d != 0 and (moved <= room or leg + 1 == legs):
         return Break(clock + min(moved, room + 1), leg, contact.drawn)
@@ -271,6 +271,6 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
 
 BREAKS |= {Cold: _at_threshold, Warm: _by_rate}
 AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: real(contact.threshold))
-# breaks_in_row(law, n, x, first, lanes, work): the stretches `first` at which contacts break in steady motion, or their
+# breaks_in_row(law, n, x, breaks_at, lanes, work): the stretches at which contacts break in steady motion, or their
 # thresholds x under laws that do not give them
 breaks_in_row = by_law(lambda law: _in_row if law is Warm else lambda law, n, x, *rest: x)

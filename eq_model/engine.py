@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from eq_model.blocks import BLOCK, Blocks, State, Whole
 from eq_model.draws.tables import DEEPEST
-from eq_model.lattice import STIFFNESS_UNIT, TIE, WholeDrive, durations, whole_drive
 from eq_model.result import BINS, chosen_points, histogram, make_edges
+from eq_model.whole_drive import STIFFNESS_UNIT, TIE, WholeDrive, durations, whole_drive
 from origins import Contacts, Drive, Thermal
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError

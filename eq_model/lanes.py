@@ -57,7 +57,7 @@ class Lanes(NamedTuple):
     threshold: Whole
     stretch: Whole  # at which the contact forms
     log_exposure: Whole
-    first: Whole  # where its rate breaks it if the leg goes on, as contact.breaks_in_row has it
+    breaks_at: Whole  # where its rate breaks it if the leg goes on, as contact.breaks_in_row has it
     square: Whole  # the slider at the end of the break's bin; then the change of the sum of squares by the break
     log_amount: Array  # ln of the integral of the rate over the way to the break
     bins: npt.NDArray[np.int32]
@@ -67,7 +67,7 @@ def _advance_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-u
     """Move n contacts forward to their breaks, by a law for lanes. Returns the number of breaks."""
     way, breaks, end, many = work.way, whole(0), work.way.end, work.way.bin_ends.size
     moment, bins, square = lanes.moment, lanes.bins, lanes.square
-    x = breaks_in_row(law.law, n, lanes.threshold, lanes.first, lanes, work)
+    x = breaks_in_row(law.law, n, lanes.threshold, lanes.breaks_at, lanes, work)
     # from here on, the slider's position at which the contact is relaxed
     for i in range(unsigned(0 if work.again.relaxed else n)):
         moment[i] -= lanes.stretch[i]
@@ -104,7 +104,7 @@ def _advance_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-u
 def _follow_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one life in each of n lanes, by any law. Returns the number of breaks."""
     breaks, way = whole(0), work.way
-    first = breaks_in_row(law, n, lanes.threshold, lanes.first, lanes, work)
+    breaks_at = breaks_in_row(law, n, lanes.threshold, lanes.breaks_at, lanes, work)
     for i in range(unsigned(n)):
         number = lanes.number[i]
         if number >= count:
@@ -113,7 +113,7 @@ def _follow_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-un
         x, r, e = lanes.threshold[i], lanes.stretch[i], real(lanes.log_exposure[i]) * LEVEL_UNIT
         k = real(x) / work.mean if work.linked else 1.0
         contact = Contact(
-            clock, leg, r, x, e, first[i], k, initial == 0, number % LANES, drawn, work.stream
+            clock, leg, r, x, e, breaks_at[i], k, initial == 0, number % LANES, drawn, work.stream
         )
         birth = place_of(clock, leg, way) - r
         found = break_of(law, contact, way, counts)
@@ -149,13 +149,13 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
     """
     stream, starts, again, scratch = work.stream, work.starts, work.again, make_scratch()
     # the stretches of the start, a single one if it is that of all contacts
-    first = np.empty(count + LANES, whole)
+    starting = np.empty(count + LANES, whole)
     for part in range(whole(count // LANES + 1)):
-        out = first[part * LANES :]
+        out = starting[part * LANES :]
         draw_stretches(whole(LANES), part & 3, part >> 2, stream, starts, scratch, out)
-    first = first[: count if starts.drawn else 1]
+    starting = starting[: count if starts.drawn else 1]
     if work.forward:  # rows count no births
-        for stretch in first:
+        for stretch in starting:
             count_event(whole(1) if starts.drawn else count, 1.0, -stretch, 0, work, sums)
     # allocated in the kernel, which then knows that they do not overlap
     m, log_amount, bins = np.zeros((10, LANES), whole), np.zeros(LANES), np.zeros(LANES, np.int32)
@@ -168,7 +168,7 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
             if not again.relaxed:
                 draw_stretches(n, row, turn, stream, again, scratch, lanes.stretch)
                 for i in range(unsigned(n)):
-                    start = first[unsigned(min(lanes.number[i], first.size - 1))]
+                    start = starting[unsigned(min(lanes.number[i], starting.size - 1))]
                     lanes.stretch[i] = start if lanes.initial[i] else lanes.stretch[i]
             draw_thresholds(n, row, turn, stream, again, scratch, lanes.stretch, lanes.threshold)
             if work.needs_exposure:

@@ -16,6 +16,7 @@ from eq_model.compiling import bare, inlined, unsigned
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
 CHUNK = 128  # keys in one piece of memory
+NEXT, END, BUCKET = range(3)  # in Queue.at: the next open key, their end, and the bucket
 
 
 class Queue(NamedTuple):
@@ -30,7 +31,7 @@ class Queue(NamedTuple):
     open: npt.NDArray[np.uint64]  # sorted keys of the open bucket, that of the slider
     spare: npt.NDArray[np.uint64]  # scratch memory to sort them
     counts: npt.NDArray[np.int64]  # of the 256 values of a digit, to sort them
-    at: npt.NDArray[np.int64]  # index of the next open key, their end, and the bucket's number
+    at: npt.NDArray[np.int64]  # (3,), see NEXT
 
 
 def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> int:
@@ -70,27 +71,28 @@ def clear(queue, position):  # type: ignore[no-untyped-def]
     queue.free[0] = queue.free.size - 1
     for i in range(1, queue.free.size):
         queue.free[i] = queue.free.size - 1 - i
-    queue.at[0], queue.at[1], queue.at[2] = 0, 0, (position >> queue.shift) - 1
+    queue.at[NEXT], queue.at[END], queue.at[BUCKET] = 0, 0, (position >> queue.shift) - 1
 
 
 @inlined
 def next_break(queue):  # type: ignore[no-untyped-def]
     """Whether the open bucket has a break, and the position of the first; else that of the bucket's end."""
-    low = queue.at[2] << queue.shift
-    if queue.at[0] < queue.at[1]:
-        return True, low + np.int64(queue.open[unsigned(queue.at[0])] >> unsigned(THRESHOLD_BITS))
+    low = queue.at[BUCKET] << queue.shift
+    if queue.at[NEXT] < queue.at[END]:
+        key = queue.open[unsigned(queue.at[NEXT])]
+        return True, low + np.int64(key >> unsigned(THRESHOLD_BITS))
     return False, low + (np.int64(1) << queue.shift)
 
 
 @inlined
 def take_next(queue):  # type: ignore[no-untyped-def]
     """Remove the next break of the open bucket and return its threshold."""
-    queue.at[0] += 1
-    return np.int64(queue.open[unsigned(queue.at[0] - 1)] & unsigned((1 << THRESHOLD_BITS) - 1))
+    queue.at[NEXT] += 1
+    return np.int64(queue.open[unsigned(queue.at[NEXT] - 1)] & unsigned((1 << THRESHOLD_BITS) - 1))
 
 
 @inlined
-def wait(queue, b, x):  # type: ignore[no-untyped-def]
+def add_break(queue, b, x):  # type: ignore[no-untyped-def]
     """Add a break at position b, of threshold x; b lies in the open bucket or beyond.
 
     A break beyond all buckets lies beyond the drive's end and is dropped.
@@ -98,7 +100,7 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
     k = b >> queue.shift
     place = unsigned(b & ((np.int64(1) << queue.shift) - np.int64(1)))
     key = (place << unsigned(THRESHOLD_BITS)) | unsigned(x)
-    if k <= queue.at[2]:
+    if k <= queue.at[BUCKET]:
         _insert(queue, key)
     elif k < queue.many.size:
         slot = unsigned(queue.many[unsigned(k)]) & unsigned(CHUNK - 1)
@@ -114,24 +116,24 @@ def wait(queue, b, x):  # type: ignore[no-untyped-def]
 @bare
 def _insert(queue, key):  # type: ignore[no-untyped-def]
     """Put a break in its place among those of the open bucket."""
-    if queue.at[1] == queue.open.size:  # use the room of keys that have been removed
-        gone = queue.at[0]
-        for j in range(gone, queue.at[1]):
+    if queue.at[END] == queue.open.size:  # use the room of keys that have been removed
+        gone = queue.at[NEXT]
+        for j in range(gone, queue.at[END]):
             queue.open[j - gone] = queue.open[j]
-        queue.at[0] = 0
-        queue.at[1] -= gone
-    j = queue.at[1]
-    while j > queue.at[0] and queue.open[j - 1] > key:
+        queue.at[NEXT] = 0
+        queue.at[END] -= gone
+    j = queue.at[END]
+    while j > queue.at[NEXT] and queue.open[j - 1] > key:
         queue.open[j] = queue.open[j - 1]
         j -= 1
     queue.open[j] = key
-    queue.at[1] += 1
+    queue.at[END] += 1
 
 
 @bare
 def open_next(queue):  # type: ignore[no-untyped-def]
     """Open the next bucket and sort its breaks by place, then by arrival; False if there is none."""
-    k = queue.at[2] + 1
+    k = queue.at[BUCKET] + 1
     if k == queue.many.size:
         return False
     n, m, chunk = np.int64(queue.many[k]), np.int64(0), np.int64(queue.last[k])
@@ -157,5 +159,5 @@ def open_next(queue):  # type: ignore[no-untyped-def]
             new[unsigned(counts[digit])] = old[i]
             counts[digit] += 1
         old, new = new, old
-    queue.many[k], queue.at[0], queue.at[1], queue.at[2] = 0, 0, n, k
+    queue.many[k], queue.at[NEXT], queue.at[END], queue.at[BUCKET] = 0, 0, n, k
     return True

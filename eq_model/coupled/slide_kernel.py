@@ -12,12 +12,13 @@ import numpy as np
 
 from eq_model.blocks import Whole
 from eq_model.compiling import bare, inlined
-from eq_model.coupled.queue_kernel import clear, next_break, open_next, take_next, wait
+from eq_model.coupled.queue_kernel import add_break, clear, next_break, open_next, take_next
 from eq_model.draws.births import Births, Scratch, draw_stretches, draw_thresholds, make_scratch
 from eq_model.draws.streams import LANES, Stream
 from origins.thresholds.law import Array
 
 PATH_DONE, SLIP_ENDED, OVERTAKEN, GOING_ON = range(4)
+PULLED, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS = range(6)  # in Pull.avalanche
 
 # Positions are whole units; forces and stiffnesses are sums of k_i x_i and k_i in units of <k>.
 SLIDER = np.dtype(
@@ -62,7 +63,7 @@ class Pull(NamedTuple):
     slip: int  # fewest breaks of an avalanche that is a slip
     at_once: bool  # whether broken contacts re-form at once
     resets: bool  # whether a slip replaces all contacts
-    avalanche: Array  # the last one: K X_T, X before and after, F before and after, breaks
+    avalanche: Array  # (6,), the last one; PULLED: K X_T
     at_points: Array  # (3, points): X, F and the number of contacts that hold
     avalanches: Whole  # numbers of those that broke 1, 2-3, 4-7, ... contacts
     returns: Array  # ring buffer of the times at which contacts re-form
@@ -116,7 +117,7 @@ def _form(s, queue, supply):  # type: ignore[no-untyped-def]
     s.stiffness += k
     s.force += k * np.float64(r)
     s.back = max(s.back, s.at - r - x)
-    wait(queue, s.at - r + x, x)
+    add_break(queue, s.at - r + x, x)
 
 
 @bare
@@ -158,8 +159,8 @@ def _store_points(s, pull, b, load, level, time):  # type: ignore[no-untyped-def
 def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
     """End an avalanche with the slider at `after`, where the spring balances; returns its number of breaks."""
     size, last = s.broken, pull.avalanche
-    last[0], last[2], last[4] = s.pulled, after, s.pulled - pull.spring * after
-    last[5], s.broken = size, 0
+    last[PULLED], last[X_AFTER], last[F_AFTER] = s.pulled, after, s.pulled - pull.spring * after
+    last[BREAKS], s.broken = size, 0
     if size < pull.slip:
         pull.avalanches[frexp(size)[1] - 1] += 1  # by the number of its bits
     return size
@@ -187,7 +188,7 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
                 return PATH_DONE
             if not returns:
                 s.pulled = max(s.pulled, level)
-                pull.avalanche[1], pull.avalanche[3] = np.float64(b), force
+                pull.avalanche[X_BEFORE], pull.avalanche[F_BEFORE] = np.float64(b), force
         if returns:
             _move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
             forming = pull.many[s.returning % pull.returns.size]

@@ -22,7 +22,7 @@ class Diffusing(NamedTuple):
     width: float
     diffusion: float  # squared units per time
     slopes: Array  # d ln P_cf/d ln y at equal steps of ln y
-    first: float  # ln y of the first slope
+    least_log: float  # ln y of the first slope
     step: float  # of ln y
     longest: float  # longest step (a time) where the threshold is near the stretch
     coarse: float  # factor on steps with heat, 1 for the usual ones
@@ -127,10 +127,10 @@ def _straightened(above, below, x, time, law):  # type: ignore[no-untyped-def]
 def _drift(y, law):  # type: ignore[no-untyped-def]
     """Mean change of a threshold per time, divided by D, towards a law that is not normal."""
     last = law.slopes.size - 1
-    place = min(max((np.log(y) - law.first) / law.step, 0.0), real(last))
+    place = min(max((np.log(y) - law.least_log) / law.step, 0.0), real(last))
     k = min(whole(place), last - 1)
     slope = law.slopes[k] + (place - k) * (law.slopes[k + 1] - law.slopes[k])
-    return slope / np.exp(law.first + place * law.step)
+    return slope / np.exp(law.least_log + place * law.step)
 
 
 @bare
@@ -202,9 +202,8 @@ def break_diffusing(law, contact, way, counts):  # type: ignore[no-untyped-def]
             then = abs(r + d * ticks)
             above, below, variance = max(y - x, 0.0), later - then, 2.0 * law.diffusion * time
             bent_above, bent_below = _straightened(above, below, 0.5 * (x + then), time, law)
-            broken = below <= 0.0 or _fourth(words) < np.exp(
-                -2.0 * bent_above * bent_below / variance
-            )
+            met_before = np.exp(-2.0 * bent_above * bent_below / variance)  # the chance of it
+            broken = below <= 0.0 or _fourth(words) < met_before
             met = 1.0  # share of the step until the threshold is met
             if broken:
                 drawn += 1

@@ -12,14 +12,14 @@ import numpy as np
 from eq_model.compiling import bare, inlined, real, whole
 from eq_model.contact import AGED, BREAKS, Break, most, rate_at
 from eq_model.draws.streams import STEPS, uniform, words_at
-from eq_model.lattice import WholeDrive
+from eq_model.whole_drive import WholeDrive
 from origins.grains.contact import GrainContact
 
 
 class Growing(NamedTuple):
     """Growth of thresholds with the age of their grains."""
 
-    first: float  # tau_m
+    tau_m: float  # the time until grains pin
     root: float  # B^(1/2), per unit
     age: float  # since pinning, of the contacts at X = 0
     warm: bool  # whether contacts also break at a rate
@@ -29,8 +29,8 @@ class Growing(NamedTuple):
 
 def make_growing(grains: GrainContact, way: WholeDrive, *heat: Any) -> Growing:
     """The growth of these contacts on a drive; heat : the last three fields of Growing."""
-    first, root = grains.growth.first_pinning_time, float(np.sqrt(grains.growth.B)) * way.unit
-    return Growing(first, root, (grains.age or 0.0) / first - 1.0, *heat)
+    tau_m, root = grains.growth.first_pinning_time, float(np.sqrt(grains.growth.B)) * way.unit
+    return Growing(tau_m, root, (grains.age or 0.0) / tau_m - 1.0, *heat)
 
 
 @inlined
@@ -147,7 +147,7 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
             leg += 1
         if leg == way.directions.size:
             return Break(way.begins[leg] + 1, leg, drawn)
-        d, pace, room = way.directions[leg], way.paces[leg] / law.first, way.begins[leg + 1] - clock
+        d, pace, room = way.directions[leg], way.paces[leg] / law.tau_m, way.begins[leg + 1] - clock
         # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
         pins = contact.fresh and d != 0 and clock == contact.clock
         lost = 4.5 * (law.root / pace) ** 2 if pins else 0.0
@@ -168,16 +168,14 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
             ticks = min(step / pace, room - passed)
             lasts, now = ticks * pace, age + passed * pace
             here, there = near + sign * passed, max(near + sign * (passed + ticks), 0.0)
-            later, least = quantile(goal, now + lasts, law.root), min(here, there)
-            bound = most(
-                law.rates, least * unit, max(here, there) * unit, y * unit, later * unit, 1.0
-            )
-            spent = bound * lasts * law.first
+            then, far = quantile(goal, now + lasts, law.root), max(here, there)
+            bound = most(law.rates, min(here, there) * unit, far * unit, y * unit, then * unit, 1.0)
+            spent = bound * lasts * law.tau_m
             # bounds beyond three times the rate would be rejected often
             if spent > 0.05 and bound > 3.0 * rate_at(here, y, law, 1.0):
                 step = 0.5 * lasts
             elif spent < remaining:
-                remaining, passed, y, step = remaining - spent, passed + ticks, later, 2.0 * lasts
+                remaining, passed, y, step = remaining - spent, passed + ticks, then, 2.0 * lasts
             else:
                 passed += remaining / spent * ticks
                 y = quantile(goal, age + passed * pace, law.root)
@@ -196,7 +194,7 @@ def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
     age, goal = _pinned(contact, law)
     for leg in range(contact.leg, way.paces.size):
         begin, end = max(way.begins[leg], contact.clock), min(way.begins[leg + 1], moment)
-        age += max(end - begin, 0) * (way.paces[leg] / law.first)
+        age += max(end - begin, 0) * (way.paces[leg] / law.tau_m)
     return quantile(goal, age, law.root)
 
 

@@ -35,7 +35,7 @@ class WholeDrive(NamedTuple):
     paces: Array  # (m,): time in one unit of the clock
     bin_ends: Whole  # (n,): the last moment that belongs to each bin
     bin_positions: Whole  # (n,): the slider there, to which stretches of the bin's events refer
-    first: npt.NDArray[np.int32]  # the first bin that ends in each cell of the clock or later
+    first_bin: npt.NDArray[np.int32]  # the first bin that ends in each cell of the clock or later
     shift: np.int64  # a cell is 2^shift long
     even: bool  # whether each cell is a bin, that of (clock + offset) >> shift
     offset: np.int64
@@ -101,7 +101,7 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
         paces=legs[1] / ticks,
         bin_ends=ends,
         bin_positions=positions[leg] + directions[leg] * (whole - begins[leg]),
-        first=np.minimum(first, ends.size - 1).astype(np.int32),
+        first_bin=np.minimum(first, ends.size - 1).astype(np.int32),
         shift=np.int64(shift),
         even=bool(spacing),
         offset=np.int64((1 << shift) - 1 - ends[0]),
