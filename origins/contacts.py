@@ -181,7 +181,7 @@ def _checked_mean(thresholds: Thresholds) -> float:
     if (loose := float(weights[positions <= 0.0].sum())) > 0.0:
         hint = "such contacts never hold, so leave them out and count them apart"
         raise InputError(f"thresholds: a weight of {loose:.3g} lies at x = 0; {hint}")
-    if not 1e-150 < (mean := thresholds.mean()) < 1e150:
+    if not 1e-80 < (mean := thresholds.mean()) < 1e80:  # powers up to the fourth are finite numbers
         hint = "powers of it are beyond floating point; choose another law or unit of length"
         raise InputError(f"thresholds: the mean is {mean:.3g}: {hint}")
     thresholds.sf(mean * np.linspace(0.05, 3.0, 60))  # refuses an invalid one, by its name

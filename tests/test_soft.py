@@ -230,3 +230,11 @@ def test_wall_time_ends_the_work_on_births_that_age(monkeypatch) -> None:
     most, looks = next(looks) - 20, itertools.count()
     found = master.solve(contacts, [1.0, 0.0], 1e-3, wall_time=most)
     assert found.path.tolist() == [1.0] and next(looks) < most + 4
+
+
+def test_wall_time_ends_the_making_of_tables(monkeypatch) -> None:
+    """By the same clock: the survival of contacts born at many stretches is tabulated before the first panel."""
+    looks, births = itertools.count(), origins.gaussian_start(0.0, 0.1)
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.1), reforming=births)
+    monkeypatch.setattr("time.monotonic", lambda: float(next(looks)))
+    assert not master.solve(contacts, [1.0], 1e-6, wall_time=1.5).path.size

@@ -11,6 +11,7 @@ import numpy as np
 
 from master.lives.life import NONE_LEFT, TIE, Life
 from master.motion.motion import Motion
+from master.outcome import stop_after
 from master.renewal import rule
 from master.renewal.births import Births, Nodes
 from master.renewal.rule import Pieces
@@ -39,7 +40,7 @@ class Straight:
     born : law of the stretches at birth
     longest : the longest lag; the table ends there or where no contact holds, if `steady` where hardly any does
     accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
-    steady : whether lags are ways instead of times
+    steady : whether lags are ways instead of times; until : reading of time.monotonic() to raise StoppedError after
 
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
@@ -57,12 +58,13 @@ class Straight:
         speed: float,
         longest: float,
         accuracy: float,
+        until: float = np.inf,
         steady: bool = False,
     ) -> None:
         """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest, self.error = life, born, longest, 0.0
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
-        self.scale = life.reach
+        self.scale, self._until = life.reach, until
         bends = self._bends(np.append(life.bends, life.reach))
         self._last = float(bends.max(initial=0.0)) or np.inf  # the lag of the last breaks
         self._read: Callable[[Array], Array] = self.scaled
@@ -84,6 +86,7 @@ class Straight:
 
     def scaled(self, lag: Array, born: Array | None = None) -> Array:
         """E and K/`scale` after lags of shape (rows, columns), from the life itself; `born`: see Life.left."""
+        stop_after(self._until)
         if not lag.size:
             return np.zeros((2, *lag.shape))
         far = max(float(lag.max()), self.longest) / self._per_time
@@ -161,26 +164,26 @@ class Kernels:
     def __init__(self, births: Births) -> None:
         self._births = births
         self._cache: dict[tuple[float, float], Kernel] = {}
-        self._straight: dict[float, Straight] = {}
+        self._lags: dict[float, Straight] = {}
 
     @property
     def error(self) -> float:
         """Largest error of the survivals in the tables."""
-        return max((straight.error for straight in self._straight.values()), default=0.0)
+        return max((straight.error for straight in self._lags.values()), default=0.0)
 
     def straight(self, speed: float) -> Straight:
         """Survival and force of contacts born on a leg of this speed."""
-        if speed not in self._straight:
+        if speed not in self._lags:
             births, life, motion = self._births, self._births.life, self._births.motion
             most = life.reach + max(abs(end) for end in births.law.span)
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
-                longest = min(longest, np.diff(motion.times)[motion.speeds == speed].max())
+                longest = min(longest, float(np.diff(motion.times)[motion.speeds == speed].max()))
             # finer than 1e-13, or than its error, a table would follow the rounding of the survival
             finest = life.error if life.pair_work == 1 else np.inf
             accuracy = max(1e-13, min(0.1 * births.accuracy, finest))
-            self._straight[speed] = Straight(life, births.law, speed, float(longest), accuracy)
-        return self._straight[speed]
+            self._lags[speed] = Straight(life, births.law, speed, longest, accuracy, births.until)
+        return self._lags[speed]
 
     def on(self, speed: float, width: float, panels: int) -> Kernel:
         """Kernel for panels at most `panels` apart, or fewer where all births break before."""

@@ -52,8 +52,7 @@ class Pieces(NamedTuple):
 
 
 def last_and_fall(size: Array) -> tuple[Array, Array]:
-    """The larger of the last two sizes of coefficients (last axis), and its ratio, at most 1, to that of
-    the two before."""
+    """The larger of the last two sizes of coefficients (last axis), and its ratio <= 1 to that of the two before."""
     before, last = size[..., -4:-2].max(axis=-1), size[..., -2:].max(axis=-1)
     return last, np.divide(last, before, out=np.ones_like(last), where=before > last)
 

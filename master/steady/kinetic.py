@@ -159,7 +159,7 @@ def kinetic_curve(
     speeds, _, _, waits = points.rows.T.reshape(4, *points.shape)
     holding = length / (length + speeds * (waits + pinned))
     off = holding * (1.0 - holding) * length_error / length
-    force, force_error = force * holding, force_error * holding + force * off
+    force, force_error = force * holding, force_error * holding + np.abs(force) * off
     return KineticCurve(
         **points.outcome(*judged("F_k", force_error / np.abs(force), WELL)),
         force=force,

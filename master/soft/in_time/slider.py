@@ -90,9 +90,7 @@ class Slider:
         # heat has broken the weakest: over this way the others may first carry more as they stretch
         least = 0.5 * scales.length
         # without births only the end has to be found, in small steps so that none is missed
-        stride = steps.sign * (
-            0.06 * scales.length if without_births else self._size * steps.length
-        )
+        step = steps.sign * (0.06 * scales.length if without_births else self._size * steps.length)
         contacts.begin_section()
         begin, broken, travel = contacts.place, contacts.breaks, 0.0
 
@@ -101,18 +99,18 @@ class Slider:
 
         ways = [steps.sign * share * least for share in (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)]
         slipped = next((way for way in ways if imbalance(way) > 0.0), 0.0)
-        slips, away = bool(slipped), 0.0 < abs(slipped) < abs(stride)
-        low = slipped or 1e-4 * stride  # where no way slips, one of next to no length
-        while slips and ((missing := imbalance(travel + stride)) > 0.0 or not away):
+        slips, away = bool(slipped), 0.0 < abs(slipped) < abs(step)
+        low = slipped or 1e-4 * step  # where no way slips, one of next to no length
+        while slips and ((missing := imbalance(travel + step)) > 0.0 or not away):
             away |= missing > 0.0 or abs(contacts.place + travel - begin) > least
             if without_births:
-                travel += stride
+                travel += step
             else:
-                contacts.take(contacts.trial(stride, contacts.now))
+                contacts.take(contacts.trial(step, contacts.now))
             low = travel
         if slips and imbalance(low) > 0.0:
             # accuracy of a slip's end, in mean thresholds
-            low = float(brentq(imbalance, low, travel + stride, xtol=1e-15 * contacts.unit))
+            low = float(brentq(imbalance, low, travel + step, xtol=1e-15 * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now, without_births))
         contacts.begin_section()
         if without_births:
