@@ -252,6 +252,12 @@ def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeyp
     assert all(0.5 < p["error"] / p["claimed_error"] < 5.0 for p in points["ensemble"])
 
 
+def test_precision_refuses_laws_before_any_work(capsys: Any) -> None:
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "delay": {"time": 0.2}}
+    status, out, told = said(capsys, "precision", write(contacts=contacts, drive={"to": 6.0, "points": 9}))
+    assert status == 2 and not out and "contacts.delay: precision does not take it" in told[0]
+
+
 def test_scenes_lists_every_shipped_scene(capsys: Any) -> None:
     status, out, _ = said(capsys, "scenes")
     told = "\n" + "\n".join(out)

@@ -154,6 +154,8 @@ STEEP, UNEVEN = replace(FINE, m2_axes=(0.3, 0.3), m0=1e-10), replace(FINE, m2_ax
 HARDER, SOFTER = replace(MATERIAL, hardness=1e10), replace(MATERIAL, hardness=2.5e7)
 SOFT = replace(MATERIAL, hardness=None)
 EVEN = origins.PowerLaw(1e3, 0.0)
+IN_GPA = replace(SOFT, contact_modulus=1.8, shear_modulus=1.1)
+UNSCALED = origins.moments_of_summits(radius=1.1, std=0.03, density=2.1)  # in micrometres
 EVENLY_STIFF = replace(SOFT, shear_modulus=None, contact_stiffness=EVEN)
 POINTED = origins.moments_of_summits(radius=1e-8, std=5e-8, density=1e12)
 PATCHES = {"model": "persson", "patch_area": PATCH}
@@ -173,7 +175,10 @@ PATCHES = {"model": "persson", "patch_area": PATCH}
         (PATCHES | {"moments": SCAN, "patch_area": 9.9e-15}, "is below the 1e-14 m² of a pixel"),
         ({"material": EVENLY_STIFF}, "is above the local 0.4: Eq. Q6"),
         ({"moments": POINTED}, "m is not far below the summits' 1e-08 m, as Hertz' theory needs"),
-        ({"material": replace(SOFT, shear_modulus=1e3)}, "contacts stretch by 0.06 m, over the"),
+        ({"material": replace(SOFT, shear_modulus=1e3)}, "contacts stretch by 0.06 m, above the"),
+        ({"pressure": 1.0}, "pressure is 1 Pa: is the unit right?"),
+        ({"material": IN_GPA, "pressure": 1e-4}, "contact_modulus is 1.8 Pa: is the unit right?"),
+        ({"moments": UNSCALED}, "mean radius of 0.094 m: is the unit right?"),
     ],
 )
 def test_one_strain_at_a_time_is_said(change: dict, says: str) -> None:

@@ -111,3 +111,26 @@ def test_the_paper_closure_forgets_after_a_turn() -> None:
     solved = master.solve(contacts, path, 1e-4)
     coarse, fine = (explicit_loop(Contacts(WIDE), path, step).force for step in (2e-3, 1e-3))
     assert solved.success and np.abs(solved.force - (2.0 * fine - coarse)).max() < 2e-4
+
+
+@pytest.mark.parametrize(
+    ("laws", "time", "digits"),
+    [
+        ({"delay": origins.Delay(0.3)}, [1e-3, 2.05e-3, 1e15], 1e-12),
+        ({"delay": origins.Delay(1e-3)}, [1e-3, 2.0008e-3, 1e5], 1e-12),
+        ({"thermal": Thermal("soft", 0.1)}, [1e-3, 2.005e-3, 1e10], 1e-7),
+    ],
+)
+def test_a_rest_changes_nothing_before_it(laws: dict, time: list[float], digits: float) -> None:
+    """Speeds that differ little are two legs, however long the time is that follows and its rounding."""
+    contacts, path = Contacts(gaussian(1.0, 0.2), **laws), [0.5, 1.0, 1.0]
+    alone = master.solve(contacts, path[:2], 1e-9, time=time[:2])
+    found = master.solve(contacts, path, 1e-7, time=time)
+    assert found.success and np.abs(found.force[:2] - alone.force).max() < digits
+
+
+def test_a_first_leg_of_no_time_to_speak_of_is_followed() -> None:
+    """As slid at once: F is that of T = 0, and the rest as after any first leg that is quick."""
+    warm = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
+    quick, slower = (master.solve(warm, [1.0, 2.0], time=[t, 1.0]).force for t in (1e-20, 1e-12))
+    assert np.abs(quick - slower).max() < 1e-9 and abs(quick[0] - 0.57969) < 1e-5

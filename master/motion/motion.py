@@ -39,10 +39,10 @@ class Motion:
         steps = np.diff(times)
         speeds = np.diff(positions) / steps
         # speeds that differ by 1e-9 count as equal: quotients of positions and times are rounded, to 1e-13 where a path
-        # has thousands of points, and rounding of the times changes the speeds of short steps most
-        rounding = 4.0 * np.finfo(float).eps * times[-1] / np.minimum(steps[1:], steps[:-1])
-        larger = np.maximum(np.abs(speeds[1:]), np.abs(speeds[:-1]))
-        turns = np.flatnonzero(np.abs(np.diff(speeds)) > (1e-9 + rounding) * larger) + 1
+        # has thousands of points; rounding of the times changes the speeds of short steps most, and late ones
+        rounded = 1e-9 + np.minimum(4.0 * np.finfo(float).eps * times[1:] / steps, 0.5)
+        larger, rounding = (np.maximum(a[1:], a[:-1]) for a in (np.abs(speeds), rounded))
+        turns = np.flatnonzero(np.abs(np.diff(speeds)) > rounding * larger) + 1
         kept = np.concatenate([[0], turns, [times.size - 1]])
         self.times: Array = times[kept]
         self.positions: Array = positions[kept]

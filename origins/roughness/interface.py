@@ -204,6 +204,7 @@ class Interface:
         covered, radius, slope = self.area_fraction, self.mean_radius, moments.rms_slope
         local, tops = self.material.local_friction or np.inf, moments.summit_radius
         plastic, by_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
+        modulus, load = self.material.contact_modulus, self.pressure
         uneven = np.sqrt(np.divide(max(moments.m2_axes), min(moments.m2_axes)))
         # without a scan, or without patches, there are no cautions about their size
         pixel, size = moments.pixel_size or (0.0, 0.0), moments.size or (0.0, np.inf)
@@ -218,6 +219,9 @@ class Interface:
         too_high = self.law != "strength" and mu > local
         strained = {
             f"the scan is {max(size):.3g} m across: is the unit right?": np.inf > max(size) > 0.1,
+            f"contacts have a mean radius of {radius:.2g} m: is the unit right?": radius > 1e-3,
+            f"contact_modulus is {modulus:.2g} Pa: is the unit right?": modulus < 100.0,
+            f"pressure is {load:.2g} Pa: is the unit right?": load < 10.0,
             f"the scan would hold {in_scan:.2g} contacts: the load is extrapolated": in_scan < 1.0,
             f"patch_area = {patch:.3g} m² is below the {point:.3g} m² of a pixel": patch < point,
             f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan": patch > scan,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from origins.contacts import Contacts
+from origins.contacts import Contacts, check_contacts
 from origins.errors import InputError
 from origins.start import GaussianStart
 from origins.thresholds.gaussian import CutGaussian
@@ -31,6 +31,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     `run_time` in s, the shortest of `runs` warm ones. Raises InputError where F is not known in closed form.
     """
     scene.only_forward("precision")
+    check_contacts(scene.contacts, "precision")  # no closed form has a law
     exact, reference_error = closed_form(scene.contacts, scene.path)
     points: list[dict[str, Any]] = []
     notes = [

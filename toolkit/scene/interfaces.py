@@ -76,7 +76,7 @@ def remarks(law: Thresholds) -> list[str]:
         if law.interface.moments.size is not None:
             said.append(
                 "errors are numerical only, not those of the surface, its resolution (step) or the threshold law: what "
-                "another patch or step would give is not in them, and may change K* several-fold"
+                "another patch or step would give is not in them, and may change K* by orders of magnitude"
             )
         if law.interface.plastic_fraction is None:
             said.append("plastic contacts were not looked for: give the material a hardness")
