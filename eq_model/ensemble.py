@@ -82,7 +82,7 @@ class Ensemble:
             refuse("slip_fraction", slip_fraction, hint)
         for name, value in (("tolerance", tolerance), ("histograms", histograms)):
             if coupled and value is not None and np.size(value):
-                hint = "is of independent contacts; leave it out with a spring, and give n_replicas"
+                hint = "is of independent contacts; leave it out with a spring, where replicas tell the errors"
                 refuse(name, value, hint)
         replicas = Blocks(self.total, each)
         self._work: Engine | Replicas

@@ -73,10 +73,10 @@ def _check_time(time: npt.ArrayLike, path: Array, velocity: float) -> Array:
         refuse("time", times, f"must have the shape of the path, {path.shape}")
     if times[0] < 0.0:
         refuse("time[0]", times[0], "must be at least 0, when the slider is at X = 0")
-    lasts, moves = np.diff(times, prepend=0.0), np.diff(path, prepend=0.0) != 0.0
-    for at in np.flatnonzero((lasts < 0.0) | ((lasts == 0.0) & moves)).tolist():
+    lasts, moves = np.diff(times, prepend=0.0), np.abs(np.diff(path, prepend=0.0))
+    for at in np.flatnonzero((lasts < 0.0) | ((lasts <= 1e-100 * moves) & (moves > 0.0))).tolist():
         hint = f"is before time[{at - 1}] = {times[at - 1]:g}; times must be in order"
-        if lasts[at] == 0.0:
+        if lasts[at] >= 0.0:  # or so little that the speed is beyond 1e100
             hint = "leaves no time to get there; the path moves, so must the time"
         refuse(f"time[{at}]", times[at], hint)
     return times

@@ -288,8 +288,8 @@ def test_bad_input_is_one_line_and_leaves_nothing(command: str, capsys: Any) -> 
     ("text", "says"),
     [
         ("a = " + "[" * 5000 + "]" * 5000, "nested too deeply"),
-        ("a = " + "1" * 5000, "is not TOML"),
-        ('title = "a\x00b"', "is not TOML"),
+        ("a = " + "1" * 5000, "is not TOML (1.5, not 1,5)"),
+        ('title = "a\x00b"', "is not TOML (1.5, not 1,5)"),
         ('title = "a\\u0000b"', "title"),
     ],
 )

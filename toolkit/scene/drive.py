@@ -113,7 +113,7 @@ def _path(
     holds = np.flatnonzero(np.diff(places) == 0.0)
     # a scale below 1e-14 of the last time is lost in rounding
     if clock is None or time is None or not holds.size or hold_scale < 1e-14 * clock[-1]:
-        hint = "is of holds: turns where the path stands, with drive.times not too far beyond it"
+        hint = "is for holds: a position twice in drive.turns, with drive.times; at least 1e-14 of the last"
         raise InputError(f"drive.hold_scale = {hold_scale}: {hint}")
     for leg in holds:
         share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]

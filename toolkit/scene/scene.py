@@ -112,8 +112,8 @@ def load_scene(
         raise InputError("scene: is nested too deeply; it needs a few levels") from error
     except InputError:
         raise
-    except ValueError as error:  # of tomllib: bad TOML, and whole numbers of thousands of digits
-        raise InputError(f"scene = {shown(str(scene))}: is not TOML: {error}") from error
+    except ValueError as bad:  # of tomllib: bad TOML, and whole numbers of thousands of digits
+        raise InputError(f"scene = {shown(str(scene))}: is not TOML (1.5, not 1,5): {bad}") from bad
 
 
 def _find(scene: object) -> Path:
