@@ -205,7 +205,7 @@ class MeanRateLife(LawLife):
 
     def grown(self, x: Array) -> Array:
         """L, the integral of H from 0 to x, of either sign; same shape."""
-        return np.sign(x) * self._table.before(np.abs(x))
+        return np.sign(x) * self._table.up_to(np.abs(x))
 
     def mean_rate(self, x: Array) -> Array:
         """H at stretches x >= 0, shape (1, *x.shape), by its definition (paper, Eq. temper3)."""

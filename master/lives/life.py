@@ -193,7 +193,7 @@ class ColdLife(LawLife):
             return held
         # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
         most = np.maximum(self.reach - m, 0.0) * held
-        beyond = self._linked.integrals()[0] - self._linked.before(np.minimum(m, self.reach))
+        beyond = self._linked.integrals()[0] - self._linked.up_to(np.minimum(m, self.reach))
         return np.asarray((m * held + np.clip(beyond, 0.0, most)) / self._mean)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:

@@ -101,7 +101,7 @@ class Table:
         rounding = np.finfo(float).eps * size.max(axis=0)
         return np.asarray((last * fall ** (self._parts.shape[0] // 2) + rounding) @ self.widths)
 
-    def before(self, x: Array) -> Array:
+    def up_to(self, x: Array) -> Array:
         """Integral of the first function from the first edge to x, same shape as x."""
         whole = np.append(0.0, np.cumsum(self.widths * self._parts[0, 0]))
         panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)

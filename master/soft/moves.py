@@ -30,7 +30,7 @@ class ColdContacts:
 
     formed_again : stretches at which broken contacts form again
     unit, spring : mean threshold (a length), and K/(N_c <k>)
-    tolerance : given of the force, in mean thresholds; kept of the number of breaks on a panel
+    tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
     nodes : moments at which number conservation was solved
     """
@@ -41,7 +41,7 @@ class ColdContacts:
         # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred
         # times that of its values: hence 1e-4 of the tolerance, or of 1e-6 mean thresholds if it is
         # larger; below 1e-13 panels would be halved for round-off alone
-        self.tolerance = max(1e-4 * min(tolerance, 1e-6) * self.unit / self.life.reach, 1e-13)
+        self.of_panels = max(1e-4 * min(tolerance, 1e-6) * self.unit / self.life.reach, 1e-13)
         self.spring, self.until, self.nodes = spring, until, 0
 
     def force_of(self, start: Start) -> float:
@@ -152,7 +152,7 @@ class Move:
     def _plan(self, march: March | None, cut_at: float, since: float) -> None:
         """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
         contacts, end, start = self.contacts, since - self.loaded.end, self.loaded.start
-        life, again, tolerance = contacts.life, contacts.formed_again, contacts.tolerance
+        life, again, tolerance = contacts.life, contacts.formed_again, contacts.of_panels
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
         births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
@@ -173,7 +173,7 @@ class MoveWithoutBirths(Move):
 
     def _advance(self) -> bool:
         """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
-        march, grain, tolerance = self._march, self.contacts.life.grain, self.contacts.tolerance
+        march, grain, tolerance = self._march, self.contacts.life.grain, self.contacts.of_panels
         begin = max(march.reached, self.loaded.end)
         later = march.edges[march.edges > begin + STILL * grain]
         if not later.size:

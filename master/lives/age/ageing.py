@@ -194,7 +194,7 @@ class AgeingLife(Life):
     def _shares(self, strand: Strands | Passages, first: int) -> Array:
         """As _trial, of a strand born as the leg `first` begins, at moments of this and later legs."""
         # early moments are left out for births at x = 0: contacts bear no force yet, however many hold
-        moments = MOMENTS if strand.stretch.any() else MOMENTS[20:]
+        moments = MOMENTS if strand.born.any() else MOMENTS[20:]
         followed = zip(self.follow(strand, first), self._lasts[first:], strict=True)
         each = [over_root(t, left[:, 0, 0])(lasts * moments) for (t, left), lasts in followed]
         return np.concatenate(each)

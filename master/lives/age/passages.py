@@ -19,7 +19,7 @@ class Passages:
     """Groups of contacts born together, with `aged`, `follow` and `left` of master.lives.age.strands.Strands.
 
     begin : gives the passage of contacts that are born at a stretch
-    stretch, share : arrays (parts,), stretches at birth, and weights of sum 1
+    born, share : arrays (parts,), stretches at birth, and weights of sum 1
     accuracy : aimed-at error of splines between moments
     until : reading of time.monotonic() after which `follow` raises StoppedError
     dropped_below : share below which a strand is not followed any more
@@ -27,11 +27,11 @@ class Passages:
     """
 
     def __init__(
-        self, begin: Callable[[float], Passage], stretch: Array, share: Array, accuracy: float
+        self, begin: Callable[[float], Passage], born: Array, share: Array, accuracy: float
     ) -> None:
         """Begin with one strand, right after its birth."""
-        self.stretch, self._share, self._accuracy = stretch, share, accuracy
-        self._strands = [[begin(float(x)) for x in stretch]]
+        self.born, self._share, self._accuracy = born, share, accuracy
+        self._strands = [[begin(float(x)) for x in born]]
         self.until, self.dropped_below, self.error = np.inf, 0.0, 0.0
 
     def aged(self, speed: float, ages: Array) -> "Passages":
@@ -39,7 +39,7 @@ class Passages:
         out, parts = copy(self), self._strands[0]
         for part in parts:
             part.move(speed, float(ages.max()))
-        both = list(zip(parts, self.stretch, strict=True))
+        both = list(zip(parts, self.born, strict=True))
         out._strands = [[part.at(age, x + speed * age) for part, x in both] for age in ages]
         return out
 

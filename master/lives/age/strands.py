@@ -21,20 +21,20 @@ class Strands:
     The contacts of a strand were born at one or more stretches, its parts.
 
     cells : of two resolutions; the second one has an eighth of the first one's error
-    stretch, share : arrays (parts,), stretches at birth, and weights of sum 1
+    born, share : arrays (parts,), stretches at birth, and weights of sum 1
     until : reading of time.monotonic() after which `advance` raises StoppedError
     dropped_below : share below which no part is followed any more; error : 0, as cells tell it (AgeingLife.cells)
 
-    As an attribute `stretch`, array (strands, parts), is that of now (lengths).
+    The attribute `stretch`, array (strands, parts), is that of now (lengths).
     """
 
-    def __init__(self, cells: tuple[Cells, Cells], stretch: Array, share: Array) -> None:
+    def __init__(self, cells: tuple[Cells, Cells], born: Array, share: Array) -> None:
         """Begin with one strand, of fresh thresholds."""
-        self._cells, self._share, self.stretch = cells, share, stretch[None].copy()
+        self._cells, self._share, self.born, self.stretch = cells, share, born, born[None].copy()
         self._steady_for, self._speed = 0.0, np.nan
         self.until, self.dropped_below, self.error = np.inf, 1e-15, 0.0  # the size of rounding
         # arrays (strands, parts, cells) for both resolutions
-        self._weights = [each.fresh(stretch)[None] for each in cells]
+        self._weights = [each.fresh(born)[None] for each in cells]
 
     def advance(self, speed: float, duration: float) -> None:
         """All strands move on at the speed dX/dt for a time."""
