@@ -42,8 +42,7 @@ def solve_rigid(
     reading `until` of time.monotonic(). force_error is the error of the worst panel plus those of the survivals
     (March.life_error), times the longest stretch, plus round-off."""
     began, mean = clock.perf_counter(), contacts.mean_threshold
-    timeless = life.timeless and not contacts.waiting_time
-    motion, arrivals = motion_of(drive, mean, timeless)
+    motion, arrivals = motion_of(drive, mean, life.timeless and not contacts.waiting_time)
     check_lives(contacts, motion, life)
     march = march_of(contacts, motion, life, tolerance, until).run()
     kept = (arrivals <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
@@ -95,8 +94,7 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     # contacts that reach an exact threshold just at the path's end shall have broken there
     longer = 1e-9 * mean / abs(speed or drive.velocity)
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
-    positions = np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]])
-    motion = Motion(knots, positions)
+    motion = Motion(knots, np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]]))
     before = float((motion.times[:-1] * np.abs(motion.speeds)).max() / mean)
     if not before <= LONGEST_BEFORE:
         hint = f"a threshold is passed in {1.0 / before:.0e} of the time before: lost in rounding; rest shorter"

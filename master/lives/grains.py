@@ -73,8 +73,7 @@ class GrainLife(Life):
         if not self._of_start:
             # right after pinning some are stretched faster than their thresholds grow
             lost = np.array([self.grains.lost_hazard(abs(float(v))) for v in speed])
-            on_a_leg = lived.any(axis=1)
-            birth = np.where(on_a_leg, np.argmax(lived > 0.0, axis=1), speed.size - 1)
+            birth = np.where(lived.any(axis=1), np.argmax(lived > 0.0, axis=1), speed.size - 1)
             worst = np.maximum(worst, lost[birth])
         # contacts with |x| above the largest threshold at t = 0 never hold
         at_birth = np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf)

@@ -123,8 +123,7 @@ class Replay:
         (n, k), which |x| has exceeded there at most by rounding; finite."""
         least = -740.0  # where A = 0 or underflows
         if self._offset is not None:
-            level = self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row]
-            return np.maximum(level, least)
+            return np.maximum(self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row], least)
         spent, (contact, leg) = np.zeros(threshold.shape), np.nonzero(self._duration[row] * on)
         # moves whose rates stay in the processor's cache
         together = max(4096 // max(threshold.shape[1], 1), 1)

@@ -11,8 +11,7 @@ from origins.start import Start
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
-# Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of the
-# sums that contain them.
+# Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of sums of them.
 NONE_LEFT = 1e-18
 # An exact threshold within this relative distance above |x| counts as met: a turning point placed
 # exactly at it may be off by rounding.

@@ -101,8 +101,7 @@ class Nodes(NamedTuple):
         """From panels with these ends, shape (panels + 1,), and pieces; each lies on some panel."""
         target, left, right = pieces
         first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, ends.size - 2)
-        last = np.clip(np.searchsorted(ends, right, "left"), first + 1, ends.size - 1)
-        count = last - first
+        count = np.clip(np.searchsorted(ends, right, "left"), first + 1, ends.size - 1) - first
         piece = np.repeat(np.arange(count.size), count)
         panel = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + first[piece]
         begin, width = ends[panel, None], np.maximum(np.diff(ends)[panel], TINY)[:, None]

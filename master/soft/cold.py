@@ -76,8 +76,7 @@ class ColdSlider:
             if not np.isfinite(slip.load):
                 # F' jumps to 1 at a turn: the error of its place is one of the force
                 jump = abs(1.0 + spring - float(curve.load_slope(at[-1])))
-                error = float(curve.error_at(at[-1]) + jump * off[-1])
-                self._loaded = move.stopped(at[-1], error)
+                self._loaded = move.stopped(at[-1], float(curve.error_at(at[-1]) + jump * off[-1]))
                 return
             drives = drives[count:]
             if self.slip == "instant":

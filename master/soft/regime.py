@@ -181,8 +181,7 @@ def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> floa
     """About the mean threshold of the oldest contacts present at the end of the path (a length)."""
     grains = contacts.grains
     if grains is not None and grains.age is not None:
-        end = drive.arrival_times(found.balance)[-1:]
-        return float(grains.quantile(1.0, grains.age + end)[0])
+        return float(grains.quantile(1.0, grains.age + drive.arrival_times(found.balance)[-1]))
     final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
     return max(contacts.mean_threshold, final)
 

@@ -70,8 +70,7 @@ def solve_soft(
         refuse("slip", slip, hint)
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
-        balance = balance_of(contacts, drive)
-        found = refined(contacts, drive, balance, tolerance, progress, until)
+        found = refined(contacts, drive, balance_of(contacts, drive), tolerance, progress, until)
     else:
         found = ColdSlider(contacts, drive, tolerance, until).follow()
         progress(found.error)

@@ -114,8 +114,7 @@ def power_of(contacts: Contacts) -> int:
 
 def check_finite(contacts: Contacts) -> None:
     """Raise InputError where the kinetic force is infinite. Heat does not help, as strong contacts hardly break before
-    their threshold. Thresholds that diffuse or grow are exempt: the tail of the initial ones does not last, or they
-    have a largest."""
+    their threshold. Thresholds that diffuse or grow are exempt: their tail does not last, or they have a largest."""
     power, changing = power_of(contacts), {"ageing", "grains"}.intersection(contacts.laws)
     if not changing and not np.isfinite(contacts.thresholds.moment(power)):
         fault = f"<x_s^{power}> is infinite, and with it the kinetic force: it grows for ever"

@@ -151,7 +151,7 @@ class Transform:
         return (coarse.T * (sums[0] * np.exp(decay * way)) @ each).ravel()[:count]
 
 
-def crowding_rate(travel: Travel) -> float:
+def crowding(travel: Travel) -> float:
     """Decay rate (per length) near which infinitely many roots of ever higher frequency crowd, due to
     exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
@@ -173,7 +173,7 @@ def decoherence_length(travel: Travel) -> tuple[float, float]:
     few contacts live more than 10,000 times as long as the mean, the error is inf. Where exact values have a share of
     the weight, roots slower than the rate at which infinitely many crowd may not exist: X* is that of this rate.
     """
-    rate, off = min(tail_rate(travel.contacts.thresholds), (crowding_rate(travel), 0.0))
+    rate, off = min(tail_rate(travel.contacts.thresholds), (crowding(travel), 0.0))
     if rate == 0.0:
         return np.inf, 0.0
     if travel.longest > BROAD * travel.length:

@@ -12,14 +12,7 @@ import numpy.typing as npt
 from master.renewal import rule
 from master.steady.travel import Travel
 from master.stick_slip.extremes import forward_march, travel_table
-from master.stick_slip.roots import (
-    BROAD,
-    Complex,
-    Transform,
-    crowding_rate,
-    deepest_wave,
-    leading_roots,
-)
+from master.stick_slip.roots import BROAD, Complex, Transform, crowding, deepest_wave, leading_roots
 from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
@@ -152,7 +145,7 @@ def _deepest(travel: Travel) -> float:
         grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
         fault = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
         refuse("velocity", travel.velocity, f"{fault}; roots are told to {LONGEST_DELAY:g} times")
-    crowd, tail = crowding_rate(travel), tail_rate(contacts.thresholds)[0]
+    crowd, tail = crowding(travel), tail_rate(contacts.thresholds)[0]
     if crowd * travel.birth_to_birth < 1e-2:
         fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
         hint = "and none is the slowest; give each a width, or follow F(X) with master.solve"

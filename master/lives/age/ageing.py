@@ -106,8 +106,7 @@ class AgeingLife(Life):
         """Share that holds of contacts born at these stretches; many are told by a polynomial on either side of 0."""
         places, out = np.unique(born), np.zeros(lag.shape)
         if places.size <= BETWEEN:
-            parts = [self._table(speed, float(x))(lag) * (born == x) for x in places]
-            return sum(parts, out)
+            return sum((self._table(speed, float(x))(lag) * (born == x) for x in places), out)
         stretch = np.broadcast_to(born, lag.shape)
         nodes = chebyshev.chebpts1(BETWEEN)
         to_series = np.linalg.inv(chebyshev.chebvander(nodes, BETWEEN - 1))

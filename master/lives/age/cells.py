@@ -67,8 +67,7 @@ class Cells:
         layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
         thinnest = float(np.clip(layer, 2e-6 * self.width, 2e-5 * self.width))
         far, bulk = (max(float(each.isf(q)) for each in laws) for q in (FAR, 1e-4))
-        share = 2.0 ** (-FINER * resolution)
-        self.edges = _cell_edges(far, self.width, thinnest, bulk, share)
+        self.edges = _cell_edges(far, self.width, thinnest, bulk, 2.0 ** (-FINER * resolution))
         self._face_density, self._face_slope = _at_faces(self.edges)
         self._drift = _drift(ageing, self.width)
 
@@ -78,8 +77,7 @@ class Cells:
         return bool(self.resolution < FINEST_LEVEL and self.edges.size * 2.0**FINER < MOST_CELLS)
 
     def steps(self, speed: float, steady_for: float, duration: float) -> Array:
-        """Ends of the steps of a move, times from 0 to `duration`; the last birth or change of speed was `steady_for`
-        before it."""
+        """Times of the ends of a move's steps; the last birth or change of speed was `steady_for` before the move."""
         fastest = max(self.heat_rate / HEAT_STEP, abs(speed) / self.width / TRAVEL_STEP, 1e-300)
         shortest, times = FIRST_STEP * self.width**2 / self._diffusion, [0.0]
         while times[-1] < duration:
@@ -127,9 +125,8 @@ class Cells:
         return np.asarray(self._kernel.step(weights, *given, self._face_density, self._face_slope))
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
-        """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope. The mean
-        of a product over a cell of width w is that of h times that of u plus (w²/12) h' u', and w u' is the difference
-        of u at its faces."""
+        """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope. On a cell
+        of width w the mean of h u is that of h times that of u plus (w²/12) h' u'; w u' is u's difference at faces."""
         thermal = self._thermal
         assert thermal is not None
         ends = level[:, :, None] + self.edges

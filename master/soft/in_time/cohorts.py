@@ -142,8 +142,7 @@ class Cohorts:
         if at <= last:
             # a cubic through the nodes beside, within one section
             nodes = next(part for part in self._sections if part[-1][0] >= at)
-            cell = bisect_left(nodes, (at,))
-            begin = max(min(cell - 2, len(nodes) - 4), 0)
+            begin = max(min(bisect_left(nodes, (at,)) - 2, len(nodes) - 4), 0)
             times, breaks = zip(*nodes[begin : begin + 4], strict=True)
             return 0.0, float(KroghInterpolator(times, breaks)(at))
         share = (at - last) / (now - last)

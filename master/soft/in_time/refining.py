@@ -80,8 +80,7 @@ def refined(
                 best = extrapolated([slider], contacts, drive, balance, asked)
             return best._replace(stopped_because=str(why))
         # only levels with the same number of slips can be compared
-        same = [one for one in levels[-2:] if len(one.slips) == len(slider.slips)]
-        levels = [*same, slider]
+        levels = [*(one for one in levels[-2:] if len(one.slips) == len(slider.slips)), slider]
         found = extrapolated(levels, contacts, drive, balance, asked)
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
