@@ -95,8 +95,8 @@ class ThermalLife(LawLife):
 
 
 class Replay:
-    """The rate of n contacts, born at stretches of shape (n,), integrated leg by leg: the mean rate on each
-    leg times the time there; furthest is the largest |x| of each, below its threshold."""
+    """The rate of n contacts, born at stretches of shape (n,), integrated over time: leg by leg, the mean rate times
+    the duration. furthest : the largest |x| of each, shape (n,), below its threshold."""
 
     def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
         assert contacts.thermal is not None
@@ -105,7 +105,7 @@ class Replay:
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
         self._offset: Array | None = None
         if self._rates.separable and contacts.stiffness != "linked":
-            # A at one threshold gives A at all others; on all legs but the last those born together share it
+            # h = f(x) g(x_s): A at one x_s gives all others; on all legs but the last those born together share it
             births = np.stack([born, self._duration[:, :-1].sum(axis=1)])
             first = np.any(np.diff(births, prepend=np.nan) != 0.0, axis=0)
             last = np.append(np.zeros(legs.speed.size - 1), 1.0)
@@ -143,11 +143,11 @@ class Replay:
         low, high = np.minimum(first, last), np.maximum(first, last)
         begin = np.where(across, 0.0, low)
         passed, way = self._passed(begin, high, threshold, stiffness), high - begin
-        if across.any():
+        if across.any():  # |x| falls to 0 and rises again
             some = np.flatnonzero(across)
             back, way[some] = low[some], high[some] + low[some]
             passed[some] += self._passed(0.0 * back, back, threshold[some], stiffness[some])
-        # this mean hardly suffers from the rounding of the way's ends, unlike the integral
+        # rounding of the way's ends hardly matters for this mean, unlike for the integral
         mean = passed if way.all() else self._rates.rate(high, threshold, stiffness)
         return np.divide(passed, way, out=mean, where=way > 0.0)
 

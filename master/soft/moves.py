@@ -126,8 +126,8 @@ class Move:
                 self._plan(self._march, self._march.reached, self._march.reached)
             self.contacts.nodes += (len(self._march.begin) - before) * rule.DEGREE
         loaded, march, reach = self.loaded, self._march, self.contacts.life.reach
-        lists = march.begin, march.width, march.force, march.error
-        begin, width, force, missed = (np.array(values[self._first :]) for values in lists)
+        panels = march.begin, march.width, march.force, march.error
+        begin, width, force, missed = (np.array(values[self._first :]) for values in panels)
         begin -= loaded.end
         # a drop by more than this share of the contacts, well above rounding, makes a slip
         times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]

@@ -1,7 +1,7 @@
 """C and the kinetic force of contacts that break by heat, at many speeds at once.
 
 A relaxed contact of threshold x_s that breaks by its own rate does so at min(x_s, x), where the rate integrated from 0
-to x is J(x) = v e, with e drawn from the exponential law of mean 1. As a function of u = ln J the stretch x is smooth
+to x is J(x) = v ξ, with ξ drawn from the exponential law of mean 1. As a function of u = ln J the stretch x is smooth
 at any temperature, and the speed only shifts the weight of u, so that the same stretches serve all speeds:
 
     C = <x_b>,    integral of the force = <k x_b^2>/2.
@@ -17,15 +17,15 @@ from origins import Contacts
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
 
-# Range of ln e: the shares of contacts that break below and above it are negligible.
+# Range of ln ξ: the shares of contacts that break below and above it are negligible.
 LEAST_LOG, MOST_LOG = -32.0, 3.65
-# ln e beyond which e^-e counts as 0; larger ln e are cut here to avoid overflow.
+# ln ξ beyond which e^-ξ counts as 0; larger ln ξ are cut here to avoid overflow.
 OVER = 7.0
-# Panels of 8 nodes in u: of one width above ln e = EVEN, wider and wider ones below, where the weight is an
+# Panels of 8 nodes in u: of one width above ln ξ = EVEN, wider and wider ones below, where the weight is an
 # exponential. The relative error of sums is then ROUND_OFF (measured).
 EVEN, WIDTH, ROUND_OFF = -1.0, 0.6, 2e-12
 # Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root of the distance
-# in u: the stretch is smooth in this root.
+# in u: the stretch is smooth in this root. Where they are cut is measured.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last two Legendre coefficients on a panel of thresholds, in units of typical values, below which it is
 # not halved (the error of its integral is about their square); and its least width, in mean thresholds.
@@ -81,7 +81,7 @@ def _break_moments(contacts: Contacts, speeds: Array) -> Callable[[Array], Array
     usable_from = edges[1:] + np.diff(edges)
 
     def moments(thresholds: Array) -> Array:
-        """Shape (2, thresholds, speeds)."""
+        """Shape (2, thresholds, speeds): sums over whole panels in u, and over the rest up to the threshold."""
         stiffness = np.asarray(contacts.relative_stiffness(thresholds))
         given = 0.0, thresholds[:, None], stiffness[:, None]
         ends = rates.log_passed(0.0, thresholds, thresholds, stiffness)
@@ -106,7 +106,7 @@ def _break_moments(contacts: Contacts, speeds: Array) -> Callable[[Array], Array
     return moments
 
 
-def _weight(log_e: Array) -> Array:
-    """Density of ln e."""
-    power = np.minimum(log_e, OVER)
+def _weight(log_xi: Array) -> Array:
+    """Density of ln ξ."""
+    power = np.minimum(log_xi, OVER)
     return np.asarray(np.exp(power - np.exp(power)))

@@ -213,8 +213,8 @@ def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
 
 
 def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, float]:
-    """Roots right of the line Re s = -decay, or hardly left of it, and how many are right of it: inf where
-    D is too inaccurate; `some` are known."""
+    """Roots right of the line Re s = -decay, or hardly left of it, of which `some` are known; and how many are right of
+    it, inf where D is too inaccurate to tell."""
     travel, s = transform.travel, np.array([complex(-decay)])
     end = transform(s)
     if not end.conserved_error[0] * decay < 1e-3:

@@ -122,13 +122,13 @@ class Cohorts:
         known, force = (held_force @ strands.share).tolist()
         # those born in this step, per contact born
         new = 0.5 * (held_force[:, -2 * many : -many] + held_force[:, -many:]) @ self._births.weight
-        last, pull = new.tolist()
+        last, newest_force = new.tolist()
         without_births |= bool(self.delay) and now == self.now
         slope, rest = (0.0, born) if without_births else self._births_at(now)
         # known + last (N - N_before) + B - N = 1, N = slope B + rest
         breaks = (1.0 - known + last * born + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
         more = slope * breaks + rest - born
-        force, held = force + pull * more, known + last * more
+        force, held = force + newest_force * more, known + last * more
         return Trial(travel, now, strands, held_force, force, held, breaks, born + more)
 
     def _births_at(self, now: float) -> tuple[float, float]:

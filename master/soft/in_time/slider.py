@@ -87,7 +87,7 @@ class Slider:
     def _slip_to_balance(self, without_births: bool) -> None:
         """Move the slider to the first balance; `without_births`, broken contacts stay out until then."""
         contacts, steps, scales = self.contacts, self._steps, self.contacts.memory.scales
-        # heat has broken the weakest: over this way the others may first carry more as they stretch
+        # with heat F may rise at first, as the weakest have broken: six small ways are tried up to this one
         least = 0.5 * scales.length
         # without births only the end has to be found, in small steps so that none is missed
         step = steps.sign * (0.06 * scales.length if without_births else self._size * steps.length)
