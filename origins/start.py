@@ -13,7 +13,7 @@ from origins.thresholds.scipy_laws import as_frozen, single_mean
 
 
 class Start:
-    """Distribution Q_ini(x) of the starting stretches (lengths, of either sign).
+    """Distribution of stretches (lengths, of either sign): Q_ini(x) at X = 0, or of those at which contacts re-form.
 
     `pdf`, `cdf`, `sf`, `ppf` and `isf` are those of scipy.stats. `span` is the interval with all but 1e-16 of the
     weight on either side; `breakpoints` are points inside it where the density is not smooth. An exact single value has
