@@ -110,17 +110,17 @@ class March:
         narrowest = min(first, end - begin) * (1e-10 if quick else 1e-18)
         while end - t > 1e-9 * min(self.widest, end - begin):
             stop_after(self.births.until)
-            left = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
-            if abs((end - t) / left - width) > 1e-9 * width:
-                width = (end - t) / left
-            run = self._run(t, width, min(count, left), leg)
+            ahead = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
+            if abs((end - t) / ahead - width) > 1e-9 * width:
+                width = (end - t) / ahead
+            run = self._run(t, width, min(count, ahead), leg)
             bad = np.flatnonzero(run.error > self.tolerance)
             # beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error
             hurried = self.births.work > MOST_WORK or width < max(narrowest, 1e-13 * t)
             bad = bad[:0] if hurried else bad
             good = int(bad[0]) if bad.size else run.error.size
             self.keep(self.motion.times[leg] + t, width, run, good, t)
-            t = t + good * width if good < left else end
+            t = t + good * width if good < ahead else end
             if bad.size:
                 missed = float(run.error[good]) / self.tolerance
                 part = 0.25 if missed > 100.0 else 0.5
@@ -134,17 +134,17 @@ class March:
             tried_missed = 0.0
             # the error grows as the width to the power DEGREE; where contacts break at rates of all
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
-            still = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance
-            soon = still or not quick or width <= 0.5 * first
-            spare = max(self.tolerance * (1e-2 if soon else 0.5**rule.DEGREE), 1e-14)
+            calm = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance  # hardly any breaks
+            widens_soon = calm or not quick or width <= 0.5 * first
+            spare = max(self.tolerance * (1e-2 if widens_soon else 0.5**rule.DEGREE), 1e-14)
             easy = easy + good if run.error.max() < spare else 0
             # each width needs its own kernel: wide panels are widened only if that serves many, or hardly any break
-            many = 0 if still or width <= 0.5 * first else 32
+            needed = 0 if calm or width <= 0.5 * first else 32
             count = min(2 * count, 256)
-            if hurried or (easy > many and left - good >= many and width > 0.6 * self.widest):
-                wide = (8.0 if still else 4.0 if run.error.max() < 1e-4 * spare else 2.0) * width
+            if hurried or (easy > needed and ahead - good >= needed and width > 0.6 * self.widest):
+                wide = (8.0 if calm else 4.0 if run.error.max() < 1e-4 * spare else 2.0) * width
                 self.widest = min(wide, self._duration(self.life.reach, leg))
-                count, easy = 1 if soon else max(1, count // 4), 0
+                count, easy = 1 if widens_soon else max(1, count // 4), 0
             yield
 
     def _duration(self, length: float, leg: int) -> float:
