@@ -79,7 +79,7 @@ def test_what_is_to_be_minded_is_told_once_and_before(capsys: Any) -> None:
     assert "the temperature is" not in "".join(out) and len(toolkit.load("mine-output").notes) == 1
     with pytest.warns(UserWarning, match=r"temperature is 299 <x_s\^2>: .* a length squared"):
         origins.Contacts(origins.gaussian(1.0, 0.05), thermal=origins.Thermal("soft", 300.0))
-    for to, told in ((5e6, "5e+06 mean thresholds"), (5e-9, "5e-09 mean thresholds")):
+    for to, told in ((5e6, "5e+06 times <x_s>"), (5e-3, "0.005 times <x_s>")):
         driven = toolkit.run(scene(drive={"to": to, "points": 3}))
         assert driven.success and told in driven.notes[0]
 

@@ -95,10 +95,9 @@ def foreseen(scene: Scene) -> list[str]:
     contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
     surface, mean = contacts.interface, contacts.mean_threshold
     reach = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
-    if reach > 1e6 or 0.0 < reach < 1e-3:  # probably a mistake
+    if reach > 1e6 or 0.0 < reach < 1e-2:  # probably a mistake
         unit = "" if surface is None else " m"
-        far = f"the drive goes as far as {reach:.1g} mean thresholds of {mean:.3g}{unit}"
-        said.append(f"{far}; is it meant in that unit?")
+        said.append(f"the drive goes {reach:.1g} times <x_s> = {mean:.3g}{unit}: in that unit?")
     if isinstance(contacts.thermal, Thermal):
         swept = {} if scene.sweep is None else scene.sweep.at
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
@@ -115,7 +114,8 @@ def foreseen(scene: Scene) -> list[str]:
     if surface is not None and scene.area is not None:
         held = surface.contact_density * scene.area
         together = f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m"
-        said.append(f"N_c = {held:.4g} contacts and {together} on drive.area")
+        few = ": so few scatter, add [eq] with as many" * (held < 1e4 and scene.eq is None)
+        said.append(f"N_c = {held:.4g} contacts and {together} on drive.area{few}")
         if scene.eq is not None and not 0.5 < scene.eq.contacts / held < 2.0:
             said.append(
                 f"[eq] follows {scene.eq.contacts:,} contacts in each replica: the spring is that of the area, but "
