@@ -23,7 +23,7 @@ SAME_TIME, ROUNDED = 1e-12, 2e-15
 
 
 class Moment(NamedTuple):
-    """A time at which breaks jump or bend, and the share of the contacts in it; of a bend, what it is worth."""
+    """A time at which breaks jump or bend, and the share of contacts in the jump, or in one that would matter alike."""
 
     time: float
     size: float
