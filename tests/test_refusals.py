@@ -211,6 +211,8 @@ Contacts(stats.gamma)  lacks its parameters
 Contacts(stats.Normal(mu=0.0, sigma=1.0))  weight 0.5 at or below x = 0
 Contacts(1.0)  must come from origins
 Contacts(origins.identical(1e-200))  thresholds: the mean is 1e-200: powers of
+Contacts(origins.gaussian(1e-100, 2e-101))  thresholds: the mean is 1e-100: powers of
+Contacts(origins.gaussian(1e105, 2e104))  thresholds: the mean is 1e+105: powers of
 Contacts(BOX, start=-1.0)  start: a weight of 1 lies beyond every threshold, at |x| >= 1;
 Contacts(BOX, start=origins.gaussian_start(0.0, 0.21))  start: a weight of 1.92e-06 lies
 Contacts(GAUSSIAN, start=np.nan)  start = nan:
@@ -239,6 +241,7 @@ Drive([0.0, 1.0], time=[0.0, 0.0])  time[1] = 0.0: leaves no time to get there
 Drive([0.0, 1.0], 2.0, time=[0.0, 1.0])  velocity = 2.0: the times of the points
 master.kinetic_curve(Contacts(GAUSSIAN), None)  velocity = nan: must be finite
 master.phase_line(Contacts(GAUSSIAN), 1e300)  velocity = 1e+300: must lie between 1e-100 and 1e+100
+master.solve(Contacts(GAUSSIAN), [1.0, 0.5], time=[1e-310, 1.0])  time[0] = 1e-310: leaves no time
 master.steady_state(Contacts(GAUSSIAN, ageing=AGEING), velocity=1e-20)  relaxes thresholds 1e10 times while
 master.solve(Contacts(GAUSSIAN, thermal=PAPER), [0, 0, 1], time=[0, 1e12, 1e12 + 1])  time[-1] = 1000000000001.0:
 master.critical_velocity(Contacts(GAUSSIAN, ageing=AGEING), 1.0, 2.0, 1.0)  slowest = 2.0: must be below fastest = 1
