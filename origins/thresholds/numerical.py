@@ -119,8 +119,8 @@ class NumericalLaw:
         return edges[np.isfinite(edges)]
 
     def _halve(self, edges: Array) -> tuple[Array, Array]:
-        """Keep edges of n panels on which polynomials follow the density. Returns its values at their nodes, relative to
-        the largest, shape (n, 12), and the polynomials' errors, relative to the largest on each panel, shape (n,)."""
+        """Keep edges of n panels on which polynomials follow the density. Returns its values at their nodes, relative
+        to the largest, shape (n, 12), and the polynomials' errors, relative to the largest on a panel, shape (n,)."""
         left, right = edges[:-1], edges[1:]
         log = self._log_at(left[:, None] + (right - left)[:, None] * _PLACES) - self._top
         before: Array = np.full(left.shape, np.inf)
