@@ -55,6 +55,17 @@ def test_steady_state_in_closed_form(fresh) -> None:
     assert steady.thresholds.mean() == pytest.approx(steady.mean_threshold, rel=3e-9)
 
 
+def test_its_error_bounds_what_rounding_does() -> None:
+    found = []
+    for unit in (1.0, 1.3, 1.7, 0.77, 2.9):
+        ageing = Ageing(origins.gaussian(unit, 0.18 * unit), 2.3 * unit, closure="paper")
+        contacts = Contacts(origins.gaussian(0.6 * unit, 0.0075 * unit), ageing=ageing)
+        steady = master.steady_state(contacts)
+        found.append([steady.force / unit, steady.cycle_length / unit])
+        errors = 0.6 * np.array([steady.force_error, steady.cycle_length_error])
+    assert (np.ptp(found, axis=0) <= 2.0 * errors).all()
+
+
 def resting(fresh, final, amount, cells):  # type: ignore[no-untyped-def]
     """<x> and <x²> of diffusion with resetting, D C = amount: the resolvent of hops between cells."""
     edges = np.linspace(0.0, 6.0, cells + 1)

@@ -97,9 +97,8 @@ def _printed_fall(contacts: Contacts, velocity: float, parts: int) -> Largest:
     path = np.arange(0.0, end - min(contacts.start.span[0], 0.0) + 3.0 * step, step)
     found = (paper_transient(contacts, path, step / n, velocity) for n in (parts, 2 * parts))
     coarse, fine = (each.force for each in found)
-    slope = make_interp_spline(path, (4.0 * fine - coarse) / 3.0, k=5).derivative()
     x = np.linspace(0.0, path[-1], 100 * path.size)
-    down = -slope(x)
+    down = -make_interp_spline(path, (4.0 * fine - coarse) / 3.0, k=5).derivative()(x)
     begin = int(np.argmax(down > 0.0))
     if not down[begin] > 0.0:
         raise InputError("contacts: the force never falls; there is no stick-slip at any spring")

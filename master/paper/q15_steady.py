@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg.lapack import get_lapack_funcs
-from scipy.optimize import brentq
 
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
@@ -60,26 +59,30 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
     assert contacts.ageing is not None
     fresh, final = contacts.thresholds, contacts.ageing.final
     contacts.ageing.check_fresh(fresh)
-    grids = [_edges(fresh, final, halvings) for halvings in range(5)]
-    diffusion = contacts.ageing.rate / velocity
-    known, tables = zip(*(_solve(fresh, final, diffusion, edges) for edges in grids), strict=True)
+    grids, known = [_edges(fresh, final, halvings) for halvings in range(5)], list[Array]()
+    diffusion, guess, tables = contacts.ageing.rate / velocity, final.mean(), list[Array]()
+    for edges in grids:
+        found, table = _solve(fresh, final, diffusion, edges, guess)
+        # errors fall as the square of the width, so that the next change of C is a quarter of this one
+        guess = float(found[1] + 0.25 * (found[1] - known[-1][1] if known else 0.0))
+        known, tables = [*known, found], [*tables, table]
     best, coarser = (_extrapolated(np.array(known[:count])) for count in (5, 4))
-    # four times, as their rounding may be alike; and contributions to <x²> and <x> from beyond the table
-    off, end = 4.0 * np.abs(best - coarser) + 1e-12 * best, float(grids[-1][-1])
+    # four times, as both may be alike; rounding, measured by scaling lengths; and what lies beyond the table
+    off, end = 4.0 * np.abs(best - coarser) + 1e-10 * best, float(grids[-1][-1])
     off += end * float(final.sf(end)) * np.array([end / best[1], 1.0])
-    force, length = best.tolist()
+    (force, length), (force_error, length_error) = best.tolist(), (off / fresh.mean()).tolist()
     # weights on the coarser of the last two grids, extrapolated from both
     weights = (4.0 * tables[-1].reshape(-1, 2).sum(axis=1) - tables[-2]) / 3.0
     table = stats.rv_histogram((np.maximum(weights, 0.0), grids[-2]), density=False)
     thresholds = as_thresholds(table)
     return {
         "force": force,
-        "force_error": float(off[0]) / fresh.mean(),
+        "force_error": force_error,
         "holding": 1.0,
         "thresholds": thresholds,
         "mean_threshold": length,
         "cycle_length": length,
-        "cycle_length_error": float(off[1]) / fresh.mean(),
+        "cycle_length_error": length_error,
         "_held": lambda x: np.where(x >= 0.0, thresholds.sf(x), 0.0),
         "positivity_defect": abs(float(weights[weights < 0.0].sum())),
     }
@@ -114,9 +117,10 @@ def _extrapolated(values: Array) -> Array:
 
 
 def _solve(
-    fresh: Thresholds, final: Thresholds, diffusion: float, edges: Array
+    fresh: Thresholds, final: Thresholds, diffusion: float, edges: Array, length: float
 ) -> tuple[Array, Array]:
-    """(F_k, C), lengths, and the weights of P_c on given cells, at D_X (a length); C is the mean of P_c."""
+    """(F_k, C), lengths, and the weights of P_c on given cells, at D_X (a length); C, from a guess of this length, is
+    the mean of P_c. From the final mean Newton's method falls short of it at no step, as ageing slows down."""
     hops = Diffusion(final, edges)
     born = hops.weights(fresh)
     middle = 0.5 * (edges[1:] + edges[:-1])
@@ -125,15 +129,13 @@ def _solve(
         if 0 < k < edges.size - 1 and edges[k] == atom:  # on an edge: two cells, with the same <x>
             moved = share * (atom - middle[k - 1]) / (middle[k] - middle[k - 1])
             born[k - 1 : k + 1] += moved * np.array([-1.0, 1.0])
-
-    def weights(length: float) -> Array:
-        return make_ageing(hops, diffusion * length)(born)
-
-    def excess(length: float) -> float:
-        return fresh.mean() + float(middle @ (weights(length) - born)) - length
-
-    low, high = sorted([fresh.mean(), final.mean()])  # C lies between; margins for coarse cells
-    length = float(brentq(excess, 0.5 * low, 2.0 * high, xtol=1e-300, rtol=1e-14))
-    aged = weights(length)
-    square = fresh.moment(2) + float(middle**2 @ (aged - born))
-    return np.array([0.5 * square / length, length]), aged
+    for _ in range(50):
+        age = make_ageing(hops, diffusion * length)
+        gained = age(born) - born
+        by_length = age(gained) / length  # derivative by C
+        change = (fresh.mean() + middle @ gained - length) / (1.0 - middle @ by_length)
+        length, gained = float(length + change), gained + change * by_length
+        if abs(change) <= 1e-8 * length:  # its square is rounding
+            break
+    square = fresh.moment(2) + float(middle**2 @ gained)
+    return np.array([0.5 * square / length, length]), born + gained

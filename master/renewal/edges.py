@@ -94,8 +94,7 @@ def edges(
     while len(met := list(islice(following(least), most + 1))) > most:
         least *= 10.0
     too_many = bool(life.atoms.size) and least > 1e3 * tolerance
-    times = np.array([since, *(moment.time for moment in met), end])
-    return Edges(times, too_many, [*known, *met])
+    return Edges(np.array([since, *(moment.time for moment in met), end]), too_many, [*known, *met])
 
 
 def same_time(motion: Motion, time: float) -> float:

@@ -54,8 +54,7 @@ class SteadyState:
     def distribution(self, x: npt.ArrayLike) -> Array:
         """Q_s(x) per length at stretches x (paper, Eq. Q11a), of all contacts; same shape as x."""
         x = np.asarray(x, dtype=float)
-        held = self._held(x.ravel()) * self.holding / self.cycle_length
-        return held.reshape(x.shape)[()]
+        return (self._held(x.ravel()) * self.holding / self.cycle_length).reshape(x.shape)[()]
 
 
 def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:

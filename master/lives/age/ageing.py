@@ -117,8 +117,7 @@ class AgeingLife(Life):
                 tables = [self._table(speed, float(low + 0.5 * way * (1.0 + x))) for x in nodes]
                 known = np.array([table(lag[here]) for table in tables])
                 z = 2.0 * (stretch[here] - low) / way - 1.0
-                held = chebyshev.chebval(z, to_series @ known, tensor=False)
-                out[here] = np.clip(held, 0.0, 1.0)
+                out[here] = chebyshev.chebval(z, to_series @ known, tensor=False).clip(0.0, 1.0)
         return out
 
     def _table(self, speed: float, stretch: float) -> Callable[[Array], Array]:
@@ -214,8 +213,7 @@ class AgeingLife(Life):
             else:  # strands use few cells, whose errors hardly matter
                 now = self._shares(self.begin(rule, coarse=True), 0)
             change, before = float(np.abs(now - before).max()), now
-            late = count > COUNTS[0] and clock.monotonic() > self._until
-            if change <= self.accuracy or late:
+            if change <= self.accuracy or (count > COUNTS[0] and clock.monotonic() > self._until):
                 break
         self._add_error("stretches", change)
         self._stretches[born] = rule
