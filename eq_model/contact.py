@@ -93,7 +93,7 @@ def by_law(choose: Callable[[type], Any]) -> Any:
 
 BREAKS: dict[type, Callable[..., Any]] = {}
 AGED: dict[type, Callable[..., Any]] = {}
-# by the class of their law; arguments are those of CompiledRates. All three are filled below and in laws/*.py
+# by the class of their law, filled by engine.law_of as CompiledRates has them; BREAKS and AGED below and in laws/*.py
 RATES: dict[type, CompiledRates] = {}
 # break_of(law, contact, way, counts): the break of a contact
 break_of = by_law(BREAKS.__getitem__)
@@ -193,8 +193,7 @@ def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
         beyond = abs(way.positions[leg + 1] - birth) - contact.threshold
         if beyond >= 0 or (beyond >= -law.tie and leg + 1 < legs):
             # the threshold is reached on this leg; within `tie` of a turn it counts as reached at the turn
-            then = max(way.begins[leg + 1] - max(beyond, 0), clock)
-            return Break(then, leg, contact.drawn)
+            return Break(max(way.begins[leg + 1] - max(beyond, 0), clock), leg, contact.drawn)
         leg += 1
     return Break(way.begins[legs] + 1, leg, contact.drawn)
 

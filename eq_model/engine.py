@@ -90,6 +90,7 @@ class Engine:
 
     def follow(self, block: int) -> State:
         """Follow a block of contacts to the drive's end; -1 only compiles."""
+        from eq_model.draws.births import make_scratch
         from eq_model.draws.streams import make_stream
         from eq_model.lanes import follow
 
@@ -99,10 +100,10 @@ class Engine:
         _, kinds, bins, columns = self._shape
         # column by column, so that the column that is used most stays in the L1 cache
         sums, coarse = (np.zeros((bins + 1, columns), np.int64, order="F") for _ in range(2))
-        breaks = follow(work, count, sums, counts)
+        breaks = follow(work, make_scratch(), count, sums, counts)
         if kinds == 3:
             work = work._replace(law=work.law.coarser(self.COARSER), measured=True)
-            follow(work, -(-count // self.COARSER), coarse, counts[:0])
+            follow(work, make_scratch(), -(-count // self.COARSER), coarse, counts[:0])
         found = np.stack([sums, sums * measured, coarse][:kinds])[:, :-1]
         return State(np.stack([found >> 32, found & 0xFFFFFFFF]), counts, breaks=int(breaks))
 

@@ -6,8 +6,7 @@ that absent laws cost nothing, and cached on disk, which closures cannot be.
 
 Under any law a contact holds until `break_of` breaks it, and is out for the delay if there is one. In steady forward
 motion, cold or warm (`Forward`), a contact that breaks at the stretches x1, x2, ... is relaxed again at x1, x1 + x2,
-... of the slider; the released stretches are summed in the bins of the breaks. Its loops become
-vector code; each uses four arrays at most, since the compiler has to test that none overlap.
+... of the slider; released stretches are summed in the breaks' bins. Loops of up to four arrays become vector code.
 """
 
 from typing import Any, NamedTuple
@@ -34,7 +33,6 @@ from eq_model.draws.births import (
     draw_stretches,
     draw_thresholds,
     draw_values,
-    make_scratch,
 )
 from eq_model.draws.streams import EXPOSURES, LANES
 from origins.thresholds.law import Array
@@ -51,9 +49,9 @@ class Lanes(NamedTuple):
 
     number: Whole  # index in the block; the lane's next contact is LANES further
     initial: Whole  # 1 for a contact of the start that has not broken
-    moment: Whole  # of the drive's clock, at which it forms; beyond the end in a lane without further contacts
+    moment: Whole  # of the drive's clock, at which it forms; of Forward beyond the end in a lane that has no more
     leg: Whole
-    drawn: Whole  # number of words that the laws have drawn in the lane
+    drawn: Whole  # steps for which the laws have drawn words in the lane
     threshold: Whole
     stretch: Whole  # at which the contact forms
     log_exposure: Whole
@@ -142,12 +140,12 @@ _row = by_law(lambda law: _advance_row if law is Forward else _follow_row)
 
 
 @compiled
-def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
+def follow(work, scratch, count, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one block of contacts to the drive's end. Returns the number of breaks.
 
     sums : increased, as in contact.count_event. counts : increased, as in contact.look_at.
     """
-    stream, starts, again, scratch = work.stream, work.starts, work.again, make_scratch()
+    stream, starts, again = work.stream, work.starts, work.again
     # the stretches of the start, a single one if it is that of all contacts
     starting = np.empty(count + LANES, whole)
     for part in range(whole(count // LANES + 1)):
@@ -162,8 +160,8 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
     for i in range(LANES):
         m[0, i], m[1, i] = i, 1
     lanes = Lanes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], log_amount, bins)
-    n, turn, breaks = min(LANES, count), whole(0), whole(0)
-    while lanes.number.min() < count:
+    n, turn, breaks, least = min(LANES, count), whole(0), whole(0), whole(0)
+    while least < count:
         for row in range(whole(4)):
             if not again.relaxed:
                 draw_stretches(n, row, turn, stream, again, scratch, lanes.stretch)
@@ -175,5 +173,7 @@ def follow(work, count, sums, counts):  # type: ignore[no-untyped-def]
                 words, e = scratch.exposures, lanes.log_exposure
                 draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, e)
             breaks += _row(work.law, n, count, work, lanes, sums, counts)
-        turn += 1
+        turn, least = turn + 1, lanes.number[0]
+        for number in lanes.number:
+            least = min(least, number)
     return breaks

@@ -21,7 +21,7 @@ SIZES = 40  # classes of avalanches: up to 2^40 breaks
 class Histogram:
     """Contacts that hold at one point of the path; arrays of shape (4096,), edges of shape (4097,).
 
-    The bins of stretches extend to the largest |x| that path, start and re-forming allow, those of thresholds to 2^-54
+    The bins of stretches extend to the largest |x| that path, start and re-forming allow, those of thresholds to 2^-64
     of the law's weight. They have equal widths, except for laws with wide tails: beyond 64 times the mean threshold (or
     the mean stretch of start or re-forming, or the mean of the final thresholds) all contacts are counted in the wide
     outermost bins. A density is the mean over its bin, so that the sum of density times width is that of all contacts.

@@ -128,8 +128,7 @@ def _points(clock: Array, widest: float, most: int) -> tuple[Array, float]:
         many = before + round((end - points[0]) / spacing) + 1
         if many <= most:
             return np.maximum(points[0] + spacing * (np.arange(many) - before), 0.0), spacing
-    between = np.linspace(0.0, end, int(np.ceil(end / widest)) + 1)[1:]
-    return np.union1d(points, between), 0.0
+    return np.union1d(points, np.linspace(0.0, end, int(np.ceil(end / widest)) + 1)[1:]), 0.0
 
 
 def durations(drive: Drive) -> Array:

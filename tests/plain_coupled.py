@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from eq_model.coupled.ensemble import unit_of
 from eq_model.coupled.slide_kernel import make_supply, take
@@ -12,6 +13,11 @@ from eq_model.draws.births import births_of
 from eq_model.draws.streams import make_stream
 from eq_model.result import SIZES
 from origins import Contacts, Drive
+
+
+@njit
+def _draw(supply):  # type: ignore[no-untyped-def]
+    return take(supply)
 
 
 class Followed(NamedTuple):
@@ -54,7 +60,7 @@ class PlainReplica:
 
     def form(self, number: int, start: bool = False) -> None:
         """So many contacts form at X."""
-        drawn = [take(self.draws[0 if start else 1]) for _ in range(number)]
+        drawn = [_draw(self.draws[0 if start else 1]) for _ in range(number)]
         threshold, stretch = self.unit * np.array(drawn, float).reshape(-1, 2).T
         self.threshold = np.append(self.threshold, threshold)
         self.zero = np.append(self.zero, self.x - stretch)

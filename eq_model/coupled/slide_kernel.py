@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from eq_model.blocks import Whole
-from eq_model.compiling import bare, inlined
+from eq_model.compiling import bare, entry, inlined
 from eq_model.coupled.queue_kernel import add_break, clear, next_break, open_next, take_next
 from eq_model.draws.births import Births, Scratch, draw_stretches, draw_thresholds, make_scratch
 from eq_model.draws.streams import LANES, Stream
@@ -120,7 +120,7 @@ def _form(s, queue, supply):  # type: ignore[no-untyped-def]
     add_break(queue, s.at - r + x, x)
 
 
-@bare
+@entry
 def form_all(slider, queue, supply, n):  # type: ignore[no-untyped-def]
     """Replace all contacts by n that form at the slider's present X."""
     s = slider[0]
@@ -166,7 +166,7 @@ def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
     return size
 
 
-@bare
+@entry
 def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
     """Follow the slider until a slip has ended, or another reason to stop, which is returned."""
     s, passed = slider[0], 0

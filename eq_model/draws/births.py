@@ -11,7 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.compiling import bare, bits_of, compiled, double_of, inlined, real, unsigned, whole
+from eq_model.compiling import bare, bits_of, double_of, inlined, real, unsigned, whole
 from eq_model.draws.streams import LANES, ROW, STARTS, THRESHOLDS, draw, uniform, words_at
 from eq_model.draws.tables import CELL_BITS, DEEPEST, FAR, OCTAVES, SIDE, Table, make_table
 from origins import Contacts
@@ -93,11 +93,9 @@ class Scratch(NamedTuple):
     survival: npt.NDArray[np.float64]  # the last stretch at which it was wanted, and its value
 
 
-@compiled
-def make_scratch():  # type: ignore[no-untyped-def]
+def make_scratch() -> Scratch:
     """Arrays for one block."""
-    words, survival = np.zeros((3, 4 * ROW), np.uint32), np.zeros(2)
-    survival[0] = -1.0  # wanted at no stretch so far
+    words, survival = np.zeros((3, 4 * ROW), np.uint32), np.array([-1.0, 0.0])  # wanted at no stretch so far
     rows = np.zeros(LANES, np.uint32), np.zeros(LANES), np.zeros(2 * LANES, np.int64), survival
     return Scratch(words[0], words[1], words[2], *rows)
 

@@ -142,8 +142,7 @@ def _moved(y, time, bell, law):  # type: ignore[no-untyped-def]
     spread = np.sqrt(2.0 * law.diffusion * time)
     # nearer to 0 than a quarter of the step's standard deviation the drift is the one there
     slope = _drift(max(y, 0.25 * spread), law)
-    guess = abs(y + law.diffusion * time * slope + spread * bell)
-    slope += _drift(max(guess, 0.25 * spread), law)
+    slope += _drift(max(abs(y + law.diffusion * time * slope + spread * bell), 0.25 * spread), law)
     return y + 0.5 * law.diffusion * time * slope + spread * bell
 
 
@@ -154,7 +153,7 @@ def _steepness(x, y, law):  # type: ignore[no-untyped-def]
     x = max(min(x, y - 2.0 * step), 0.0)
     here = np.log(max(rate_at(x, y, law, 1.0), 1e-300))
     of_x = np.log(max(rate_at(x + step, y, law, 1.0), 1e-300)) - here
-    of_y = here - np.log(max(rate_at(x, y + step, law, 1.0), 1e-300))
+    of_y = np.log(max(rate_at(x, y + step, law, 1.0), 1e-300)) - here
     return abs(of_x) / step, abs(of_y) / step
 
 

@@ -150,8 +150,7 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
         d, pace, room = way.directions[leg], way.paces[leg] / law.tau_m, way.begins[leg + 1] - clock
         # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
         pins = contact.fresh and d != 0 and clock == contact.clock
-        lost = 4.5 * (law.root / pace) ** 2 if pins else 0.0
-        if pins and goal <= lost:
+        if pins and goal <= 4.5 * (law.root / pace) ** 2:
             return Break(clock, contact.leg, contact.drawn)
         outward, near, ticks = d * x >= 0, abs(real(x)), np.inf
         if d != 0 and not outward:
