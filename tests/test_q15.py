@@ -10,7 +10,7 @@ from scipy.linalg import solve_banded
 import master
 import origins
 from master.paper.q15_transient import paper_transient
-from origins import Ageing, Contacts
+from origins import Ageing, Contacts, gaussian, identical
 from origins.laws.diffusion import Diffusion
 from origins.thresholds.scipy_laws import as_thresholds
 
@@ -53,6 +53,18 @@ def test_steady_state_in_closed_form(fresh) -> None:
     x = np.linspace(0.0, 1.5, 30_001)
     assert np.trapezoid(steady.distribution(x), x) == pytest.approx(1.0, abs=1e-7)
     assert steady.thresholds.mean() == pytest.approx(steady.mean_threshold, rel=3e-9)
+
+
+@pytest.mark.parametrize("mean", [0.4, 3.0])
+@pytest.mark.parametrize("fresh", [identical(1.0), gaussian(1.0, 4e-4), gaussian(1.0, 2e-5)])
+def test_narrow_fresh_laws_on_either_side_of_the_final_mean(fresh, mean: float) -> None:
+    """Those above the final mean spread upwards at first; widths below those of cells are in the error."""
+    for diffusion in (1e-4, 3e-3, 0.1):
+        ageing = Ageing(gaussian(mean, 0.04), diffusion, closure="paper")
+        steady = master.steady_state(Contacts(fresh, ageing=ageing))
+        c, force = gaussian_force(fresh, mean, 0.04, diffusion)
+        assert abs(steady.force - force) <= steady.force_error < 1e-3
+        assert abs(steady.cycle_length - c) <= steady.cycle_length_error
 
 
 def test_its_error_bounds_what_rounding_does() -> None:

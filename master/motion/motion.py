@@ -81,8 +81,7 @@ class Motion:
         """Highest and lowest knot between each leg `first` and the leg `last`; -inf and inf for none."""
         later = self.positions[last:0:-1]
         high = np.append(np.maximum.accumulate(later)[::-1], -np.inf)
-        low = np.append(np.minimum.accumulate(later)[::-1], np.inf)
-        return high[first], low[first]
+        return high[first], np.append(np.minimum.accumulate(later)[::-1], np.inf)[first]
 
     def history(self, t: Array, s: Array) -> "History":
         """The displacements from s to t of contacts born at s; all t lie on one leg, and so do the s of a row."""

@@ -66,11 +66,12 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
         # errors fall as the square of the width, so that the next change of C is a quarter of this one
         guess = float(found[1] + 0.25 * (found[1] - known[-1][1] if known else 0.0))
         known, tables = [*known, found], [*tables, table]
-    best, coarser = (_extrapolated(np.array(known[:count])) for count in (5, 4))
-    # four times, as both may be alike; rounding, measured by scaling lengths; and what lies beyond the table
-    off, end = 4.0 * np.abs(best - coarser) + 1e-10 * best, float(grids[-1][-1])
-    off += end * float(final.sf(end)) * np.array([end / best[1], 1.0])
-    (force, length), (force_error, length_error) = best.tolist(), (off / fresh.mean()).tolist()
+    best, *others = (_extrapolated(np.array(some)) for some in (known, known[:-1], known[1:]))
+    # four times, as they may be alike; rounding, measured by scaling lengths; and what lies beyond the table
+    off = 4.0 * (np.abs(best - others).max(axis=0) + abs(best[2] - fresh.mean())) + 1e-10 * best
+    end = float(grids[-1][-1])
+    off += end * float(final.sf(end)) * np.array([end / best[1], 1.0, 0.0])
+    (force, length, _), (force_error, length_error, _) = best.tolist(), off / fresh.mean()
     # weights on the coarser of the last two grids, extrapolated from both
     weights = (4.0 * tables[-1].reshape(-1, 2).sum(axis=1) - tables[-2]) / 3.0
     table = stats.rv_histogram((np.maximum(weights, 0.0), grids[-2]), density=False)
@@ -93,10 +94,12 @@ def _edges(fresh: Thresholds, final: Thresholds, halvings: int) -> Array:
     1e-3) and growing along a far tail (to 1e-25): they are equal in s, where x = lower + bulk sinh(s),
     so that errors extrapolate. There are edges where either law bends, jumps or has an atom."""
     lower, end = final.support()
-    upper, high = (min(end, max(float(fresh.isf(q)), float(final.isf(q)))) for q in (1e-25, 1e-3))
+    high = min(end, max(float(fresh.isf(1e-3)), float(final.isf(1e-3))))
+    # fresh thresholds above the final mean spread upwards, too, before they sink
+    upper = max(float(fresh.isf(1e-25)), final.mean()) + float(final.isf(1e-25)) - final.mean()
     bulk = high - lower
     corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], final.breakpoints, [lower, upper]])
-    corners = np.unique(corners[(corners >= lower) & (corners <= upper)])
+    corners = np.unique(corners.clip(lower, min(upper, end)))
     s = np.arcsinh((corners - lower) / bulk)
     cell = s[-1] / 2000
     apart = np.append(np.diff(s) >= cell, True)  # no cells narrower than that
@@ -119,8 +122,8 @@ def _extrapolated(values: Array) -> Array:
 def _solve(
     fresh: Thresholds, final: Thresholds, diffusion: float, edges: Array, length: float
 ) -> tuple[Array, Array]:
-    """(F_k, C), lengths, and the weights of P_c on given cells, at D_X (a length); C, from a guess of this length, is
-    the mean of P_c. From the final mean Newton's method falls short of it at no step, as ageing slows down."""
+    """(F_k, C, mean of the fresh law), lengths, and the weights of P_c on cells, at D_X (a length). C, from a guess, is
+    the mean of P_c; from the final mean Newton's method comes to it from one side, as ageing slows down."""
     hops = Diffusion(final, edges)
     born = hops.weights(fresh)
     middle = 0.5 * (edges[1:] + edges[:-1])
@@ -138,4 +141,4 @@ def _solve(
         if abs(change) <= 1e-8 * length:  # its square is rounding
             break
     square = fresh.moment(2) + float(middle**2 @ gained)
-    return np.array([0.5 * square / length, length]), born + gained
+    return np.array([0.5 * square / length, length, float(middle @ born)]), born + gained

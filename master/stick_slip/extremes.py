@@ -176,5 +176,4 @@ def _diverges(contacts: Contacts, bends: Array) -> bool:
     # a density that still grows from 1e-10 to 1e-12 of the stretch before or after it
     sides = 1.0 + np.multiply.outer([1e-12, 1e-10], [-1.0, 1.0])
     near, far = contacts.thresholds.pdf(points[:, None, None] * sides).swapaxes(0, 1)
-    some = near * contacts.mean_threshold > 1e-3
-    return bool((some & (near > 1.02 * far) & (far > 0.0)).any())
+    return bool(((near * contacts.mean_threshold > 1e-3) & (near > 1.02 * far) & (far > 0.0)).any())

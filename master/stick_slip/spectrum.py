@@ -67,8 +67,7 @@ class DecoherenceSpectrum:
 
     def force(self, x: npt.ArrayLike) -> Array:
         """F_k and the sum of the terms at positions X >= 0 (lengths); same shape."""
-        x = np.asarray(x, dtype=float)
-        terms = self.amplitude * np.exp(np.multiply.outer(x, self.roots))
+        terms = self.amplitude * np.exp(np.multiply.outer(np.asarray(x, dtype=float), self.roots))
         return (self.kinetic_force + terms.sum(axis=-1).real)[()]
 
     def force_error(self, x: npt.ArrayLike) -> Array:
