@@ -102,6 +102,17 @@ def test_ageing_with_heat_follows_mean_and_variance_of_the_thresholds(path) -> N
     assert np.abs(found.holding - held).max() <= found.force_error < 2e-7
 
 
+def test_fresh_thresholds_far_above_a_final_law_that_is_no_single_normal_one() -> None:
+    """The same final law twice, in cells, beside the first passage that a single normal law has."""
+    final = origins.gaussian(0.36, 0.02)
+    twice = origins.mixture([final, final], [0.5, 0.5])
+    single, double = (
+        master.steady_state(Contacts(origins.gaussian(2.0, 0.1), ageing=Ageing(each, 5e-3)))
+        for each in (final, twice)
+    )
+    assert abs(double.force - single.force) <= 2.0 * double.force_error < 1e-6
+
+
 REFINED = {1000.0: 0.499542736223, 100.0: 0.496482068623, 10.0: 0.490625246688, 3.0: 0.487907968334}
 
 

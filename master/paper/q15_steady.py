@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import get_lapack_funcs
 
+from master.lives.age.cells import highest
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.laws.diffusion import Diffusion
@@ -95,11 +96,9 @@ def _edges(fresh: Thresholds, final: Thresholds, halvings: int) -> Array:
     so that errors extrapolate. There are edges where either law bends, jumps or has an atom."""
     lower, end = final.support()
     high = min(end, max(float(fresh.isf(1e-3)), float(final.isf(1e-3))))
-    # fresh thresholds above the final mean spread upwards, too, before they sink
-    upper = max(float(fresh.isf(1e-25)), final.mean()) + float(final.isf(1e-25)) - final.mean()
-    bulk = high - lower
+    bulk, upper = high - lower, min(end, highest(fresh, final, 1e-25))
     corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], final.breakpoints, [lower, upper]])
-    corners = np.unique(corners.clip(lower, min(upper, end)))
+    corners = np.unique(corners.clip(lower, upper))
     s = np.arcsinh((corners - lower) / bulk)
     cell = s[-1] / 2000
     apart = np.append(np.diff(s) >= cell, True)  # no cells narrower than that

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
+from master.lives.age.cells import highest
 from master.outcome import Progress, outcome
 from master.paper.q15_steady import ageing_of, make_ageing
 from origins import Contacts, Drive
@@ -178,7 +179,7 @@ class _State:
         """Choose the cells of thresholds, which age by `amount` = D_X h (a length squared) in a step."""
         fresh, start, final = contacts.thresholds, contacts.start, ageing_of(contacts).final
         lower, end = final.support()
-        upper = min(end, max(float(fresh.isf(TAIL)), float(final.isf(TAIL))))
+        upper = min(end, highest(fresh, final, TAIL))
         low, high = min(start.span[0], 0.0), max(upper, start.span[1])
         if (high - low) / step > MOST_STEPS:
             example = f"write step={(high - low) / 2000.0:.3g} or so"

@@ -259,6 +259,5 @@ def _newton(transform: Transform, starts: Complex, decay: float, step: float) ->
         last[moving] = np.abs(move)
     good = (last <= 1e-7 * np.abs(ends)) & (ends.imag > 0.1 * step)
     ends = ends[good & (ends.real > -decay - 0.02 * step)]
-    same = np.abs(np.subtract.outer(ends, ends)) <= 1e-6 * step
-    ends = ends[~np.tril(same, -1).any(axis=1)]
+    ends = ends[~np.tril(np.abs(np.subtract.outer(ends, ends)) <= 1e-6 * step, -1).any(axis=1)]
     return ends[np.argsort(-ends.real, kind="stable")]

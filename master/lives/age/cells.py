@@ -57,8 +57,7 @@ class Cells:
             raise InputError(f"thresholds: hold the single value {law.atoms[0][0]:g}: {hint}")
         self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
         self._diffusion, self.resolution = ageing.rate, resolution
-        laws = law, ageing.final
-        self.width, self.heat_rate = min(map(narrowest, laws)), 0.0
+        self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
             self.heat_rate = float(self._thermal.rates.rate(0.0, thresholds, 1.0).mean())
@@ -66,10 +65,10 @@ class Cells:
         # 0.1 widths 1e-3 of the contacts were missed then; far thinner ones contain too few to matter
         layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
         thinnest = float(np.clip(layer, 2e-6 * self.width, 2e-5 * self.width))
-        far, bulk = (max(float(each.isf(q)) for each in laws) for q in (FAR, 1e-4))
+        far, bulk = (highest(law, ageing.final, share) for share in (FAR, 1e-4))
         self.edges = _cell_edges(far, self.width, thinnest, bulk, 2.0 ** (-FINER * resolution))
         self._face_density, self._face_slope = _at_faces(self.edges)
-        self._drift = _drift(ageing, self.width)
+        self._drift = _drift(ageing, self.width, 2.0 * far)
 
     @property
     def can_be_finer(self) -> bool:
@@ -148,6 +147,11 @@ class Cells:
         return out
 
 
+def highest(fresh: Thresholds, final: Thresholds, share: float) -> float:
+    """Threshold that this share exceeds at most, at any age: those above the final mean spread upwards, too."""
+    return max(float(fresh.isf(share)), final.mean()) + float(final.isf(share)) - final.mean()
+
+
 def narrowest(law: Thresholds) -> float:
     """Standard deviation of a normal law whose narrowest tenth of the weight is as narrow as this law's."""
     spread = np.diff(law.ppf(np.linspace(0.1, 0.9, 9)))
@@ -190,13 +194,12 @@ def _at_faces(edges: Array) -> Array:
     return out
 
 
-def _drift(ageing: Ageing, width: float) -> Callable[[Array], Array]:
-    """D U' at thresholds >= 0, P_cf ~ e^-U; where the final law is not normal to some 1e-11 of it."""
+def _drift(ageing: Ageing, width: float, far: float) -> Callable[[Array], Array]:
+    """D U' at thresholds from 0 to `far`, P_cf ~ e^-U; where the final law is not normal to some 1e-11 of it."""
     normal, final = ageing.normal, ageing.final
     if normal is not None:
         return lambda threshold: ageing.rate * (threshold - normal.mean) / normal.std**2
-    nodes, step = 4096, 2e-3
-    furthest = float(np.log(3.0 * final.isf(FAR) / width))
+    nodes, step, furthest = 4096, 2e-3, float(np.log(far / width))
     # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power; below 1e-8
     # widths P_cf is treated as one
     at = np.linspace(min(-furthest, float(np.log(1e-8))), furthest, nodes)

@@ -32,7 +32,8 @@ class Passages:
         """Begin with one strand, right after its birth."""
         self.born, self._share, self._accuracy = born, share, accuracy
         self._strands = [[begin(float(x)) for x in born]]
-        self.until, self.dropped_below, self.error = np.inf, 0.0, 0.0
+        self.until, self.dropped_below = np.inf, 0.0
+        self.error = self._survivals_error = self._splines_error = 0.0
 
     def aged(self, speed: float, ages: Array) -> "Passages":
         """As Strands.aged."""
@@ -49,7 +50,7 @@ class Passages:
         for part in (part for strand in alive for part in self._strands[strand]):
             stop_after(self.until)
             part.move(speed, duration)
-            self.error = max(self.error, part.error)
+            self._survivals_error = max(self._survivals_error, part.error)
 
         def told(times: Array) -> Array:
             out = np.zeros((times.size, 2, len(self._strands)))
@@ -72,7 +73,8 @@ class Passages:
                 break
             times = np.insert(times, worse + 1, between[worse])
             found = np.insert(found, worse + 1, exact[worse], axis=0)
-        self.error += float(wrong.max())
+        self._splines_error += float(wrong.max())
+        self.error = self._survivals_error + self._splines_error
         return times, found
 
     def left(self) -> Array:

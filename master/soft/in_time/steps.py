@@ -33,12 +33,9 @@ class StepCount:
     """
 
     def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
-        self._begin, self._end, self._rate = begin, end, rate
-        self._first = min(first, end - begin)
-        # steps in which the time since the begin grows by a factor e: while the drive holds; and
-        # while it moves, in addition to the steps of its travel
-        per_e_fold = 0.4 if rate else 2.0
-        self._per_e_fold = per_e_fold if not rate or first < end - begin else 0.0
+        self._begin, self._end, self._rate, self._first = begin, end, rate, min(first, end - begin)
+        # steps in which the time since the begin grows by a factor e: in a hold; in a move, beside those of the travel
+        self._per_e_fold = 2.0 if not rate else 0.4 if first < end - begin else 0.0
 
     def steps(self, time: float) -> float:
         """Steps since the beginning."""
@@ -138,8 +135,7 @@ class Steps:
             # A slip begins where this share falls to 0. Steps become finer within four of the coarsest ones of it:
             # thresholds that age cross |x| step by step, and the slip would depend on where those steps end
             nearing = self._contacts.memory.finer_before_slips and change < 0.0
-            away = share * size / -change if nearing else np.inf
-            self.shrink = min(max(away / 4.0, 0.03), 1.0)
+            self.shrink = min(max(0.25 * share * size / -change, 0.03), 1.0) if nearing else 1.0
             return trial, False
         options = {"xatol": CLOSE_TO_SLIP * size}
         found = minimize_scalar(
