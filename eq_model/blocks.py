@@ -78,7 +78,7 @@ def share(blocks: range, done: list[range], rank: int, ranks: int) -> list[int]:
 class State:
     """Results of the contacts of some blocks; states may be joined in any order.
 
-    sums : whole numbers, see engine.Engine; counts : of the histograms; rows, slips : a row for each coupled
+    sums : whole numbers, see contact.count_event; counts : of the histograms; rows, slips : a row for each coupled
     replica, and for each slip; contacts, breaks : their numbers; done : the blocks; run_time : s;
     course : a checksum that identifies the drive, 0 for a single block.
     """

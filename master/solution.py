@@ -32,8 +32,8 @@ class StretchDistribution:
     def density(self, x: npt.ArrayLike) -> Array:
         """Q(x;X) per length at stretches x (lengths), without the deltas; same shape as x.
 
-        A contact born at s, at the stretch r, has the stretch x = r + X(t) - X(s), so that births at the rate dJ/ds
-        (that of the breaks one delay before) contribute the density E(t, s) (dJ/ds) / |dX/ds| at x.
+        A contact born at s, at the stretch r, has the stretch x = r + X(t) - X(s), so that births at the rate b(s)
+        (that of the breaks one delay before) contribute the density E(t, s) b(s) / |dX/ds| at x.
         """
         shape, x = np.shape(x), np.ravel(np.asarray(x, dtype=float))
         march, t = self._march, self._time
@@ -67,7 +67,7 @@ class Solution:
     path : slider positions X, shape (n,), lengths; time : when they are reached, shape (n,).
     force : F/(N_c <k>), the mean of k_i x_i/<k> over all contacts, also those that are out, shape (n,), a length.
     force_error : estimate from above of its largest error over the path, in units of the mean threshold.
-    holding : fraction of contacts that hold, shape (n,): 1 unless there is a delay.
+    holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains.
     run_time : s; nodes : number of moments at which number conservation was solved.
     success : whether force_error is at or below the requested tolerance.
     message : the accuracy reached, or why the tolerance was missed; any weight cut off the start.

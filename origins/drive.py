@@ -18,7 +18,7 @@ class Drive:
 
     path : positions (lengths), shape (n,), n >= 1, which may turn round: X of a rigid slider, which moves from
         X = 0 straight to the first of them; X_T, the position of the drive, of a soft one.
-    velocity : constant speed along the path (length per time); results depend on it only with rates, ageing or delay.
+    velocity : constant speed along the path (length per time); it matters only with rates, ageing, grains or delay.
     time : when each point is reached, shape (n,), from 0 on and in order, instead of the velocity.
     spring : K/(N_c <k>); None: the slider is rigid.
     slip : "reset", "reform-after" or "instant", the slip rule of a soft slider; a rigid one takes the default only.

@@ -288,8 +288,8 @@ def test_bad_input_is_one_line_and_leaves_nothing(command: str, capsys: Any) -> 
     ("text", "says"),
     [
         ("a = " + "[" * 5000 + "]" * 5000, "nested too deeply"),
-        ("a = " + "1" * 5000, "is not TOML (1.5, not 1,5)"),
-        ('title = "a\x00b"', "is not TOML (1.5, not 1,5)"),
+        ("a = " + "1" * 5000, "is not TOML: "),
+        ('title = "a\x00b"', "is not TOML: "),
         ('title = "a\\u0000b"', "title"),
     ],
 )
@@ -310,7 +310,7 @@ def test_odd_names_and_files_are_one_line(capsys: Any) -> None:
     # what is no table is not shown
     Path("words.txt").write_text("user:secret:word\nother:secret:word\n")
     line = refused(capsys, "run", write(thresholds={"kind": "from-samples", "file": "words.txt"}))
-    assert "secret" not in line and "line 2 must hold one number" in line
+    assert "secret" not in line and "line 2: x_s must be a number > 0" in line
 
 
 @pytest.mark.parametrize(

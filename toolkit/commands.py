@@ -39,8 +39,8 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 
 def run(arguments: argparse.Namespace, comm: Any) -> int:
-    """Run every solver that the scene names, report, and write; returns 1 where a solver missed its tolerance (results
-    are written nevertheless)."""
+    """Run every solver that the scene names, report, and write; returns 1 where a solver missed its tolerance, or where
+    both disagree (results are written nevertheless)."""
     scene = load_scene(arguments.scene, comm=comm)
     first = comm is None or comm.Get_rank() == 0
     before = foreseen(scene)

@@ -15,7 +15,7 @@ from origins.thresholds.law import Array
 
 class Replicas:
     """Follows replicas, a block each, on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
-    them (None: 0.2)."""
+    the contacts (None: 0.2)."""
 
     MOST = 1 << 31  # largest number of contacts of a replica
     nothing = State()

@@ -65,7 +65,7 @@ class Pull(NamedTuple):
     resets: bool  # whether a slip replaces all contacts
     avalanche: Array  # (6,), the last one; PULLED: K X_T
     at_points: Array  # (3, points): X, F and the number of contacts that hold
-    avalanches: Whole  # numbers of those that broke 1, 2-3, 4-7, ... contacts
+    avalanches: Whole  # numbers of those below a slip that broke 1, 2-3, 4-7, ... contacts
     returns: Array  # ring buffer of the times at which contacts re-form
     many: Whole  # how many contacts re-form then
 

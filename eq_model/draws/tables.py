@@ -67,7 +67,7 @@ class Table(NamedTuple):
 
     @property
     def largest(self) -> float:
-        """The largest value that may be drawn."""
+        """The largest value that is drawn, but for a share of some 1e-19."""
         return float(np.abs(self.cells[:, 2:4]).max())
 
 

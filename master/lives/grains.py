@@ -76,8 +76,7 @@ class GrainLife(Life):
             birth = np.where(lived.any(axis=1), np.argmax(lived > 0.0, axis=1), speed.size - 1)
             worst = np.maximum(worst, lost[birth])
         # contacts with |x| above the largest threshold at t = 0 never hold
-        at_birth = np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf)
-        share = np.exp(at_birth - worst)
+        share = np.exp(np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf) - worst)
         if self._thermal is not None:
             alive = share > 0.0
             share[alive] *= self._unbroken(stretch[alive], since[alive], worst[alive])

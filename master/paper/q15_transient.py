@@ -183,7 +183,7 @@ class _State:
         low, high = min(start.span[0], 0.0), max(upper, start.span[1])
         if (high - low) / step > MOST_STEPS:
             example = f"write step={(high - low) / 2000.0:.3g} or so"
-            refuse("step", step, f"needs more than {MOST_STEPS:,} cells; {example}")
+            refuse("step", step, f"needs more than {MOST_STEPS:,} steps; {example}")
         first, last = int(np.floor(low / step)) - 1, int(np.ceil(high / step)) + 1
         cohort_ends: Array = step * np.arange(first, last + 1, dtype=float)
         self._stretches, self._born = cohort_ends[:-1] + 0.5 * step, -first  # the index of h/2

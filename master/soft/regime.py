@@ -89,7 +89,8 @@ class Followed(NamedTuple):
         solved = self.force.size
         if solved == drive.path.size:
             error = self.largest_error
-            above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
+            what = "holding" if self.holding_error > self.error else "the force"
+            above = f"error estimate {error:.1e} of {what} is above the tolerance {tolerance:.1e}"
             reason = self.stopped_because or f"{above}; shorten the path or loosen the tolerance"
             return outcome(contacts, error, tolerance, reason)
         last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
@@ -189,7 +190,7 @@ def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> floa
 def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float) -> str:
     """Why a path without slips does not yet prove smooth sliding; "" if it does.
 
-    Without ageing and turns it cannot slip above K*; with heat it may creep along with the drive on
+    Without ageing it cannot slip above K* before it turns; with heat it may creep along with the drive on
     a softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
     to age: F drops more steeply than on a rigid slider, and K* decides nothing. Once all contacts
     of the start have broken, the first drop is over, and it is the steepest.

@@ -130,7 +130,7 @@ def kinetic_curve(
     rate: npt.ArrayLike | None = None,
     delay: npt.ArrayLike | None = None,
 ) -> KineticCurve:
-    """F_k(v), F_k(T), F_k(D) or N_c(tau_m) of contacts, whatever their laws.
+    """F_k and the fraction that holds along v, T, D or tau_m, of contacts with any laws.
 
     contacts : with any laws that `steady_state` takes; the start does not matter.
     velocity : v > 0, length per time, a number or an array.

@@ -47,8 +47,7 @@ def _thresholds(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None
             own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=style["color"])
             own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=style["color"])
             own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, 1.05))
-        ends = [unit, *curve.atoms, *curve.x[curve.survival > 2e-3]]
-        reach = max(reach, 1.05 * max(ends) / unit)
+        reach = max(reach, 1.05 * max([unit, *curve.atoms, *curve.x[curve.survival > 2e-3]]) / unit)
     axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", xlim=(0.0, reach))
     axes.set(ylabel=r"$\langle x_s\rangle\,P_c$", ylim=(0.0, 1.05 * max(tops, default=1.0)))
     if tops and max(tops) > _APART * min(tops):

@@ -29,7 +29,7 @@ stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_befor
 
 def save(result: Result, folder: str | os.PathLike[str]) -> None:
     """Write result.h5, summary.json and picture.png into `folder`, for a sweep sweep.csv and for islands barriers.png,
-    all of them or none. Files that this package wrote there for another scene, or an earlier sweep.csv, are removed.
+    all or none. Another scene's thresholds.json, thresholds.png and barriers.png, or an earlier sweep.csv, are removed.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder

@@ -61,18 +61,18 @@ def _column(file: str, lines: list[str], name: str, place: int | None) -> list[f
         refuse("file", file, "holds no numbers; write one value a line")
     width = len(rows[0][1])
     if place is None and all(re.fullmatch(r"\s*\d+,\d+\s*", lines[n - 1]) for n, _ in rows):
-        hint = "a decimal comma? write 1.0238; two columns? part them by ; or say which"
+        hint = "a decimal comma? write 1.0238; two columns? say which, as column = 2"
         refuse("file", file, f"holds two whole numbers a line, parted by a comma: {hint}")
     if place is None and width > 1:
-        hint = f"say which of the {width} columns holds {name}, such as column = {width}"
-        refuse("file", file, f"holds several columns; {hint}")
+        refuse("file", file, f"holds {width} columns; say which has {name}, as column = {width}")
     if (column := whole("column", 1 if place is None else place, 1)) > width:
         refuse("file", file, f"there is no column {place} of {width}")
     for number, row in rows:
-        if len(row) != width or not 0.0 < row[column - 1] < np.inf:
-            # do not show the line itself: the file may be private
-            many = f"{width} columns, as many as the first" if width > 1 else "one number"
-            refuse("file", file, f"line {number} must hold {many}, {name} finite and above zero")
+        # do not show the line itself: the file may be private
+        if len(row) != width:
+            refuse("file", file, f"line {number} has {len(row)} columns, the first has {width}")
+        if not 0.0 < row[column - 1] < np.inf:
+            refuse("file", file, f"line {number}: {name} must be a number > 0; leave others out")
     return [row[column - 1] for _, row in rows]
 
 

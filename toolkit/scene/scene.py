@@ -113,7 +113,7 @@ def load_scene(
     except InputError:
         raise
     except ValueError as bad:  # of tomllib: bad TOML, and whole numbers of thousands of digits
-        raise InputError(f"scene = {shown(str(scene))}: is not TOML (1.5, not 1,5): {bad}") from bad
+        raise InputError(f"scene = {shown(str(scene))}: is not TOML: {bad} (1.5, not 1,5)") from bad
 
 
 def _find(scene: object) -> Path:

@@ -9,7 +9,7 @@ before: with b the breaks per unit of time,
 That is number conservation again, and both probabilities are known in closed form, as free thresholds are an
 Ornstein-Uhlenbeck process. It is solved panel by panel. A segment of the motion ends where the speed of the level
 changes; with ρ the root of the time since the segment began, 2 ρ b is smooth in ρ, and a Legendre series on each panel.
-(Probabilities above the level obey it, too, but are nearly 1 where thresholds move away: b would be lost in rounding.)
+(Of probabilities above the level, the left side is E more; where thresholds move away, both are near 1: b is lost.)
 """
 
 from copy import copy
