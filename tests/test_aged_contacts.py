@@ -166,6 +166,7 @@ def test_density_of_contacts_that_form_again_at_many_stretches() -> None:
     assert np.trapezoid(held * x, x) == pytest.approx(steady.force, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_births_of_the_very_law_of_the_start_on_a_path_that_turns() -> None:
     laws = [origins.gaussian_start(0.05, 0.02) for _ in range(2)]
     aged = [Contacts(FRESH, laws[0], ageing=Ageing(LATER, 1e-3), reforming=law) for law in laws]

@@ -1,14 +1,12 @@
 """The promise on force_error: it bounds the true error, and not by much too much.
 
-Over ordinary scenes - every law of thresholds, start, law of contacts and drive in turn - it bounds
-the true error in at least 99 of 100, its median is at most 30 times the true error (or round-off),
-and `success` is never True beside an error above 3 times the tolerance; a refusal is a failure. Far
-corners, which may be refused, are asked the first and the last.
-`make promise` takes 1,000 scenes; fewer are to hold no less, as far as chance lets them tell.
-The scenes were drawn once and are kept as texts of calls, as those of tests/oracle, with closed
-forms or else what commit ee6a1b9 answered at its tightest, nan where neither is known. Beside that,
-all along the path, stands an answer at a thousandth of the tolerance. Where a reference claims an
-error of its own, that is granted, and round-off.
+Over ordinary scenes - every law of thresholds, start, law of contacts and drive in turn - it bounds the true error in
+at least 99 of 100, its median is at most 30 times the true error (or round-off), and `success` is never True beside an
+error above 3 times the tolerance; a refusal is a failure. Far corners, which may be refused, are asked the first and
+the last. `make promise` takes 1,000 scenes; fewer are to hold no less, as far as chance lets them tell. The scenes were
+drawn once and are kept as texts of calls, as those of tests/oracle, with closed forms or else what commit ee6a1b9
+answered at its tightest, nan where neither is known. Beside that, all along the path, stands an answer at a thousandth
+of the tolerance. Where a reference claims an error of its own, that is granted, and round-off.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Numbers that were once false: what was wrong, a call, and its reference.
 
-A reference is a closed form, another road, or else (`finer`) the same call at a thousandth of the
-tolerance.
+A reference is a closed form, another road, or else (`finer`) the same call at a thousandth of the tolerance.
 """
 
 from __future__ import annotations

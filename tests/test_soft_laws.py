@@ -87,6 +87,7 @@ def test_equal_contacts_slip_where_they_all_break_and_never_before(laws, path, t
     assert solved.slips.drive == pytest.approx(2.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_slip_ends_a_hundredth_of_a_threshold_beyond_an_exact_value() -> None:
     """One in twenty breaks at X_T = 1.8. It re-forms where the slip ends, at once, or later than 1.9."""
     after: list[tuple[dict[str, Any], SlipRule, np.ndarray]] = [

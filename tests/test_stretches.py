@@ -1,8 +1,7 @@
 """Q(x;X) at twenty points of every kind of path: what holds, and the force, to the error claimed.
 
-The integral of Q over x is the share that holds and that of x Q is F/(N_c <k>), both read off the
-solution in another way. Integrals are halved until they no longer change, and so need not know
-where Q jumps.
+The integral of Q over x is the share that holds and that of x Q is F/(N_c <k>), both read off the solution in another
+way. Integrals are halved until they no longer change, and so need not know where Q jumps.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Errors that the panels' own rule cannot see, planted one by one: `force_error` has to hold them.
 
-The rule looks at polynomials and at number conservation, both of which a wrong E satisfies as well
-as the right one. Each test has a control: where nobody counts what was planted, the force is
-further off than it claims.
+The rule looks at polynomials and at number conservation, both of which a wrong E satisfies as well as the right one.
+Each test has a control: where nobody counts what was planted, the force is further off than it claims.
 """
 
 from __future__ import annotations

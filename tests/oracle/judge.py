@@ -2,11 +2,10 @@
 
     PYTHONPATH=.:tests python -m oracle.judge check tests/oracle/answers.npz [kind ...]
 
-prints each call that is FALSE or short, and a line for each kind; exit status 1 where any is FALSE.
-FALSE: both answers succeed and differ by more than twice the sum of their claims and 1e-12, or one
-is finite where the other is not, or their shapes differ, or the new claim is no number where the
-old one is. Short: the old answer succeeded, and the new one has success=False, is refused, fails or
-takes longer than 60 s; gained is the other way round.
+prints each call that is FALSE or short, and a line for each kind; exit status 1 where any is FALSE. FALSE: both answers
+succeed and differ by more than twice the sum of their claims and 1e-12, or one is finite where the other is not, or
+their shapes differ, or the new claim is no number where the old one is. Short: the old answer succeeded, and the new
+one has success=False, is refused, fails or takes longer than 60 s; gained is the other way round.
 """
 
 from __future__ import annotations
