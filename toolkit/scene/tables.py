@@ -83,7 +83,7 @@ class SweepTable(Table, frozen=True):
 class SceneTable(Table, frozen=True):
     contacts: ContactsTable
     drive: DriveTable | None = None
-    title: Annotated[str, Meta(pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$")] = ""
+    title: Annotated[str, Meta(max_length=1000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$")] = ""
     master: MasterTable | None = None
     eq: EqTable | None = None
     sweep: SweepTable | None = None
