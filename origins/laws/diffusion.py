@@ -38,8 +38,8 @@ class Diffusion:
             hint = "use a law whose density is positive between the outermost edges"
             raise InputError(f"final: has no finite density at {middle:g}; {hint}")
         uphill, distances = -np.diff(log_density), np.diff(middles)
-        self.up = 1.0 / (scipy.special.exprel(uphill) * widths[:-1] * distances)
-        self.down = 1.0 / (scipy.special.exprel(-uphill) * widths[1:] * distances)
+        self.up = 1.0 / (scipy.special.exprel(np.minimum(uphill, 600)) * widths[:-1] * distances)
+        self.down = 1.0 / (scipy.special.exprel(np.minimum(-uphill, 600)) * widths[1:] * distances)
 
     def weights(self, law: Thresholds, name: str = "law") -> Array:
         """Weight of `law` in each cell, shape (n,); InputError, with `name`, for more than 1e-12 beyond the walls."""
