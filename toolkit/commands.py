@@ -129,7 +129,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
             refuse("out", str(folder), f"holds the result of {whose}; choose another folder")
         for note in foreseen(scene):
             say(note)
-        with closing(Progress("thresholds")), runner.until(scene.deadline(), scene, "[contacts]"):
+        with closing(Progress("thresholds")), runner.within(scene.deadline(), scene, "[contacts]"):
             found = describe(scene.contacts, scene.sliding)
         surface, own = scene.contacts.interface, found.numbers.get("critical_spring")
         if surface is not None and own is not None and scene.area is not None:
@@ -195,7 +195,7 @@ def precision(arguments: argparse.Namespace) -> int:
         lines.append(line)
         print(line, flush=True)
 
-    with runner.until(scene.deadline(), scene, "[precision]"):
+    with runner.within(scene.deadline(), scene, "[precision]"):
         found = ladders.precision(scene, say_it)
     draw = partial(ladders.draw_picture, found)
     _write(folder, "precision", draw, [*lines, *found["notes"]], found)

@@ -147,7 +147,7 @@ class Replicas:
             avalanche=np.empty(6),
             at_points=np.zeros((3, path.size)),
             avalanches=np.zeros(SIZES, np.int64),
-            returns=np.empty(waits),
+            due=np.empty(waits),
             many=np.empty(waits, np.int64),
         )
 

@@ -66,7 +66,7 @@ class Pull(NamedTuple):
     avalanche: Array  # (6,), the last one; PULLED: K X_T
     at_points: Array  # (3, points): X, F and the number of contacts that hold
     avalanches: Whole  # numbers of those below a slip that broke 1, 2-3, 4-7, ... contacts
-    returns: Array  # ring buffer of the times at which contacts re-form
+    due: Array  # ring buffer of the times at which contacts re-form
     many: Whole  # how many contacts re-form then
 
 
@@ -175,23 +175,23 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
         force = s.force + s.stiffness * np.float64(b - s.at)
         load = force + pull.spring * np.float64(b)
         both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
-        returns = False  # whether contacts re-form before b
+        comes_back = False  # whether contacts re-form before b
         if s.broken == 0:  # the slider sticks
             level, time = load, -np.inf
             if s.returning < s.returns:
-                due = pull.returns[s.returning % pull.returns.size]
+                due = pull.due[s.returning % pull.due.size]
                 comes = pull.spring * _straight(due, pull.clock, pull.clock_drive)
                 if comes < level:
-                    returns, level, time = True, comes, due
+                    comes_back, level, time = True, comes, due
             _store_points(s, pull, b, load, level, time)
             if s.point == pull.path.size:
                 return PATH_DONE
-            if not returns:
+            if not comes_back:
                 s.pulled = max(s.pulled, level)
                 pull.avalanche[X_BEFORE], pull.avalanche[F_BEFORE] = np.float64(b), force
-        if returns:
+        if comes_back:
             _move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
-            forming = pull.many[s.returning % pull.returns.size]
+            forming = pull.many[s.returning % pull.due.size]
             s.returning += 1
         elif s.broken > 0 and load > s.pulled:  # the avalanche ends before b
             after = b - (load - s.pulled) / both
@@ -199,9 +199,9 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
                 why = SLIP_ENDED
             _move(s, max(np.int64(np.rint(after)), s.at))
             if pull.wait >= 0.0:
-                last = s.returns % pull.returns.size
+                last = s.returns % pull.due.size
                 now = _straight(s.pulled / pull.spring, pull.clock_drive, pull.clock)
-                pull.returns[last], pull.many[last] = now + pull.wait, s.out
+                pull.due[last], pull.many[last] = now + pull.wait, s.out
                 s.returns += 1
             else:
                 forming = s.out

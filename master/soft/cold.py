@@ -83,8 +83,8 @@ class ColdSlider:
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip)
                 self._note(move, slip, begin, float(curve.force(y)))
             else:
-                slips = self._reset if self.slip == "reset" else self._reform_after
-                self._loaded, y = slips(move, slip, begin), 0.0
+                renew = self._reset if self.slip == "reset" else self._reform_after
+                self._loaded, y = renew(move, slip, begin), 0.0
 
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them."""

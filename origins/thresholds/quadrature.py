@@ -34,14 +34,14 @@ def panel_edges(thresholds: Any, upper: float = np.inf, tail: float = _TAIL) -> 
     """
     lower, end = thresholds.support()
     far = _TAIL * 10.0 ** -np.arange(0.0, np.log10(_TAIL / tail), 5.0)
-    ranks = thresholds.isf(np.concatenate([1.0 - _SEEDS, _SEEDS, far, [tail]]))
-    top = min(upper, end if np.isfinite(end) else float(ranks[-1]))
+    places = thresholds.isf(np.concatenate([1.0 - _SEEDS, _SEEDS, far, [tail]]))
+    top = min(upper, end if np.isfinite(end) else float(places[-1]))
     if not top > lower:
         return np.empty(0)
-    edges = np.unique(np.concatenate([[lower, top], ranks[:-1], thresholds.breakpoints]))
+    edges = np.unique(np.concatenate([[lower, top], places[:-1], thresholds.breakpoints]))
     edges = edges[(edges >= lower) & (edges <= top)]
     left, right = edges[:-1], edges[1:]
-    scale = float(ranks[_SEEDS.size - 1]) or 1.0
+    scale = float(places[_SEEDS.size - 1]) or 1.0
     done, found = np.zeros(2), [edges]
     for _ in range(64):
         middle = 0.5 * (left + right)

@@ -11,7 +11,7 @@ from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
 from toolkit.results.records import NOT_COMPARED, Result, deviation
 from toolkit.running.ranks import on_root
-from toolkit.running.runner import solve, until
+from toolkit.running.runner import solve, within
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.laws import inside
 from toolkit.scene.scene import Scene
@@ -76,7 +76,7 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
     contacts, speed, unit = scene.contacts, scene.sliding, scene.contacts.mean_threshold
 
     def measure() -> Description:
-        with until(scene.deadline(), scene, "K*"):
+        with within(scene.deadline(), scene, "K*"):
             return describe(contacts, speed)
 
     found = on_root(comm, measure)

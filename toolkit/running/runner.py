@@ -108,10 +108,10 @@ def solve(
             ensemble = make_ensemble(scene, scene.eq, comm, earlier=earlier)
         del earlier  # the ensemble has a copy of these sums; free the memory
     if scene.master is not None:
-        with shown("master equation") as bar, until(deadline, scene, "[master]"):
+        with shown("master equation") as bar, within(deadline, scene, "[master]"):
             master = solve_master(scene, scene.master.tolerance, bar and bar.refine)
     if scene.sweep is not None:
-        with shown("sweep"), until(deadline, scene, "[sweep]"):
+        with shown("sweep"), within(deadline, scene, "[sweep]"):
             sweep = solve_sweep(scene.contacts, scene.sweep)
     if ensemble is not None:
         with laws.inside("eq", _EQ_KEYS), shown("eq") as bar:
@@ -192,7 +192,7 @@ def follow(
 
 
 @contextmanager
-def until(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
+def within(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
     """Raise InputError within once the deadline, in s of the monotonic clock, has passed."""
     try:
         with no_longer_than(None if deadline is None else deadline - time.monotonic()):

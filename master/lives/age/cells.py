@@ -23,7 +23,7 @@ from origins.thresholds.law import Array
 FINER = 0.75
 # Survival of both laws at which the cells end, and most of them; most steps of one move, some 30
 # seconds of work; and the finest resolution of strands.
-FAR, MOST_CELLS, MOST_STEPS, FINEST_LEVEL = 1e-16, 4000, 200_000, 6
+FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
 # Travel in one step at resolution 0, divided by the narrowest width of the laws; and the share of fresh
 # contacts that heat breaks in it at most.
 TRAVEL_STEP, HEAT_STEP = 0.25, 0.15
@@ -73,7 +73,7 @@ class Cells:
     @property
     def can_be_finer(self) -> bool:
         """Whether the next resolution does not need too many cells or steps."""
-        return bool(self.resolution < FINEST_LEVEL and self.edges.size * 2.0**FINER < MOST_CELLS)
+        return bool(self.resolution < FINEST and self.edges.size * 2.0**FINER < MOST_CELLS)
 
     def steps(self, speed: float, steady_for: float, duration: float) -> Array:
         """Times of the ends of a move's steps; the last birth or change of speed was `steady_for` before the move."""

@@ -81,8 +81,8 @@ class Passage:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         # less ageing has no effect in floating point
         self._diffusion = max(ageing.rate, 1e-28 * fresh.mean() * fastest)
-        self._mean, self._std, self._rate = normal.mean, normal.std, self._diffusion / normal.std**2
-        if self._rate * normal.mean > 1e10 * fastest > 0.0:
+        self._mean, self._std, self._pull = normal.mean, normal.std, self._diffusion / normal.std**2
+        if self._pull * normal.mean > 1e10 * fastest > 0.0:
             hint = f"relaxes thresholds 1e10 times while the slider moves by one at {fastest:g}"
             refuse("rate", ageing.rate, f"{hint}, too often to follow; slide faster")
         self.age, self.stretch, self.left = 0.0, start, 1.0
@@ -134,11 +134,11 @@ class Passage:
         """Add the panels of the last segment, until hardly any contact holds."""
         speed, last = abs(here.slope), here.root
         # speed u at which the level recedes from all thresholds: of these fewer than e^-40 are met after t = 160 D/u²
-        recedes = -here.slope - self._rate * max(self._furthest - self._mean, 0.0)
+        recedes = -here.slope - self._pull * max(self._furthest - self._mean, 0.0)
         if recedes > 0.0:
             last = min(last, float(np.sqrt(160.0 * self._diffusion)) / recedes)
         least = min(self._diffusion / speed, 0.1 * self._std) / speed if speed else np.inf
-        first = 0.1 * float(np.sqrt(min(1.0 / self._rate, least)))
+        first = 0.1 * float(np.sqrt(min(1.0 / self._pull, least)))
         few = bool(self._panels) and abs(self._panels[-1].breaks) < self._accuracy  # near the level
         width, low, before = max(first, 0.25 * last) if few else first, 0.0, np.inf
         while last - low > 1e-12 * last and self.left > _NOTHING:  # less is rounding
@@ -167,10 +167,10 @@ class Passage:
         level = here.level + here.slope * rho * rho
         below = self._below_from_fresh(here.begin + rho * rho, level)
         new = _Panel(len(self._segments) - 1, low, width, 0.0, 0.0, np.zeros(rule.DEGREE))
-        felt = [each for each in self._panels if abs(each.breaks) > _FEWEST]
-        each, earlier = self._met([new], rho, level, True), self._met([*felt, new], rho, level)
-        series = np.linalg.solve(each.value.T, below - earlier.value[0])
-        missed = earlier.missed[0] + np.abs(series) @ each.missed
+        felt = [panel for panel in self._panels if abs(panel.breaks) > _FEWEST]
+        own, earlier = self._met([new], rho, level, True), self._met([*felt, new], rho, level)
+        series = np.linalg.solve(own.value.T, below - earlier.value[0])
+        missed = earlier.missed[0] + np.abs(series) @ own.missed
         self._missed = max(self._missed, MARGIN * float(missed.max()))
         return np.asarray(series, dtype=float)
 
@@ -210,7 +210,7 @@ class Passage:
     def _below_from_fresh(self, time: Array, level: Array) -> Array:
         """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,)."""
         level, time = level[:, None], time[:, None]
-        decay, relaxed = np.exp(-self._rate * time), -np.expm1(-2.0 * self._rate * time)
+        decay, relaxed = np.exp(-self._pull * time), -np.expm1(-2.0 * self._pull * time)
         offset, std = level - self._mean, self._std * np.sqrt(relaxed)
         # from one to the next of these fresh thresholds, what `ndtr` takes changes by 1
         steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
@@ -227,7 +227,7 @@ class Passage:
     def _below(self, level: Array, rise: Array, time: Array) -> Array:
         """Share below a level now of the thresholds that were `rise` below it a time ago; the shapes broadcast."""
         time = np.maximum(time, 0.0)  # a difference, which may be rounded
-        decay, lost = np.exp(-self._rate * time), -np.expm1(-self._rate * time)
+        decay, lost = np.exp(-self._pull * time), -np.expm1(-self._pull * time)
         distance = (level - self._mean) * lost + rise * decay
         # at time 0 all count as at the level
         return np.asarray(ndtr(distance / (self._std * np.sqrt(lost * (1.0 + decay)) + 1e-300)))
