@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from master.lives.age.cells import TRAVEL_STEP, Cells, narrowest
+from master.lives.age.cells import TRAVEL_STEP, Cells, highest, narrowest
 from master.lives.age.passage import Passage
 from master.lives.age.passages import Passages
 from master.lives.age.strands import Strands, over_root, survival_at
@@ -58,7 +58,7 @@ class AgeingLife(Life):
         laws = contacts.thresholds, ageing.final
         self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
         self.accuracy, self._until = accuracy, until
-        self.reach = max(float(law.isf(1e-17)) for law in laws)
+        self.reach = highest(*laws, 1e-17)
         self.width = min(narrowest(law) for law in laws)
         self.grain = TRAVEL_STEP * self.width
         longest = LONGEST_LIFE * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
