@@ -50,6 +50,19 @@ def test_closed_values(name: str) -> None:
         assert abs(found.static_to_kinetic - static) <= found.static_to_kinetic_error <= 3e-8
 
 
+NARROW, BROAD = origins.gaussian(1.0, 0.02), origins.gaussian(1.0, 0.3)
+BEHIND = [(NARROW, -1.05, 0.5), (BROAD, -1.2, 20.0), (scipy.stats.expon(), 1.2, 40.0)]
+
+
+@pytest.mark.parametrize(("law", "place", "wait"), BEHIND)
+def test_the_second_generation_may_be_sharper_than_the_first(law, place: float, wait: float) -> None:
+    contacts = Contacts(law, reforming=place, delay=origins.Delay(wait))
+    found, x = master.propensity(contacts, 1e-6), np.linspace(0.0, 2.0 * wait + 7.0, 20_001)[1:]
+    force, kinetic = master.solve(contacts, x, 1e-7).force, master.steady_state(contacts).force
+    assert found.critical_spring == pytest.approx(-np.gradient(force, x).min(), rel=2e-3)
+    assert found.static_to_kinetic == pytest.approx(force.max() / kinetic, rel=1e-5)
+
+
 def test_what_is_not_known_well_enough_says_so() -> None:
     contacts = origins.Contacts(origins.gaussian(1.0, 0.3))
     found = master.propensity(contacts, 1e-6)

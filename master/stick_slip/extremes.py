@@ -140,17 +140,18 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
 
 def _horizon(travel: Travel) -> tuple[float, bool]:
     """How far to follow F (a length), and whether its extremes surely lie before that: where generations of breaks do
-    not overlap, only the first is followed, which is the sharpest."""
+    not overlap, the first is the sharpest, or the second if contacts re-form elsewhere than relaxed."""
     life, contacts = travel.life, travel.contacts
     low, high = contacts.start.span
     if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):
         # the last first break comes before the first second one: F is followed for 0.01 mean thresholds beyond it
-        return life.reach - min(low, 0.0) + 0.01 * contacts.mean_threshold, True
+        second = life.reach - travel.born.span[0] + travel.wait if any(travel.born.span) else 0.0
+        return life.reach - min(low, 0.0) + second + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
     old = end[travel.table(begin)[0] * end > OLD * travel.length].max(initial=0.0)
     furthest = max(UNITS * unit, old + unit)
     horizon = min(furthest, MOST_UNITS * unit)
-    return horizon - min(low, 0.0), bool(furthest <= horizon)
+    return horizon - min(low, 0.0) + 3.0 * travel.wait, bool(furthest <= horizon)
 
 
 def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:

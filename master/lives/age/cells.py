@@ -166,8 +166,7 @@ def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share:
     edges = [0.0]
     while edges[-1] < reach:
         widest = 0.4 * width + 0.05 * max(edges[-1] - bulk, 0.0)
-        room = 1.0 / (thinnest + 0.3 * edges[-1]) + 1.0 / widest
-        edges.append(edges[-1] + share / room)
+        edges.append(edges[-1] + share / (1.0 / (thinnest + 0.3 * edges[-1]) + 1.0 / widest))
         if len(edges) > MOST_CELLS:
             hint = f"need more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
             raise InputError(f"ageing: laws as sharp as {width:.3g} that reach {reach:.3g} {hint}")
