@@ -75,7 +75,7 @@ def critical_velocity(
     slow, fast = (excess(end) for end in ends)
     if not slow > 0.0 >= fast:
         found = f"{slow + spring:.4g} at v = {slowest:g} and {fast + spring:.4g} at v = {fastest:g}"
-        hint = f"the spring {spring:g} must lie between them"
+        hint = f"it must be above the spring, {spring:g}, at the former alone"
         raise InputError(f"slowest, fastest: -F' is at most {found}; {hint}")
     root = brentq(excess, *ends, xtol=TOLERANCE)
     slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
