@@ -99,7 +99,7 @@ Ageing(UNEVEN, 0.1)  final: the density jumps at 1: there
 Contacts(BOX, ageing=Ageing(origins.rectangular(0.7, 1.5), 0.1, "paper"))  .*fresh thresholds lies outside the final law
 Ageing(origins.rectangular(0.1, 3.0), 0.1)  ageing: the final law ends at 0.1 and 3
 paper_transient(PRINTED, [1.0], 0.01, keep="both")  keep = 'both':
-paper_transient(PRINTED, [1.0], 1e-6)  step = 1e-06: needs more than 20,000 cells
+paper_transient(PRINTED, [1.0], 1e-6)  step = 1e-06: needs more than 20,000 steps
 propensity(GROWING, velocity=30.0)  .*none holds but a fraction
 kinetic_curve(GROWING, 1e-60)  velocity = .* at which thresholds grow
 kinetic_curve(GROWING, 1e90)  velocity = .* at which thresholds grow
