@@ -23,7 +23,7 @@ class Histogram:
 
     The bins of stretches extend to the largest |x| that path, start and re-forming allow, those of thresholds to 2^-64
     of the law's weight. They have equal widths, except for laws with wide tails: beyond 64 times the mean threshold (or
-    the mean stretch of start or re-forming, or the mean of the final thresholds) all contacts are counted in the wide
+    the mean stretch of the start, or the mean of the final thresholds) all contacts are counted in the wide
     outermost bins. A density is the mean over its bin, so that the sum of density times width is that of all contacts.
 
     point : index into the path; position : X there, a length.
