@@ -93,7 +93,7 @@ def by_law(choose: Callable[[type], Any]) -> Any:
 
 BREAKS: dict[type, Callable[..., Any]] = {}
 AGED: dict[type, Callable[..., Any]] = {}
-# by the class of their law, filled by engine.law_of as CompiledRates has them; BREAKS and AGED below and in laws/*.py
+# functions by the class of their law: engine.law_of fills RATES; BREAKS and AGED are filled below and in laws/*.py
 RATES: dict[type, CompiledRates] = {}
 # break_of(law, contact, way, counts): the break of a contact
 break_of = by_law(BREAKS.__getitem__)

@@ -49,7 +49,7 @@ class Lanes(NamedTuple):
 
     number: Whole  # index in the block; the lane's next contact is LANES further
     initial: Whole  # 1 for a contact of the start that has not broken
-    moment: Whole  # of the drive's clock, at which it forms; of Forward beyond the end in a lane that has no more
+    moment: Whole  # of the drive's clock, at which it forms; beyond the end once `Forward` has no contact left for it
     leg: Whole
     drawn: Whole  # steps for which the laws have drawn words in the lane
     threshold: Whole

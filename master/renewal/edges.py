@@ -23,7 +23,7 @@ SAME_TIME, ROUNDED = 1e-12, 2e-15
 
 
 class Moment(NamedTuple):
-    """A time at which breaks jump or bend, and the share of contacts in the jump, or in one that would matter alike."""
+    """A time at which breaks jump or bend, and the share of contacts in it; for a bend, in a jump of equal effect."""
 
     time: float
     size: float

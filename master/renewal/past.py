@@ -172,7 +172,7 @@ class Past:
             good = pieces.pick(~rough)
             weights = legendre_births(self._ends, self._slopes, good.low, good.high, size)
             found = (held[:, ~rough] @ few.series * weights).sum(axis=-1)
-            # its coefficient n + k, about |c_n| fall^k, meets births of that degree, taken as many as of degree n - k
+            # left out: coefficients n + k, about |c_n| fall^k, times births of that degree, taken as those of n - k
             fading = fall[~rough, None] ** np.arange(size)[::-1]
             missed = left_out[~rough] * (np.abs(weights) * fading).sum(axis=1)
             yield good, np.append(found, missed[None], axis=0)

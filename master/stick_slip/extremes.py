@@ -139,8 +139,8 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
 
 
 def _horizon(travel: Travel) -> tuple[float, bool]:
-    """How far to follow F (a length), and whether its extremes surely lie before that: where generations of breaks do
-    not overlap, the first is the sharpest, or the second if contacts re-form elsewhere than relaxed."""
+    """How far to follow F (a length), with three delays more, and if its extremes surely lie before. Where generations
+    of breaks do not overlap, the first is the sharpest, or the second if contacts re-form elsewhere than relaxed."""
     life, contacts = travel.life, travel.contacts
     low, high = contacts.start.span
     if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):

@@ -72,7 +72,7 @@ def _column(file: str, lines: list[str], name: str, place: int | None) -> list[f
         if len(row) != width:
             refuse("file", file, f"line {number} has {len(row)} columns, the first has {width}")
         if not 0.0 < row[column - 1] < np.inf:
-            refuse("file", file, f"line {number}: {name} must be a number > 0; leave others out")
+            refuse("file", file, f"line {number}: {name} must be a number > 0; else leave it out")
     return [row[column - 1] for _, row in rows]
 
 

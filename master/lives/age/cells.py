@@ -21,8 +21,8 @@ from origins.thresholds.law import Array
 # Each resolution divides cells by 2 to this power, and steps by 2: errors, of fourth order in the cells and of
 # third order in the steps, fall by 8.
 FINER = 0.75
-# Survival of both laws at which the cells end, and most of them; most steps of one move, some 30
-# seconds of work; and the finest resolution of strands.
+# Share of thresholds beyond the last cell, and most cells; most steps of one move, some 30 seconds of work; and the
+# finest resolution of strands.
 FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
 # Travel in one step at resolution 0, divided by the narrowest width of the laws; and the share of fresh
 # contacts that heat breaks in it at most.
@@ -148,7 +148,7 @@ class Cells:
 
 
 def highest(fresh: Thresholds, final: Thresholds, share: float) -> float:
-    """Threshold that this share exceeds at most, at any age: those above the final mean spread upwards, too."""
+    """Threshold that at most this share exceeds at any age: fresh ones above the final mean spread upwards at first."""
     return max(float(fresh.isf(share)), final.mean()) + float(final.isf(share)) - final.mean()
 
 
