@@ -54,7 +54,7 @@ def make_ageing(hops: Diffusion, amount: complex) -> Callable[[Array], Array]:
 def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
     """(Q15), (Q11c), (Q11d): fields of SteadyState; InputError for fresh thresholds outside the support of the final
     law, and for a final law with a gap that thresholds would have to cross. Exact single values are allowed."""
-    from scipy import stats
+    from scipy.stats import rv_histogram
 
     check_contacts(contacts, PRINTED, ("ageing",))
     assert contacts.ageing is not None
@@ -75,8 +75,7 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
     (force, length, _), (force_error, length_error, _) = best.tolist(), off / fresh.mean()
     # weights on the coarser of the last two grids, extrapolated from both
     weights = (4.0 * tables[-1].reshape(-1, 2).sum(axis=1) - tables[-2]) / 3.0
-    table = stats.rv_histogram((np.maximum(weights, 0.0), grids[-2]), density=False)
-    thresholds = as_thresholds(table)
+    thresholds = as_thresholds(rv_histogram((np.maximum(weights, 0.0), grids[-2]), density=False))
     return {
         "force": force,
         "force_error": force_error,
@@ -139,5 +138,7 @@ def _solve(
         length, gained = float(length + change), gained + change * by_length
         if abs(change) <= 1e-8 * length:  # its square is rounding
             break
+    else:  # no law is known for which it happens
+        raise InputError("ageing: C of (Q15) was not found; use a final law with one peak")
     square = fresh.moment(2) + float(middle**2 @ gained)
     return np.array([0.5 * square / length, length, float(middle @ born)]), born + gained

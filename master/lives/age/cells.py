@@ -21,8 +21,7 @@ from origins.thresholds.law import Array
 # Each resolution divides cells by 2 to this power, and steps by 2: errors, of fourth order in the cells and of
 # third order in the steps, fall by 8.
 FINER = 0.75
-# Share of thresholds beyond the last cell, and most cells; most steps of one move, some 30 seconds of work; and the
-# finest resolution of strands.
+# Share of thresholds beyond the last cell; most cells; most steps of a move, some 30 s of work; finest resolution.
 FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
 # Travel in one step at resolution 0, divided by the narrowest width of the laws; and the share of fresh
 # contacts that heat breaks in it at most.
