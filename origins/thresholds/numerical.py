@@ -34,8 +34,8 @@ class NumericalLaw:
     """The normalised law of a density that is smooth between given points.
 
     Panels are halved until a polynomial of degree 11 fits the density on each, and the weights of all panels are
-    added from both ends: cdf and survival keep a relative 1e-12 of an exact log-density, down to 1e-300 or, of a tail
-    x^-b, whose density underflows before its survival, to 10^(-300 b/(b+1)).
+    added from both ends: cdf and survival keep a relative 1e-12 of an exact log-density, down to 1e-300 (in lengths of
+    1e±s down to 10^(s - 300)) or, of a tail x^-b, whose density underflows before its survival, to 10^(-300 b/(b+1)).
 
     log_density : function of arrays x (lengths), the log of the density, which need not be normalised.
     lower, upper : ends of the support (lengths); upper may be inf.
