@@ -118,6 +118,7 @@ def bin_of(clock, way):  # type: ignore[no-untyped-def]
     if way.even:
         return max((clock + way.offset) >> way.shift, whole(0))
     j = whole(way.first_bin[unsigned(clock >> way.shift)])
+    j += whole(way.bin_ends[unsigned(j)] < clock)  # nearly always enough, and no branch
     while way.bin_ends[unsigned(j)] < clock:
         j += 1
     return j
@@ -190,10 +191,11 @@ def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
     leg, clock, legs = contact.leg, contact.clock, way.directions.size
     birth = place_of(clock, leg, way) - contact.stretch
     while leg < legs:
-        beyond = abs(way.positions[leg + 1] - birth) - contact.threshold
+        then = unsigned(leg + 1)
+        beyond = abs(way.positions[then] - birth) - contact.threshold
         if beyond >= 0 or (beyond >= -law.tie and leg + 1 < legs):
             # the threshold is reached on this leg; within `tie` of a turn it counts as reached at the turn
-            return Break(max(way.begins[leg + 1] - max(beyond, 0), clock), leg, contact.drawn)
+            return Break(max(way.begins[then] - max(beyond, 0), clock), leg, contact.drawn)
         leg += 1
     return Break(way.begins[legs] + 1, leg, contact.drawn)
 

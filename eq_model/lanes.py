@@ -110,9 +110,7 @@ def _follow_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-un
         clock, leg, initial, drawn = lanes.moment[i], lanes.leg[i], lanes.initial[i], lanes.drawn[i]
         x, r, e = lanes.threshold[i], lanes.stretch[i], real(lanes.log_exposure[i]) * LEVEL_UNIT
         k = real(x) / work.mean if work.linked else 1.0
-        contact = Contact(
-            clock, leg, r, x, e, breaks_at[i], k, initial == 0, number % LANES, drawn, work.stream
-        )
+        contact = Contact(clock, leg, r, x, e, breaks_at[i], k, initial == 0, i, drawn, work.stream)
         birth = place_of(clock, leg, way) - r
         found = break_of(law, contact, way, counts)
         moment, leg, holds = found.clock, found.leg, found.clock > way.end

@@ -224,7 +224,17 @@ def draw_thresholds(n, row, turn, stream, births, scratch, r, x):  # type: ignor
     """Thresholds x of n contacts that form at stretches r: P_c conditional on x_s > |r|."""
     purpose, table = births.purpose, births.thresholds
     draw_values(n, row, turn, stream, purpose, table, scratch.thresholds, scratch, x)
-    for i in range(0 if births.relaxed else n):
+    if not births.relaxed:
+        _raise_thresholds(n, row, turn, stream, purpose + 32, table, scratch.survival, r, x)
+
+
+@bare
+def _raise_thresholds(n, row, turn, stream, purpose, table, known, r, x):  # type: ignore[no-untyped-def]
+    """Draw anew, beyond |r|, the thresholds x that are below it; `known` as `beyond` has it."""
+    room = whole(0)
+    for i in range(unsigned(n)):  # in vector code
+        room = min(room, x[i] - abs(r[i]))
+    for i in range(n if room < 0 else 0):
         if x[i] < abs(r[i]):
-            a, b, _, _ = words_at(i, turn, stream, purpose + 32 + row)
-            x[i] = beyond(abs(r[i]), uniform(a, b), table, scratch.survival)
+            a, b, _, _ = words_at(i, turn, stream, purpose + row)
+            x[i] = beyond(abs(r[i]), uniform(a, b), table, known)
