@@ -29,7 +29,7 @@ class Contact(NamedTuple):
     breaks_at: np.int64  # the stretch at which its rate breaks it if its first leg goes on
     stiffness: float  # divided by the mean one
     fresh: bool  # False for contacts of the start
-    lane: np.int64
+    lane: int
     drawn: np.int64  # steps for which its lane has drawn words
     stream: Stream
 

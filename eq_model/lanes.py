@@ -28,12 +28,7 @@ from eq_model.contact import (
     look_at,
     place_of,
 )
-from eq_model.draws.births import (
-    LEVEL_UNIT,
-    draw_stretches,
-    draw_thresholds,
-    draw_values,
-)
+from eq_model.draws.births import LEVEL_UNIT, draw_stretches, draw_thresholds, draw_values
 from eq_model.draws.streams import EXPOSURES, LANES
 from origins.thresholds.law import Array
 

@@ -19,8 +19,8 @@ from origins.thresholds.law import Array
 
 # Longest path, in mean thresholds, and most lives of a contact on it: squares of lengths stay far from overflow.
 FURTHEST = 1e100
-# The same for a path that turns round or changes its speed: stretches on later legs are differences of positions, which
-# lose digits far from 0, and each leg's births are followed on the next.
+# The furthest on a path that turns round, and most lives where it turns or changes its speed: stretches on later legs
+# are differences of positions, which lose digits far from 0, and each leg's births are followed on the next.
 FURTHEST_TURN, MOST_LIVES_TURN = 1e6, 1e7
 # Longest time before a move by a mean threshold, in units of the time that this takes: later its times keep few digits.
 LONGEST_BEFORE = 1e11

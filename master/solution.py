@@ -70,7 +70,7 @@ class Solution:
     holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains.
     run_time : s; nodes : number of moments at which number conservation was solved.
     success : whether force_error is at or below the requested tolerance.
-    message : the accuracy reached, or why the tolerance was missed; any weight cut off the start.
+    message : the accuracy reached, or why it was missed; any weight cut off the start or the thresholds.
     """
 
     path: Array
@@ -99,7 +99,7 @@ class Solution:
         Raises InputError where the path does not pass X; for contacts that re-form at many stretches; and, along
         paths of several legs, for contacts that age or whose thresholds grow: Q is not computed there.
         """
-        march, unknown = self._march, "is not known along paths in time yet where"
+        march, unknown = self._march, "is not known yet along paths of several legs where"
         if march is None or (isinstance(march.life, GrainLife) and not march.motion.one_leg):
             raise InputError(f"contacts.grains: Q(x;X) {unknown} thresholds grow")
         if march.life.has_strands:

@@ -30,7 +30,7 @@ def solve(
     progress: Progress = unheard,
     wall_time: float | None = None,
 ) -> Solution | SoftSolution | AgeingTransient:
-    """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D, IV, V, App. C).
+    """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D and E, IV, V, App. C).
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
     master.paper.explicit. The files that do the work on a rigid slider, in the order in which they begin, are `solve`,
@@ -65,8 +65,8 @@ def solve(
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional
-        Seconds after which the solver stops: the path is cut at the point reached, success is False. The paper's
-        closure of ageing takes its coarsest steps along the whole path, and halves them as far as the time allows.
+        Seconds after which the solver stops, success is False: the path is cut at the point reached, or solved with the
+        steps so far under a spring with laws in time, and for the paper's closure of ageing with the coarsest at least.
 
     Returns a Solution, with a spring a SoftSolution, for the paper's closure of ageing an AgeingTransient; with success
     = False and the reason in `message` where the tolerance was not reached.

@@ -32,8 +32,8 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 7500, 200, 144),
-    "eq_model": Room(2200, 3163, 60, 43),
+    "master": Room(7500, 7498, 200, 143),
+    "eq_model": Room(2200, 3161, 60, 43),
     "origins": Room(4500, 5801, 120, 68),
     "toolkit": Room(4000, 4000, 100, 65),
 }

@@ -1,1 +1,1 @@
-"""Coupled contacts: N of them on one soft slider, which a spring pulls (paper Sec. III D)."""
+"""Coupled contacts: N of them on one soft slider, which a spring pulls (paper Sec. III E)."""

@@ -153,7 +153,9 @@ def quantile(word, further, table):  # type: ignore[no-untyped-def]
 
 @bare
 def _value_at(above, v, table):  # type: ignore[no-untyped-def]
-    """The whole quantile at v = 1 - u if `above`, else v = u; 0 < v <= 1/2."""
+    """The whole quantile at v = 1 - u if `above`, else v = u; 0 < v <= 1."""
+    if v > 0.5:
+        above, v = not above, max(1.0 - v, 1e-300)
     cell = min(_cell_of(v * 2.0**32, whole(CELL_BITS)), whole(SIDE - 1))
     node = cell + (table.above if above else 0)
     place = v if cell else min(-np.log2(v), table.cells[node, 0] + table.cells[node, 1])
@@ -163,12 +165,6 @@ def _value_at(above, v, table):  # type: ignore[no-untyped-def]
     t = (place - table.cells[node, 0]) / table.cells[node, 1]
     y = table.cells[node, 2] + t * (table.cells[node, 3] + t * table.cells[node, 4])
     return whole(np.floor(min(max(y, real(1 - FAR)), real(FAR - 1)) + 0.5))
-
-
-@bare
-def _above(v, table):  # type: ignore[no-untyped-def]
-    """The whole value that a share v of all values exceeds, 0 < v <= 1."""
-    return _value_at(v <= 0.5, v if v <= 0.5 else max(1.0 - v, 1e-300), table)
 
 
 @bare
@@ -182,12 +178,12 @@ def beyond(x, share, table, known):  # type: ignore[no-untyped-def]
         low, high = bits_of(1e-300), bits_of(1.0)
         while high - low > whole(1 << 26):  # 1.5e-8 of a share, finer than tables
             middle = low + ((high - low) >> 1)
-            if _above(double_of(middle), table) > x:
+            if _value_at(True, double_of(middle), table) > x:
                 low = middle
             else:
                 high = middle
         known[0], known[1] = real(x), double_of(high)
-    return max(_above(max(known[1] * share, 1e-300), table), x)
+    return max(_value_at(True, max(known[1] * share, 1e-300), table), x)
 
 
 @cache

@@ -101,11 +101,11 @@ def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
     In a steady motion the hazard may fall first and then rises, so that it passes the goal once. Newton's method, for
     hazard^(-1/2), which is nearly straight; by halves and doubles where that leaves the bracket.
     """
-    guess = 0.5 / np.sqrt(root / pace)  # in units of 1/root
-    if age == 0.0:  # of contacts that slide since they pinned within some 15 %
-        more = max(goal - 4.5 * (root / pace) ** 2, 1e-3)
-        guess *= 1.56 * more / (more + root / pace * (4.0 + 3.0 * root / pace))
-    low, high, at = 0.0, np.inf, min(guess / root, room)
+    low, high, at, speed = 0.0, np.inf, 0.5 * np.sqrt(pace / root) / root, root / pace
+    if age == 0.0:  # within some 15 % for contacts that slide since they pinned
+        more = max(goal - 4.5 * speed * speed, 1e-3)
+        at *= 1.56 * more / (more + speed * (4.0 + 3.0 * speed))
+    at = min(at, room)
     for _ in range(200):
         reached, slope = hazard(near + at, age + at * pace, pace, root)
         if reached < goal:

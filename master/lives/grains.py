@@ -27,8 +27,8 @@ from origins.thresholds.law import Array
 
 # H above which the survival e^-H, below 1e-17, counts as 0.
 GONE = 39.2
-# Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients, of these
-# sums and of ln A over time, below which pieces are not halved.
+# Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients below which pieces are not
+# halved, of these sums and, relative to 1 + A, of A over the logarithm of time.
 HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 
 

@@ -113,7 +113,7 @@ class Replay:
             self._offset = np.logaddexp(shared, self._log_spent_at_0(np.arange(born.size), last))
 
     def _log_spent_at_0(self, row: Rows, on: Array) -> Array:
-        """ln A of contacts on the legs where `on` is 1, as the formula of a threshold of 0; shape (n, 1)."""
+        """ln[A/h(0; x_s)], the same at all x_s, of contacts on the legs where `on` is 1; shape (n, 1)."""
         ends = np.abs(self._stretch[row]) * np.maximum(np.append(on, 0.0), np.append(0.0, on))
         furthest = ends.max(axis=1, keepdims=True, initial=SMALLEST)
         return self.log_spent(row, furthest, on) - self._rates.log_rate(0.0, furthest, 1.0)
@@ -227,7 +227,7 @@ class MeanRateLife(LawLife):
         return integrals_above(*given, relative, True, checked)
 
     def unmet(self, begin: Array, end: Array, first: Array, side: Array) -> Array:
-        """Share that meets no threshold on a straight move; |r| = first at birth; arrays (n,)."""
+        """Share that meets no threshold on a straight move; |r| = first at birth; arrays that broadcast."""
         # a way out through 0 begins at |r|; a way towards 0 has the factor 1
         least = np.where(begin * end < 0.0, first, np.maximum(np.abs(begin), first))
         held, whole = (self.held(m, side) for m in (np.maximum(np.abs(end), least), least))

@@ -83,7 +83,7 @@ def paper_transient(
 
     contacts : with `ageing`, and a start that is no single value.
     path : positions X >= 0 that never turn back, shape (n,), lengths.
-    step : h, of X and between cohorts, a length: at most a tenth of the narrowest width of start and laws.
+    step : h, of X and between cohorts, a length; at most a tenth of the narrowest width of start and laws serves well.
     velocity : v > 0, length per time; D_X = D/v.
     keep : what is conserved where both cannot be. "positivity": thresholds that are missing are not subtracted, and the
         mass grows. "mass": P_c becomes negative; the solution ends where contacts stand at a survival not above 0.

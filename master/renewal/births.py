@@ -42,7 +42,7 @@ class Births:
     delay : time for which a broken contact is out, in the unit of the motion's times
     accuracy : allowed error of the number that the births on one leg contribute
     until : reading of time.monotonic() at which to stop, and after which no piece is halved
-    work : of the integrals over births so far, in look-ups in a table; see MOST_WORK
+    work : of the integrals over births so far, 1 for a piece whose survival is looked up; see add_work, MOST_WORK
     """
 
     life: Life
@@ -54,7 +54,7 @@ class Births:
     work: int = 0
 
     def add_work(self, pieces: int) -> None:
-        """Add the work of so many pieces of computed survivals: at each node, and for 40 of many stretches at birth."""
+        """Add the work of so many pieces: 1 each, or pair_work at a node; of many stretches at birth 40 times that."""
         cost = 1 if self.life.quick else rule.PANEL_NODES * self.life.pair_work
         self.work += pieces * cost * (1 if self.law.is_single else 40)
 

@@ -189,8 +189,8 @@ class March:
         return solve_run(kernel, known, self.breaks[self.width.size - same :], self.stretch)
 
     def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
-        """Number and force at later times, of lumps and of all panels but the last `same`; the times `grid`, shape
-        (panels, TARGETS.size), are all on one leg, and with `leg` counted from its beginning."""
+        """Number and force at later times, of lumps and of all panels but the last `same`; the times `grid`, in rows,
+        are all on one leg, and with `leg` counted from its beginning."""
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
@@ -235,7 +235,7 @@ class March:
         leg = int(self.motion.leg(t))
         beside = 0.5 * min(self.width[-1], end - t)
         sides = t + beside * np.array([[-1.0, -0.5, 0.0], [0.0, 0.5, 1.0]]) - self.motion.times[leg]
-        # what is seen after a knot is seen from the next leg
+        # the times of a row lie on one leg: those after a knot are asked for by themselves
         rows = np.split(sides, 1 if t < self.motion.times[leg + 1] else 2)
         number = np.concatenate([self.known(row, leg=leg)[0] for row in rows])
         broken = float(number[0, 2] - number[1, 0])

@@ -42,14 +42,14 @@ class Past:
         self._births, self._life = births, births.life
         # sums of survivals that take long to compute are less accurate
         self._accuracy = births.accuracy * (1.0 if births.life.quick else 30.0)
-        # many legs may be dropped: each must be a thousandth of that
+        # many legs may be left out: each may miss a thousandth of that
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
         # legs of whose births hardly any hold: left out, and to be left out from the next leg on
         self._dropped, self._dropped_next = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
-        # the way on a panel for which FEW do not suffice
+        # the longest way on a panel at which FEW are tried
         self._wide = 0.0 if births.life.quick or births.life.atoms.size else np.inf
 
     def enter(self, leg: int, panels: Panels) -> None:

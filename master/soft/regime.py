@@ -179,7 +179,7 @@ def _by_slips(
 
 
 def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:
-    """About the mean threshold of the oldest contacts present at the end of the path (a length)."""
+    """About the mean threshold of the oldest contacts at the end of the path, of grains the largest (a length)."""
     grains = contacts.grains
     if grains is not None and grains.age is not None:
         return float(grains.quantile(1.0, grains.age + drive.arrival_times(found.balance)[-1]))

@@ -2,7 +2,7 @@
 
 Where F'(X) = -K (where laws depend on time: where no balance follows on), the slider slips, which
 takes no time; `master.solve` says what a slip does. The drive begins where the spring balances the
-starting force, X_T = F(0)/K at X = 0, and moves from there straight to its path (paper Sec. III D).
+starting force, X_T = F(0)/K at X = 0, and moves from there straight to its path (paper Sec. III E).
 """
 
 import time
@@ -30,7 +30,7 @@ class SoftSolution:
     force : F/(N_c <k>) = K (X_T - X), shape (n,), lengths.
     force_error : estimate from above of the largest error of `force` along the path, and of K X_T at slips, in units of
         the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
-    holding : fraction of contacts that hold, shape (n,): 1 without a delay, as slips take no time.
+    holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains, as slips take no time.
     period : distance of X_T between the last two slips, a length; None for fewer than two.
     run_time : s; nodes : number of moments at which number conservation was solved.
     success : whether force_error, and the error of `holding`, are at or below the requested tolerance.

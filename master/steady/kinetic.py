@@ -138,8 +138,8 @@ def kinetic_curve(
         their ageing, tau_m >= 0 of their delay (they need not have one); 0 switches the law off; None: their own.
         Arrays broadcast: velocity[:, None] and temperature give a table.
 
-    Contacts that break by heat (closure "exact") and re-form relaxed are summed at all speeds together; every other
-    distinct point is solved individually.
+    Contacts that break by heat alone (closure "exact") and re-form relaxed are summed at all speeds together; at T = 0
+    all speeds have one answer; other points are solved individually.
 
     Raises InputError as `steady_state` does, for values that are not finite or too small, for shapes that do not
     broadcast, for a temperature or a rate of contacts without that law, and for speeds so low that squares of stretches

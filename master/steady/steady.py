@@ -103,7 +103,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
 
 
 def _held(travel: Travel, x: Array) -> Array:
-    """Share of all contacts that hold at stretches x (n,) after their birth, averaged over births."""
+    """Of the contacts born, the share that holds when they come to the stretches x (n,), averaged over births."""
     life, births = travel.life, travel.born
     if births.is_single:
         way = x[:, None] - births.mean()

@@ -31,7 +31,7 @@ class Travel(Straight):
 
     Beside the attributes of Straight, where lags are ways (lengths, areas lengths squared):
     atoms : array of shape (n,), ways after which contacts reach exact thresholds together
-    grain : the length over which E falls
+    grain : about the length over which E falls: mean width of the table's panels, weighted by the fall of E there
     most : the largest value of |K|
     wait : v tau, the travel during which a broken contact is out
     length, area : C, the integral of E, and that of K; `length_error`, `area_error` their errors

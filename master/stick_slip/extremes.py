@@ -139,12 +139,12 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
 
 
 def _horizon(travel: Travel) -> tuple[float, bool]:
-    """How far to follow F (a length), with three delays more, and if its extremes surely lie before. Where generations
-    of breaks do not overlap, the first is the sharpest, or the second if contacts re-form elsewhere than relaxed."""
+    """How far to follow F (a length), and if its extremes surely lie before. If generations of breaks do not overlap,
+    the first is the sharpest, or the second if contacts re-form elsewhere than relaxed; else three delays are added."""
     life, contacts = travel.life, travel.contacts
     low, high = contacts.start.span
     if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):
-        # the last first break comes before the first second one: F is followed for 0.01 mean thresholds beyond it
+        # the last contact breaks before any breaks for the second time: F is followed for 0.01 mean thresholds beyond
         second = life.reach - travel.born.span[0] + travel.wait if any(travel.born.span) else 0.0
         return life.reach - min(low, 0.0) + second + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end

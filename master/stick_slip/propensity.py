@@ -53,8 +53,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
     F(X) is followed for ten mean thresholds, with heat ten mean ways from birth to break; where generations of breaks
-    do not overlap, along the first; and up to 100 times as far where more than 1e-6 of the contacts live longer. Errors
-    bound what may follow, too.
+    do not overlap, along the first, or the first two where contacts re-form elsewhere than relaxed; and up to 100 times
+    as far where more than 1e-6 of the contacts live longer. Errors bound what may follow, too.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and where contacts re-form
     so far behind x = 0 that the kinetic force is not above 0.

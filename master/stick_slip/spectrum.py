@@ -98,7 +98,8 @@ def decoherence_spectrum(
         down to 1/300 of the mean way from birth to birth.
 
     Raises InputError for thresholds of exact values alone, or nearly so, whose roots come arbitrarily near to Re s = 0;
-    for contacts that are out for more than 400 times as long as they hold; and as `steady_state` does.
+    for a tail slower than any exponential; where few contacts live for 10,000 times the mean, or all are out for more
+    than 400 times as long as they hold; and as `steady_state` does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
@@ -155,7 +156,7 @@ def _deepest(travel: Travel) -> float:
     if travel.longest > BROAD * travel.length:
         fault = f"contacts live for all lengths up to {travel.longest / travel.length:.1g} times the mean: among so"
         hint = "many no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
-        raise InputError(f"thermal: {fault} {hint}")
+        raise InputError(f"contacts: {fault} {hint}")
     return deepest_wave(travel, min(tail, crowd))
 
 

@@ -9,7 +9,7 @@ before: with b the breaks per unit of time,
 That is number conservation again, and both probabilities are known in closed form, as free thresholds are an
 Ornstein-Uhlenbeck process. It is solved panel by panel. A segment of the motion ends where the speed of the level
 changes; with ρ the root of the time since the segment began, 2 ρ b is smooth in ρ, and a Legendre series on each panel.
-(Of probabilities above the level, the left side is E more; where thresholds move away, both are near 1: b is lost.)
+(With shares above the level E stands on the right, too; where the level recedes all terms are near 1, and b is lost.)
 """
 
 from copy import copy
@@ -67,7 +67,8 @@ class Passage:
     age, stretch, left : time since the birth, stretch and share that holds now
     error : estimate of the largest error of the survival
 
-    Raises InputError where no threshold lies above |start|.
+    Raises InputError where no threshold lies above |start|, where thresholds relax too often to be followed, and in
+    `move` where it takes more than 4,000 panels.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class Passage:
         self._diffusion = max(ageing.rate, 1e-28 * fresh.mean() * fastest)
         self._mean, self._std, self._pull = normal.mean, normal.std, self._diffusion / normal.std**2
         if self._pull * normal.mean > 1e10 * fastest > 0.0:
-            hint = f"relaxes thresholds 1e10 times while the slider moves by one at {fastest:g}"
+            hint = f"relaxes thresholds 1e10 times while the slider moves by one at the speed {fastest:g}"
             refuse("rate", ageing.rate, f"{hint}, too often to follow; slide faster")
         self.age, self.stretch, self.left = 0.0, start, 1.0
         self.error = self._tails = self._missed = 0.0
@@ -208,7 +209,7 @@ class Passage:
         return integrals_above(met, -rho, edges, felt, self._resolved, checked=checked)
 
     def _below_from_fresh(self, time: Array, level: Array) -> Array:
-        """Share below `level` of the thresholds that were fresh a way `time` > 0 ago, all of shape (n,)."""
+        """Share below `level` of the thresholds that were fresh the times `time` > 0 ago, all of shape (n,)."""
         level, time = level[:, None], time[:, None]
         decay, relaxed = np.exp(-self._pull * time), -np.expm1(-2.0 * self._pull * time)
         offset, std = level - self._mean, self._std * np.sqrt(relaxed)

@@ -10,13 +10,10 @@ e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of th
 import numpy as np
 
 from master.lives.age.cells import Cells
-from master.lives.grains import GrainLife
 from master.soft.in_time.memory import Leg, Memory, Scales
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# Longest age of grains, in pinning times: they hardly grow beyond.
-OLDEST = 1e7
 # Columns of a strand's numbers: largest hazard, hazard at birth, time since pinning, and from there A.
 LARGEST_HAZARD, BIRTH_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(4)
 
@@ -63,8 +60,7 @@ class GrainMemory(Memory):
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         self._grains, first = grains, grains.growth.first_pinning_time
-        life = GrainLife(contacts, OLDEST * first)
-        self._start_since, self.reach = life.start_since, life.birth_reach
+        self._start_since, self.reach = grains.age - first, grains.at_start.support()[1]
         self.starts = 24 + 8 * level
         # births change over a length of some 2 narrowest widths of the laws of thresholds; the first
         # step of a hold is 0.05 pinning times

@@ -19,8 +19,8 @@ from master.motion.motion import Legs
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# Shares of the contacts below the ends of cells. On the coarsest level each cell is cut in 2; the parts are halved with
-# each level, from the fourth on with every second one.
+# Shares of the contacts below or above the ends of cells. On the coarsest level each cell is cut in 2; the parts are
+# halved with each level, from the fourth on with every second one.
 RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
 # The logarithms of the least and of the largest A that are told apart from 0 and infinity.
 LEAST_LOG, MOST_LOG = -700.0, 6.5
@@ -56,7 +56,7 @@ class Memory:
     """The history of contacts with thresholds that stay, which break there or by heat.
 
     error : of the survival that `share_and_force` returns, however fine cells and steps are
-    reach : stretch beyond which no contact holds (a length)
+    reach : stretch at t = 0 or at birth beyond which no contact holds (a length)
     width : length of a strand's record, of which all but the first `others` numbers are A
     starts : most nodes for a start with a width
     finer_before_slips : whether steps become finer towards a slip
