@@ -68,7 +68,7 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
         guess = float(found[1] + 0.25 * (found[1] - known[-1][1] if known else 0.0))
         known, tables = [*known, found], [*tables, table]
     best, *others = (_extrapolated(np.array(some)) for some in (known, known[:-1], known[1:]))
-    # four times, as they may be alike; rounding, measured by scaling lengths; and what lies beyond the table
+    # four times the largest difference, as all may err alike; rounding, measured by scaling; what lies beyond the table
     off = 4.0 * (np.abs(best - others).max(axis=0) + abs(best[2] - fresh.mean())) + 1e-10 * best
     end = float(grids[-1][-1])
     off += end * float(final.sf(end)) * np.array([end / best[1], 1.0, 0.0])

@@ -66,7 +66,7 @@ def edges(
     first = [*known, *break_moments(0.0, 1.0, start)]
     for time, speed in zip(motion.times[1:-1].tolist(), motion.speeds.tolist(), strict=False):
         first.append(Moment(time, SMOOTHER))
-        # contacts born in one hold share one stretch
+        # breaks one delay before a knot are born at it; contacts born in one hold share one stretch
         together = speed == 0.0 and not life.timeless and again.is_single
         if delay > 0.0 or together:
             first.append(Moment(time - delay, 1.0 if together else SMOOTHER**2))

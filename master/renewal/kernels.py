@@ -164,26 +164,26 @@ class Kernels:
     def __init__(self, births: Births) -> None:
         self._births = births
         self._cache: dict[tuple[float, float], Kernel] = {}
-        self._lags: dict[float, Straight] = {}
+        self._table: dict[float, Straight] = {}
 
     @property
     def error(self) -> float:
         """Largest error of the survivals in the tables."""
-        return max((straight.error for straight in self._lags.values()), default=0.0)
+        return max((straight.error for straight in self._table.values()), default=0.0)
 
     def straight(self, speed: float) -> Straight:
         """Survival and force of contacts born on a leg of this speed."""
-        if speed not in self._lags:
+        if speed not in self._table:
             births, life, motion = self._births, self._births.life, self._births.motion
             most = life.reach + max(abs(end) for end in births.law.span)
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, float(np.diff(motion.times)[motion.speeds == speed].max()))
-            # finer than 1e-13, or than its error, a table would follow the rounding of the survival
+            # a table finer than 1e-13, or than the error of a cheap survival, would follow its rounding
             finest = life.error if life.pair_work == 1 else np.inf
             accuracy = max(1e-13, min(0.1 * births.accuracy, finest))
-            self._lags[speed] = Straight(life, births.law, speed, longest, accuracy, births.until)
-        return self._lags[speed]
+            self._table[speed] = Straight(life, births.law, speed, longest, accuracy, births.until)
+        return self._table[speed]
 
     def on(self, speed: float, width: float, panels: int) -> Kernel:
         """Kernel for panels at most `panels` apart, or fewer where all births break before."""

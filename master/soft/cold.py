@@ -97,13 +97,13 @@ class ColdSlider:
     def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip in which broken contacts stay out until the slider stops."""
         spring, loaded = self.spring, move.stopped(slip.travel, slip.error)
-        held = MoveWithoutBirths(self.contacts, move.direction, loaded)
-        curve, y = held.end_of_slip(0.0, slip.load - spring * slip.travel, slip)
+        slide = MoveWithoutBirths(self.contacts, move.direction, loaded)
+        curve, y = slide.end_of_slip(0.0, slip.load - spring * slip.travel, slip)
         self._note(move, slip, begin, float(curve.force(y)))
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         error = (1.0 + spring) * slip.begin_error * y / self.contacts.unit
         self._base_error += float(curve.travel_errors(y, 0.0, slip.error + error))
-        return held.after_slip(y, error + float(curve.error_at(y)))
+        return slide.after_slip(y, error + float(curve.error_at(y)))
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float) -> None:
         """Record a slip, of a move that begins at `begin`, with F after it along the motion."""

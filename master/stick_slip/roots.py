@@ -53,7 +53,7 @@ class Values(NamedTuple):
 
 
 class _Nodes(NamedTuple):
-    """Ways, shape (n,); times the nodes' weights E, -x E, K, shape (3, n), and errors of E, K, (2, n)."""
+    """Ways, shape (n,); E, -x E and K times the nodes' weights, shape (3, n); errors of E and K, shape (2, n)."""
 
     way: Array
     sums: Array

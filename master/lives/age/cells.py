@@ -27,8 +27,8 @@ FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
 # contacts that heat breaks in it at most.
 TRAVEL_STEP, HEAT_STEP = 0.25, 0.15
 # Steps after a birth or a change of speed, divided by the time since then, at resolution 0: the edge of the
-# density at |x| changes, first fast and then ever more slowly. The first step over the time in which
-# thresholds spread by the narrowest width.
+# density at |x| changes, first fast and then ever more slowly. FIRST_STEP: the first step divided by the
+# time in which thresholds spread by the narrowest width.
 AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10
 
 

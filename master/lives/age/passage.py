@@ -182,19 +182,19 @@ class Passage:
         Integrated over y = -c: c is ρ on the last segment, and on those before ρ less the roots of all later durations.
         Near now, the lower end of y, `below` is a series in the root of the distance from there.
         """
-        begin, lowest, slope, root = np.array(self._segments).T
+        begin, start, slope, root = np.array(self._segments).T
         first = np.append(-np.cumsum(root[-2::-1])[::-1], 0.0)  # c where each segment begins
-        number, low, width = (np.array(part) for part in list(zip(*panels, strict=True))[:3])
-        high = first[number] + np.minimum(low + width, root[number])
-        low, series = first[number] + low, np.array([panel.series for panel in panels])
+        segment, low, width = (np.array(part) for part in list(zip(*panels, strict=True))[:3])
+        high = first[segment] + np.minimum(low + width, root[segment])
+        low, series = first[segment] + low, np.array([panel.series for panel in panels])
 
         def met(row: Rows, y: Array) -> Array:
             panel = np.searchsorted(low, -y[:, y.shape[1] // 2], "right") - 1
-            k, z = number[panel, None], -2.0 * (y + low[panel, None]) / width[panel, None] - 1.0
+            k, z = segment[panel, None], -2.0 * (y + low[panel, None]) / width[panel, None] - 1.0
             now, then = rho[row, None], (y + first[k]) ** 2  # root of a time on the segment, a time
             own = k == root.size - 1
             before = np.where(own, (now + y) * (now - y), now**2 + begin[-1] - begin[k] - then)
-            rise = np.where(own, slope[-1] * before, level[row, None] - lowest[k] - slope[k] * then)
+            rise = np.where(own, slope[-1] * before, level[row, None] - start[k] - slope[k] * then)
             below = self._below(level[row, None], rise, before)
             if each:
                 return np.moveaxis(legendre.legvander(z, rule.DEGREE - 1), -1, 0) * below

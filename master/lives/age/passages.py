@@ -61,8 +61,8 @@ class Passages:
                     out[:, :, strand] += np.stack([holds, holds * stretch], axis=1)
             return out
 
-        ways = np.linspace(0.0, 1.0, MANY) ** 2, np.geomspace(FIRST, 1.0, MANY)
-        times = duration * np.unique(np.concatenate(ways))
+        shares = np.linspace(0.0, 1.0, MANY) ** 2, np.geomspace(FIRST, 1.0, MANY)
+        times = duration * np.unique(np.concatenate(shares))
         found = told(times)
         for _ in range(ADDED):
             between = (0.5 * (np.sqrt(times[1:]) + np.sqrt(times[:-1]))) ** 2

@@ -110,16 +110,16 @@ def extrapolated(
     answer = read_out[-1]
     if len(levels) == 3:
         before, last = np.diff(read_out, axis=0)
-        # points that the change of a slip moves across it tell no error: that of K X_T tells how far F is off
+        # at times between two levels' slips F changes by its drop, which is no error; K X_T says how far F is off
         beside = np.any([_beside(asked, *pair) for pair in pairwise(moments)], axis=0)
-        told = np.append(np.tile(~beside, 2), np.ones(last.size - 2 * n, dtype=bool))
-        changes = np.abs([last, last + (last - before) / 3.0]) * told
+        counted = np.append(np.tile(~beside, 2), np.ones(last.size - 2 * n, dtype=bool))
+        changes = np.abs([last, last + (last - before) / 3.0]) * counted
         # three times the last change, as changes fall irregularly where births jump or P_c bends, and
         # by a half where thresholds grow; once with ageing, where errors fall faster
         safety = 3.0 if contacts.ageing is None else 1.0
         parts = np.delete(changes, np.s_[n : 2 * n], axis=1), changes[:, n : 2 * n]
         error, of_holding = (safety * float(part.max(axis=1, initial=0.0).min()) for part in parts)
-        answer = answer + np.where(told, last / 3.0, 0.0)
+        answer = answer + np.where(counted, last / 3.0, 0.0)
         if beside.any():  # read F at a moment as long before or after the slip as it is from the extrapolated slip
             shift = (moments[2] - moments[1]) / 3.0
             nearest = np.abs(asked[beside, None] - moments[2] - shift).argmin(axis=1)

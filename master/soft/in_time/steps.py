@@ -17,7 +17,7 @@ from master.soft.in_time.cohorts import Cohorts, Trial
 # A step on the coarsest level, as a share of the length over which births change.
 COARSEST = 0.5
 # Weight of the drive's travel in the size of a step, relative to the slider's, which matters more.
-LESS = 0.25
+DRIVE_WEIGHT = 0.25
 # Accuracy of the beginning of a slip, where X_T is flat, as a share of the step.
 CLOSE_TO_SLIP = 1e-6
 # Shares of a step that it may take in time, where a balance before exact thresholds is looked for.
@@ -68,14 +68,14 @@ class Steps:
         # accuracy of a step's balance, as a share of the step; the errors of contacts that age are larger than 1e-7
         self._close = 1e-7 if contacts.memory.finer_before_slips else 1e-9
         # guess of how fast the imbalance grows with the steps of time
-        self._steep = (1.0 + spring) * (1.0 + 1.0 / LESS) * self.length
+        self._steep = (1.0 + spring) * (1.0 + 1.0 / DRIVE_WEIGHT) * self.length
 
     def begin(self, leg: int, end: float) -> None:
         """Begin steps on a leg of the drive's motion, smooth up to the time `end`."""
         scales, speed = self._contacts.memory.scales, float(self._drive.speeds[leg])
         self.sign = float(np.sign(speed) or np.sign(self._contacts.force) or 1.0)
         # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
-        even = LESS * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
+        even = DRIVE_WEIGHT * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
         even = even + scales.rate / COARSEST if speed else 0.0
         self._count, self._end = StepCount(self._contacts.now, end, even, scales.time), end
         # share of the steps of time in the last step, and guess of it in the next one
@@ -126,13 +126,13 @@ class Steps:
         """The step `trial`, which was asked for with this size and `takes` so many steps of time, as `step` returns
         both, or that up to a slip that begins within it; and whether one does."""
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
-        # no slip is near while a step takes more than 0.3 LESS of its size in time, as it does where the
+        # no slip is near while a step takes more than 0.3 DRIVE_WEIGHT of its size in time, as it does where the
         # slider follows the drive, or while a shorter step would take less time
-        if takes > 0.3 * LESS * size or 0.0 < takes > self.step(0.99 * size)[0]:
+        if takes > 0.3 * DRIVE_WEIGHT * size or 0.0 < takes > self.step(0.99 * size)[0]:
             share = takes / size
             change = float(np.nan_to_num(share - self._share))
             self._share, self._guess = share, share + change
-            # A slip begins where this share falls to 0. Steps become finer within four of the coarsest ones of it:
+            # A slip begins where this share falls to 0. Within four of the coarsest steps before it steps become finer:
             # thresholds that age cross |x| step by step, and the slip would depend on where those steps end
             nearing = self._contacts.memory.finer_before_slips and change < 0.0
             self.shrink = min(max(0.25 * share * size / -change, 0.03), 1.0) if nearing else 1.0
