@@ -60,6 +60,7 @@ QUESTIONS = {
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),
     "the law of ageing; what survives": ("origins:Ageing", "master:AgeingLife"),
+    "growing grains; what survives of them": ("origins:GrainContact", "master:GrainLife"),
     "ageing: first passage, cells; births of earlier legs": ("master:Passage", "master:Strands", "master:StrandBirths"),
     "the paper's closure of ageing, (Q15)": ("master:paper_steady", "master:solve_q15", "master:paper_transient"),
     "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),

@@ -89,7 +89,7 @@ class Cohorts:
         self._begin(_over_held(memory, start), memory.start(start.stretch))
 
     def relax(self) -> None:
-        """Replace all contacts by those just formed again."""
+        """Replace all contacts, also those that are out, by those just formed again."""
         self._begin(self._births, self.memory.fresh(self._births.stretch, 0.0))
 
     def _begin(self, start: StretchRule, record: Array) -> None:
