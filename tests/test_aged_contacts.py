@@ -151,7 +151,9 @@ def test_far_on_with_delay_and_births_at_other_stretches(birth: float, wait: flo
     )
 
 
-@pytest.mark.parametrize("fresh", [FRESH, origins.lubricated(1.0, -0.2)])
+@pytest.mark.parametrize(
+    "fresh", [FRESH, pytest.param(origins.lubricated(1.0, -0.2), marks=pytest.mark.slow)]
+)
 def test_far_on_with_another_final_law_or_a_density_that_diverges_at_0(fresh) -> None:
     final = origins.lubricated(1.0) if fresh is FRESH else origins.gaussian(0.8, 0.25)
     contacts = Contacts(fresh, ageing=Ageing(final, 0.1))
