@@ -183,45 +183,6 @@ def test_kinetic_forces_are_those_by_mpmath(every: int) -> None:
         assert steady.force_error <= 1e-9 * steady.force
 
 
-def fitted(x: np.ndarray, y: np.ndarray) -> float:
-    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
-
-
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_slow_sliding_is_linear_in_speed_and_logarithmic_before(law: str) -> None:
-    contacts = Contacts(NARROW, thermal=Thermal(law, 0.1))
-    slow = np.geomspace(1e-12, 1e-9, 7)
-    creep = master.kinetic_curve(contacts, slow).force
-    assert fitted(slow, creep) == pytest.approx(1.0, abs=1e-5)
-    # in between, over three orders of magnitude, F_k is straight in ln v and its slope near T/(2 x_s)
-    cold = Contacts(NARROW, thermal=Thermal("soft", 1e-3))
-    speed = np.geomspace(1e-12, 1e-9, 7)
-    force_at = master.kinetic_curve(cold, speed).force
-    slope, _ = np.polyfit(np.log(speed), force_at, 1)
-    straight = np.polyval(np.polyfit(np.log(speed), force_at, 1), np.log(speed))
-    assert np.abs(force_at - straight).max() < 0.01 * np.ptp(force_at)
-    assert slope == pytest.approx(0.5e-3, rel=0.05)
-
-
-@pytest.mark.parametrize(
-    ("law", "closure", "power"),
-    [("soft", "exact", 2.0), ("stiff", "exact", 5.0 / 3.0), ("soft", "paper", 1.0)],
-)
-def test_fast_sliding_loses_force_as_a_power_of_temperature(
-    law: str, closure: str, power: float
-) -> None:
-    cold = master.steady_state(Contacts(NARROW)).force
-    temperature = np.array([1e-6, 1e-5]) if closure == "paper" else np.array([1e-5, 1e-4])
-    laws = [Thermal(law, float(t), closure=closure) for t in temperature]
-    lost = [cold - master.steady_state(Contacts(NARROW, thermal=each)).force for each in laws]
-    assert fitted(temperature, np.array(lost)) == pytest.approx(power, abs=0.01)
-    if (law, closure) == ("soft", "exact"):
-        assert lost[0] == pytest.approx(0.5 * temperature[0] ** 2, rel=0.01)
-        speed = np.geomspace(1e3, 1e5, 3)
-        warm = master.kinetic_curve(Contacts(NARROW, thermal=Thermal(law, 0.1)), speed).force
-        assert fitted(speed, cold - warm) == pytest.approx(-1.0, abs=0.01)
-
-
 # -- the kinetic force -----------------------------------------------------------------------------
 
 
