@@ -13,19 +13,14 @@ from origins.thresholds.scipy_laws import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
 STEPS = (0.01, 0.005, 0.0025)
-
-
-@pytest.fixture(scope="module")
-def gaussian_scene():
-    return origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
+SCENE = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
 
 
 @pytest.mark.parametrize(("breaking", "at_finest"), [("survival", 0.01179), ("printed", 0.01401)])
-def test_gaussian_scene_converges_at_first_order(gaussian_scene, breaking, at_finest):
+def test_gaussian_scene_converges_at_first_order(breaking, at_finest):
     exact = gaussian_force(PATH, 1.0, 0.05, 0.0, 0.025)
     errors = {
-        step: np.abs(explicit(gaussian_scene, PATH, step, breaking).force - exact).max()
-        for step in STEPS
+        step: np.abs(explicit(SCENE, PATH, step, breaking).force - exact).max() for step in STEPS
     }
     order = np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0]
     assert abs(order - 1.0) < 0.2

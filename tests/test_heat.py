@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -36,29 +35,6 @@ def test_what_holds_and_its_force_are_those_of_the_definition(law, path):
         assert found.success
         assert abs(found.holding[-1] - holding) <= found.force_error + 1e-11
         assert abs(found.force[-1] - force) <= found.force_error * contacts.mean_threshold + 1e-11
-
-
-SOFT, STIFF = Thermal("soft", 0.1), Thermal("stiff", 0.1)
-
-
-@pytest.mark.parametrize(("thermal", "tolerance"), [(SOFT, 1e-6), (STIFF, 1e-4)])
-def test_in_a_hold_thresholds_decay_at_their_own_rates(thermal: Thermal, tolerance: float) -> None:
-    """What breaks forms again relaxed, so that the force is that of the first contacts."""
-    start, time = 0.4, np.array([0.0, 1.0, 30.0, 1e6, 1e12])
-    solved = master.solve(
-        Contacts(WIDE, start, thermal=thermal), np.zeros(time.size), tolerance, time=time
-    )
-
-    def held(t: float) -> float:
-        def share(threshold: float) -> float:
-            return float(WIDE.pdf(threshold) * np.exp(-t * thermal.rate(start, threshold)))
-
-        edges = np.append(start, np.linspace(0.45, 3.0, 60))
-        return sum(quad(share, a, b, epsabs=1e-13, epsrel=1e-12)[0] for a, b in pairwise(edges))
-
-    exact = start * np.array([held(t) for t in time]) / WIDE.sf(start)
-    assert solved.success, solved.message
-    assert np.abs(solved.force - exact).max() <= solved.force_error
 
 
 def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
@@ -131,19 +107,6 @@ def test_the_papers_closure_in_a_hold_breaks_at_the_mean_rate(law):
 
 
 PATH = np.linspace(0.05, 4.0, 21) + 0.013
-
-
-def test_one_threshold_breaks_alike_under_both_closures_but_for_starts() -> None:
-    exact, paper = (
-        master.solve(
-            Contacts(identical(1.0), -0.2, thermal=Thermal("soft", 0.1, 2.0, closure=closure)),
-            PATH,
-            1e-9,
-        )
-        for closure in ("exact", "paper")
-    )
-    errors = exact.force_error + paper.force_error + 1e-11
-    np.testing.assert_allclose(exact.force, paper.force, atol=errors)
 
 
 def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> None:
@@ -220,17 +183,6 @@ def test_the_kinetic_force_is_that_of_the_definition(heat: str, stiffness: str, 
     assert abs(steady.force - area / length) <= steady.force_error + 1e-9
     curve = master.kinetic_curve(contacts, [speed, 10.0 * speed])
     assert abs(curve.force[0] - area / length) <= curve.force_error[0] + 1e-9
-
-
-def test_the_kinetic_force_falls_by_alpha_with_each_e_fold_of_a_low_speed():
-    """dF_k/d ln v = α F_k(∞) within 1 % for v/(ω α <x_s>) from 1e-4 to 1e-2."""
-    rates = Tilted(alpha=0.03, omega=2.0)
-    speeds = np.geomspace(1e-4, 1e-2, 9) * rates.omega * rates.alpha
-    step, contacts = 0.05, Contacts(WIDE, thermal=rates)
-    asked = np.concatenate([speeds * np.exp(-step), speeds * np.exp(step)])
-    low, high = master.kinetic_curve(contacts, asked).force.reshape(2, -1)
-    fastest = WIDE.moment(2) / (2.0 * WIDE.mean())  # F_k(∞): contacts break at their thresholds
-    np.testing.assert_allclose((high - low) / (2.0 * step), rates.alpha * fastest, rtol=0.01)
 
 
 class Unfinished(Tilted):
