@@ -70,7 +70,6 @@ kinetic_curve(PLAIN, [1, 2, 3], delay=[0, 1])  velocity, delay: have shapes that
 kinetic_curve(PLAIN, delay=-1.0)  delay = -1\.0: must be zero or above
 kinetic_curve(PLAIN, temperature=[0.1])  temperature: these contacts have no law for it
 kinetic_curve(PLAIN, rate=[0.1])  rate: these contacts do not age
-phase_line(PLAIN, temperature=[0.1])  temperature: these contacts have no law for it
 kinetic_curve(WARM, [1e-170])  velocity = 1e-170: must lie between 1e-100
 steady_state(GROWING, velocity=1e-50)  velocity = .* at which thresholds grow
 propensity(BACK)  .*ask master\.phase_line for K
