@@ -1,7 +1,9 @@
-"""What tests of scenes share: a small scene's tables, a file of them, and the command in this process."""
+"""What tests of scenes share: a small scene's tables, a file of them, the command in this process, and a scan."""
 
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from toolkit.command import main
 from toolkit.scene.tables import to_toml
@@ -41,3 +43,13 @@ def refused(capsys: Any, *words: str) -> str:
     status, out, err = said(capsys, *words)
     assert status == 2 and out == [] and len(err) == 1 and len(err[0]) < 500, (status, out, err)
     return err[0].removeprefix("mesofriction: ")
+
+
+class Scan:
+    """What a topography object must offer."""
+
+    def __init__(self, heights: np.ndarray, pixel_size: tuple, unit: object) -> None:
+        self._heights, self.pixel_size, self.unit = heights, pixel_size, unit
+
+    def heights(self) -> np.ndarray:
+        return self._heights

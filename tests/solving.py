@@ -1,5 +1,6 @@
-"""What tests of master share: paths, an answer held to its claim, quadrature by Gauss nodes."""
+"""What tests of solvers share: paths, an answer held to its claim, quadrature by Gauss nodes, the same bits."""
 
+import dataclasses
 from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
@@ -49,3 +50,21 @@ def gauss(edges: npt.ArrayLike, count: int = 20) -> tuple[Array, Array]:
     nodes, weights = np.polynomial.legendre.leggauss(count)
     half = 0.5 * np.diff(ends)[:, None]
     return (ends[:-1, None] + half * (nodes + 1.0)).ravel(), (half * weights).ravel()
+
+
+CLOCKS = ("run_time", "compile_time", "breaks_per_rank")  # what no two runs have in common
+
+
+def same_bits(one: Any, other: Any, *but: str) -> None:
+    """Two records of a solver are the same but for clocks and `but`, records within them and lists of these too."""
+    for field in dataclasses.fields(one):
+        mine, yours = getattr(one, field.name), getattr(other, field.name)
+        if field.name in (*CLOCKS, *but):
+            continue
+        if dataclasses.is_dataclass(mine):
+            same_bits(mine, yours)
+        elif field.name == "histograms":
+            for first, second in zip(mine, yours, strict=True):
+                same_bits(first, second)
+        else:
+            assert np.array_equal(mine, yours, equal_nan=isinstance(mine, np.ndarray)), field.name

@@ -29,21 +29,6 @@ def inversion_symmetric(a: np.ndarray) -> float:
     return fixed[1] - fixed[0]
 
 
-def test_random_islands_on_sin_x_plus_sin_y() -> None:
-    """2 min(|S_x|, |S_y|) by sums over atoms."""
-    rng = np.random.default_rng(0)
-    for _ in range(300):
-        a, angle = rng.uniform(0.5, 12.0), rng.uniform(-6.2, 6.2)
-        n_i, n_j = (int(n) for n in rng.integers(1, 40, 2))
-        island = origins.triangular_island(a, n_i, n_j)
-        cos, sin = np.cos(angle), np.sin(angle)
-        direct = np.exp(1j * (island.positions[:, :2] @ [[cos, sin], [-sin, cos]])).sum(0)
-        closed = origins.triangular_barrier(a, n_i, n_j, angle)
-        summed = origins.barrier(island, angle, SQUARE)
-        assert abs(closed - 2.0 * np.abs(direct).min()) < 1e-12 * n_i * n_j
-        assert abs(summed - closed) < 1e-12 * n_i * n_j
-
-
 def test_inversion_symmetric_islands_on_three_cosines() -> None:
     """A thousand islands against the closed form, the two places where minima split among them."""
     rng = np.random.default_rng(1)

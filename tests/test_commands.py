@@ -189,8 +189,9 @@ def test_thresholds_print_moments_within_their_errors_and_draw(capsys: Any) -> N
 
 def test_a_table_that_misses_its_tolerance_is_status_1_and_says_what_has_laws(capsys: Any) -> None:
     """Contacts that heat breaks long before their thresholds: K* is zero within an error of some 1e-6."""
-    contacts = {"thresholds": WIDE, "thermal": {"law": "soft", "temperature": 0.3}}
-    hot = write("hot", contacts=contacts, drive={"to": 1e-3, "points": 3, "velocity": 1e-6})
+    law, thermal = WIDE | {"std": 0.1}, {"law": "soft", "temperature": 0.3}
+    contacts = {"thresholds": law, "thermal": thermal}
+    hot = write("hot", contacts=contacts, drive={"to": 1e-3, "points": 3, "velocity": 1e-9})
     for command, expected in (("thresholds", 1), ("compare", 1), ("run", 0)):
         status, out, _ = said(capsys, command, hot)
         assert status == expected == ("not as asked: " in "".join(out))

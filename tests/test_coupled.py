@@ -81,25 +81,6 @@ def test_an_instant_avalanche_is_an_excursion_below_the_running_maximum():
         assert (highest[near - 2] <= spring * path + (1.0 + spring) * step).all()
 
 
-@pytest.mark.parametrize("slip", RULES)
-def test_identical_thresholds_are_a_sawtooth(slip):
-    """After an instant slip the contacts have been stretched by the slip; after the others they are relaxed."""
-    spring = 0.5
-    to = 1.0 + 1.0 / spring
-    period = 1.0 if slip == "instant" else to
-    path = np.linspace(0.003, 0.997, 331) * (to + 4.0 * period)
-    result = pulled(origins.Contacts(origins.identical(1.0)), path, spring, slip, n=1000)
-    if slip == "instant":
-        x = (spring * path + np.where(path < to, 0.0, np.ceil(path - to))) / (1.0 + spring)
-    else:
-        x = path - path % period / period / spring
-    assert np.abs(result.position - x).max() < 1e-7 * to
-    assert np.abs(result.force - spring * (path - x)).max() < 1e-7
-    drive = to + period * np.arange(result.slips.drive.size)
-    assert np.abs(result.slips.drive - drive).max() < 1e-7 * to
-    assert (result.slips.breaks == (200 if slip == "reset" else 1000)).all()
-
-
 def test_contacts_that_form_again_stretched_are_the_rigid_ones_on_a_stiff_spring():
     """On a spring far above K* the force is that of a rigid slider at X."""
     contacts = origins.Contacts(NARROW, reforming=origins.gaussian_start(0.1, 0.2))

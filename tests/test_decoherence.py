@@ -88,8 +88,8 @@ def test_gamma_thresholds_in_closed_form() -> None:
     assert abs(told.decoherence_length - 1.0) <= told.decoherence_length_error <= 0.12
 
 
-def test_long_waits_decay_as_the_variance_tells() -> None:
-    wait = 1e4
+@pytest.mark.parametrize("wait", [100.0, pytest.param(1e4, marks=pytest.mark.slow)])
+def test_long_waits_decay_as_the_variance_tells(wait: float) -> None:
     exact = mp.mpf(1.0 + wait)
     root = 4j * mp.pi / (exact + mp.sqrt(exact**2 - 4j * mp.pi * mp.mpf(0.1) ** 2))
     told = master.propensity(Contacts(gaussian(1.0, 0.1), delay=origins.Delay(wait)), 1e-4)

@@ -1,6 +1,5 @@
 """The ensemble against exact results and its own statistics; cut short, and gone on with."""
 
-import dataclasses
 from itertools import islice
 from typing import Any
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.stats
 from scipy.special import ndtr
+from solving import same_bits
 
 import eq_model
 import origins
@@ -138,16 +138,6 @@ AGED = Contacts(origins.rectangular(0.4, 0.9), 0.1, SOFT, Ageing(origins.gaussia
 FORWARD = np.concatenate([[0.0], 3.0 + 1e-9 * np.arange(5), np.linspace(3.1, 7.0, 20)])
 
 
-def same(one: eq_model.EnsembleResult, other: eq_model.EnsembleResult, *but: str) -> None:
-    """The same bits of all but the clock, and of histograms where both have them."""
-    for field in dataclasses.fields(one):
-        if field.name not in ("run_time", "compile_time", "histograms", "breaks_per_rank", *but):
-            assert np.array_equal(getattr(one, field.name), getattr(other, field.name)), field.name
-    for mine, yours in zip(one.histograms, other.histograms, strict=False):
-        assert np.array_equal(mine.stretches, yours.stretches)
-        assert np.array_equal(mine.thresholds, yours.thresholds)
-
-
 @pytest.mark.parametrize(
     ("contacts", "path"),
     [(Contacts(GAP, START), FORWARD), (ALL, TURNING), (AGED, TURNING)],
@@ -157,9 +147,10 @@ def test_bits_hang_on_no_threads_nor_histograms(contacts: Contacts, path: np.nda
     n = 300 if contacts is AGED else 20_700
     asked: dict[str, Any] = {"n_contacts": n, "n_replicas": 3, "seed": 11}
     whole = eq_model.simulate(contacts, path, **asked)
-    same(eq_model.simulate(contacts, path, **asked, histograms=[3, -1]), whole)
+    counted = eq_model.simulate(contacts, path, **asked, histograms=[3, -1])
+    same_bits(counted, whole, "histograms")
     threaded = eq_model.simulate(contacts, path, **asked, histograms=[2, -1], threads=3)
-    same(threaded, eq_model.simulate(contacts, path, **asked, histograms=[2, -1]))
+    same_bits(threaded, eq_model.simulate(contacts, path, **asked, histograms=[2, -1]))
     for found in threaded.histograms:
         shares, edges = found.stretches * np.diff(found.stretch_edges), found.stretch_edges
         assert shares.sum() == pytest.approx(whole.holding[found.point])
@@ -247,7 +238,7 @@ def test_gone_on_with_twice_it_is_the_uninterrupted_one(contacts: Contacts) -> N
     ((done, total),) = islice(second, 1)
     # only what was missing is done again
     assert total == 100_000 - part.contacts and 0 < done < total
-    same(followed(eq_model.Ensemble(contacts, PATH, **asked, earlier=[second.state])), whole)
+    same_bits(followed(eq_model.Ensemble(contacts, PATH, **asked, earlier=[second.state])), whole)
     for other in ([1.0, 2.0], PATH[1:]):  # the second has as many bins
         with pytest.raises(origins.InputError, match="another path"):
             eq_model.Ensemble(contacts, other, **asked, earlier=[first.state])
@@ -270,7 +261,7 @@ def test_it_stops_where_the_tolerance_is_reached() -> None:
     for blocks in (1, 3, 6):
         first = eq_model.Ensemble(contacts, PATH, **asked)
         list(islice(first, blocks))
-        same(followed(eq_model.Ensemble(contacts, PATH, **asked, earlier=[first.state])), run)
+        same_bits(followed(eq_model.Ensemble(contacts, PATH, **asked, earlier=[first.state])), run)
     beyond = eq_model.simulate(Contacts(GAUSSIAN), [1.0], n_contacts=10, tolerance=1e-200)
     assert not beyond.success and "more than 1.4e+11" in beyond.message
 

@@ -1,4 +1,4 @@
-"""The paper's explicit scheme: order of convergence, what is kept, and `solve` beside it."""
+"""The paper's explicit scheme: order of convergence, and Eq. Q14c."""
 
 from __future__ import annotations
 
@@ -6,28 +6,21 @@ import numpy as np
 import pytest
 from phase_type import gaussian_force
 from scipy.stats import expon
-from solving import through
 
-import master
 import origins
-from master.paper.explicit import explicit, explicit_loop
+from master.paper.explicit import explicit
 from origins.thresholds.scipy_laws import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
 STEPS = (0.01, 0.005, 0.0025)
-
-
-@pytest.fixture(scope="module")
-def gaussian_scene():
-    return origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
+SCENE = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
 
 
 @pytest.mark.parametrize(("breaking", "at_finest"), [("survival", 0.01179), ("printed", 0.01401)])
-def test_gaussian_scene_converges_at_first_order(gaussian_scene, breaking, at_finest):
+def test_gaussian_scene_converges_at_first_order(breaking, at_finest):
     exact = gaussian_force(PATH, 1.0, 0.05, 0.0, 0.025)
     errors = {
-        step: np.abs(explicit(gaussian_scene, PATH, step, breaking).force - exact).max()
-        for step in STEPS
+        step: np.abs(explicit(SCENE, PATH, step, breaking).force - exact).max() for step in STEPS
     }
     order = np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0]
     assert abs(order - 1.0) < 0.2
@@ -40,14 +33,3 @@ def test_constant_hazard_slides_as_in_q14c():
     coarse, fine = (explicit(contacts, [30.0], step, "printed").force[0] for step in (0.01, 0.005))
     assert 2.0 * fine - coarse == pytest.approx(0.5 * (0.5 + 0.25 + 0.25 / 3.0), abs=1e-4)
     assert abs(fine - coarse) > 1e-3
-
-
-def test_the_paper_forgets_and_by_how_much():
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.0, 0.025))
-    for amplitude, missed in ((3.0, 0.040), (0.9, 0.183)):
-        path = through([0.0, amplitude, -amplitude, amplitude], 61)
-        coarse, fine = (explicit_loop(contacts, path, amplitude / n).force for n in (300, 600))
-        extrapolated = 2.0 * fine - coarse
-        difference = np.abs(extrapolated - master.solve(contacts, path, 1e-8).force)
-        assert difference[:61].max() < 1e-4  # they agree until the first turn
-        assert difference.max() == pytest.approx(missed, abs=5e-4)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -36,29 +35,6 @@ def test_what_holds_and_its_force_are_those_of_the_definition(law, path):
         assert found.success
         assert abs(found.holding[-1] - holding) <= found.force_error + 1e-11
         assert abs(found.force[-1] - force) <= found.force_error * contacts.mean_threshold + 1e-11
-
-
-SOFT, STIFF = Thermal("soft", 0.1), Thermal("stiff", 0.1)
-
-
-@pytest.mark.parametrize(("thermal", "tolerance"), [(SOFT, 1e-6), (STIFF, 1e-4)])
-def test_in_a_hold_thresholds_decay_at_their_own_rates(thermal: Thermal, tolerance: float) -> None:
-    """What breaks forms again relaxed, so that the force is that of the first contacts."""
-    start, time = 0.4, np.array([0.0, 1.0, 30.0, 1e6, 1e12])
-    solved = master.solve(
-        Contacts(WIDE, start, thermal=thermal), np.zeros(time.size), tolerance, time=time
-    )
-
-    def held(t: float) -> float:
-        def share(threshold: float) -> float:
-            return float(WIDE.pdf(threshold) * np.exp(-t * thermal.rate(start, threshold)))
-
-        edges = np.append(start, np.linspace(0.45, 3.0, 60))
-        return sum(quad(share, a, b, epsabs=1e-13, epsrel=1e-12)[0] for a, b in pairwise(edges))
-
-    exact = start * np.array([held(t) for t in time]) / WIDE.sf(start)
-    assert solved.success, solved.message
-    assert np.abs(solved.force - exact).max() <= solved.force_error
 
 
 def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
@@ -133,19 +109,6 @@ def test_the_papers_closure_in_a_hold_breaks_at_the_mean_rate(law):
 PATH = np.linspace(0.05, 4.0, 21) + 0.013
 
 
-def test_one_threshold_breaks_alike_under_both_closures_but_for_starts() -> None:
-    exact, paper = (
-        master.solve(
-            Contacts(identical(1.0), -0.2, thermal=Thermal("soft", 0.1, 2.0, closure=closure)),
-            PATH,
-            1e-9,
-        )
-        for closure in ("exact", "paper")
-    )
-    errors = exact.force_error + paper.force_error + 1e-11
-    np.testing.assert_allclose(exact.force, paper.force, atol=errors)
-
-
 def test_only_the_ratio_of_rate_and_speed_counts_and_lengths_only_scale() -> None:
     here = master.solve(
         Contacts(gaussian(1.0, 0.1), -0.2, thermal=Thermal("soft", 0.1, 1.0)), PATH, 1e-9
@@ -181,45 +144,6 @@ def test_kinetic_forces_are_those_by_mpmath(every: int) -> None:
         assert steady.force == pytest.approx(known, rel=1e-9), (law, closure, temperature, rate)
         assert abs(steady.force - known) <= steady.force_error + 1e-11 * known
         assert steady.force_error <= 1e-9 * steady.force
-
-
-def fitted(x: np.ndarray, y: np.ndarray) -> float:
-    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
-
-
-@pytest.mark.parametrize("law", ["soft", "stiff"])
-def test_slow_sliding_is_linear_in_speed_and_logarithmic_before(law: str) -> None:
-    contacts = Contacts(NARROW, thermal=Thermal(law, 0.1))
-    slow = np.geomspace(1e-12, 1e-9, 7)
-    creep = master.kinetic_curve(contacts, slow).force
-    assert fitted(slow, creep) == pytest.approx(1.0, abs=1e-5)
-    # in between, over three orders of magnitude, F_k is straight in ln v and its slope near T/(2 x_s)
-    cold = Contacts(NARROW, thermal=Thermal("soft", 1e-3))
-    speed = np.geomspace(1e-12, 1e-9, 7)
-    force_at = master.kinetic_curve(cold, speed).force
-    slope, _ = np.polyfit(np.log(speed), force_at, 1)
-    straight = np.polyval(np.polyfit(np.log(speed), force_at, 1), np.log(speed))
-    assert np.abs(force_at - straight).max() < 0.01 * np.ptp(force_at)
-    assert slope == pytest.approx(0.5e-3, rel=0.05)
-
-
-@pytest.mark.parametrize(
-    ("law", "closure", "power"),
-    [("soft", "exact", 2.0), ("stiff", "exact", 5.0 / 3.0), ("soft", "paper", 1.0)],
-)
-def test_fast_sliding_loses_force_as_a_power_of_temperature(
-    law: str, closure: str, power: float
-) -> None:
-    cold = master.steady_state(Contacts(NARROW)).force
-    temperature = np.array([1e-6, 1e-5]) if closure == "paper" else np.array([1e-5, 1e-4])
-    laws = [Thermal(law, float(t), closure=closure) for t in temperature]
-    lost = [cold - master.steady_state(Contacts(NARROW, thermal=each)).force for each in laws]
-    assert fitted(temperature, np.array(lost)) == pytest.approx(power, abs=0.01)
-    if (law, closure) == ("soft", "exact"):
-        assert lost[0] == pytest.approx(0.5 * temperature[0] ** 2, rel=0.01)
-        speed = np.geomspace(1e3, 1e5, 3)
-        warm = master.kinetic_curve(Contacts(NARROW, thermal=Thermal(law, 0.1)), speed).force
-        assert fitted(speed, cold - warm) == pytest.approx(-1.0, abs=0.01)
 
 
 # -- the kinetic force -----------------------------------------------------------------------------
@@ -259,17 +183,6 @@ def test_the_kinetic_force_is_that_of_the_definition(heat: str, stiffness: str, 
     assert abs(steady.force - area / length) <= steady.force_error + 1e-9
     curve = master.kinetic_curve(contacts, [speed, 10.0 * speed])
     assert abs(curve.force[0] - area / length) <= curve.force_error[0] + 1e-9
-
-
-def test_the_kinetic_force_falls_by_alpha_with_each_e_fold_of_a_low_speed():
-    """dF_k/d ln v = α F_k(∞) within 1 % for v/(ω α <x_s>) from 1e-4 to 1e-2."""
-    rates = Tilted(alpha=0.03, omega=2.0)
-    speeds = np.geomspace(1e-4, 1e-2, 9) * rates.omega * rates.alpha
-    step, contacts = 0.05, Contacts(WIDE, thermal=rates)
-    asked = np.concatenate([speeds * np.exp(-step), speeds * np.exp(step)])
-    low, high = master.kinetic_curve(contacts, asked).force.reshape(2, -1)
-    fastest = WIDE.moment(2) / (2.0 * WIDE.mean())  # F_k(∞): contacts break at their thresholds
-    np.testing.assert_allclose((high - low) / (2.0 * step), rates.alpha * fastest, rtol=0.01)
 
 
 class Unfinished(Tilted):

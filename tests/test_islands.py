@@ -108,8 +108,9 @@ def atom_by_atom(a: float, n_i: int, n_j: int, angle: float, wavevectors: np.nda
 
 
 def test_random_islands_against_sums_over_atoms() -> None:
+    """Structure factors, and barriers on sin x + sin y: 2 min(|S_x|, |S_y|)."""
     rng = np.random.default_rng(0)
-    square = np.eye(2)
+    square, substrate = np.eye(2), origins.square_substrate()
     for case in range(300):
         a = rng.choice(COMMENSURATE) if case % 5 == 0 else rng.uniform(0.1, 20.0)
         n_i, n_j = (int(n) for n in rng.integers(1, 60, 2))
@@ -122,6 +123,14 @@ def test_random_islands_against_sums_over_atoms() -> None:
         expected = atom_by_atom(a, n_i, n_j, angle, waves)
         closed = origins.triangular_structure_factors(a, n_i, n_j, angle, waves)
         assert np.abs(closed - expected).max() < 1e-12 * n_i * n_j
+        island = origins.triangular_island(a, n_i, n_j)
+        if waves is square:
+            within = angle % (2.0 * np.pi)
+            for barrier in (
+                origins.triangular_barrier(a, n_i, n_j, within),
+                origins.barrier(island, within, substrate),
+            ):
+                assert abs(barrier - 2.0 * np.abs(expected).min()) < 1e-12 * n_i * n_j
         if case % 10 == 0:
-            summed = origins.structure_factors(origins.triangular_island(a, n_i, n_j), angle, waves)
+            summed = origins.structure_factors(island, angle, waves)
             assert np.abs(summed - expected).max() < 1e-12 * n_i * n_j

@@ -70,7 +70,6 @@ kinetic_curve(PLAIN, [1, 2, 3], delay=[0, 1])  velocity, delay: have shapes that
 kinetic_curve(PLAIN, delay=-1.0)  delay = -1\.0: must be zero or above
 kinetic_curve(PLAIN, temperature=[0.1])  temperature: these contacts have no law for it
 kinetic_curve(PLAIN, rate=[0.1])  rate: these contacts do not age
-phase_line(PLAIN, temperature=[0.1])  temperature: these contacts have no law for it
 kinetic_curve(WARM, [1e-170])  velocity = 1e-170: must lie between 1e-100
 steady_state(GROWING, velocity=1e-50)  velocity = .* at which thresholds grow
 propensity(BACK)  .*ask master\.phase_line for K
@@ -86,7 +85,6 @@ decoherence_spectrum(Contacts(WIDE, delay=Delay(1e13)))  .*contacts wait for 1e\
 critical_velocity(OLD, 50.0, 3.0, 4.0)  slowest, fastest: -F' is at most
 critical_velocity(PRINTED, -1.0, 3.0, 4.0)  spring = -1\.0: must be above zero
 critical_velocity(PLAIN, 1.0, 3.0, 4.0)  contacts\.ageing: is None; v_c is that of contacts that age
-critical_velocity(GROWING, 1.0, 3.0, 4.0)  contacts\.ageing: is None; v_c is that of
 steady_state(Contacts(identical(0.5), ageing=Ageing(gw_plastic(1.0), 1.0)))  thresholds: hold the single value 0.5
 solve(PRINTED.replace(delay=Delay(0.1)), [1.0])  contacts\.delay: \(Q15\), the paper
 steady_state(PRINTED.replace(reforming=0.1))  contacts\.reforming: \(Q15\), the paper's
@@ -96,8 +94,6 @@ solve(Contacts(FRESH, 0.1, ageing=PAPER), [1.0])  start: all contacts at the one
 steady_state(OLD.replace(thermal=Thermal("soft", 0.1, closure="paper")))  thermal: closure = "paper" averages
 steady_state(OLD, velocity=-1.0)  velocity = -1\.0: must be above
 Ageing(UNEVEN, 0.1)  final: the density jumps at 1: there
-Contacts(BOX, ageing=Ageing(origins.rectangular(0.7, 1.5), 0.1, "paper"))  .*fresh thresholds lies outside the final law
-Ageing(origins.rectangular(0.1, 3.0), 0.1)  ageing: the final law ends at 0.1 and 3
 paper_transient(PRINTED, [1.0], 0.01, keep="both")  keep = 'both':
 paper_transient(PRINTED, [1.0], 1e-6)  step = 1e-06: needs more than 20,000 steps
 propensity(GROWING, velocity=30.0)  .*none holds but a fraction

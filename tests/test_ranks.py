@@ -144,14 +144,13 @@ def test_one_rank_speaks_for_all(mpirun: Any) -> None:
 PLANTED = """
 import sys
 from mpi4py import MPI
-import master, toolkit.command, toolkit.running.ranks
+import master, toolkit.command
 real = master.solve
 def solve(*arguments, **named):
     if MPI.COMM_WORLD.Get_rank() == 1:
         raise ZeroDivisionError("planted")
     return real(*arguments, **named)
 master.solve = solve
-toolkit.running.ranks._PATIENCE = 0.3
 sys.exit(toolkit.command.main())
 """
 

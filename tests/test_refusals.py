@@ -9,16 +9,13 @@ import pytest
 from ase import Atoms
 from ase.calculators.calculator import Calculator
 from ase.constraints import FixAtoms
-from rate_laws import Tilted
-from scenes import ROUGH, scene
+from scenes import ROUGH, Scan, scene
 from scipy import stats
 
 import eq_model
 import master
 import origins
 import toolkit
-from eq_model.closest import closest
-from master.paper.explicit import explicit
 from origins import Ageing, Contacts, Thermal
 
 STRONG = {"hardness": 6e7, "shear_strength": 6e7, "force_coefficient": 2e10}
@@ -28,16 +25,6 @@ SUMMITS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)
 ISLAND, PAIR = origins.triangular_island(2.5, 2, 2), origins.triangular_island(2.5, 2, 1)
 HEIGHTS = np.random.default_rng(1).standard_normal((20, 20))
 PERSSON = {"model": "persson", "patch_area": 1e-12}
-
-
-class Scan:
-    """What a topography object must offer."""
-
-    def __init__(self, unit: object, pixel_size: tuple = (1.0, 1.0)) -> None:
-        self.unit, self.pixel_size = unit, pixel_size
-
-    def heights(self) -> np.ndarray:
-        return HEIGHTS
 
 
 def pressed(moments: origins.SpectralMoments = SUMMITS, **change: object) -> origins.Thresholds:
@@ -77,7 +64,7 @@ FIXED.set_constraint(FixAtoms(range(4)))
 ON = origins.substrate_calculator(origins.square_substrate())
 LEVEL = origins.substrate_calculator(origins.fourier_substrate([[1.0, 0.0]], [1.0]))
 
-CALLED = {"stats": stats, "Tilted": Tilted, "closest": closest, "explicit": explicit, "master": master}
+CALLED = {"stats": stats, "master": master, "Scan": Scan}
 GAUSSIAN, BOX = origins.gaussian(1.0, 0.2), origins.rectangular(0.5, 1.0)
 GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1.0, 2.0)], [0.5, 0.5])
 PAPER, AGEING = Thermal("soft", 0.1, closure="paper"), Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
@@ -154,8 +141,8 @@ origins.gw_gaussian(1.0, 1.0, "paper", "mixed")  plasticity_index = None
 moments(HEIGHTS)  pixel_size = None
 moments(np.where(HEIGHTS > 0.5, np.nan, HEIGHTS), 1.0)  less than half
 moments(HEIGHTS, 1.0, periodic=True)  detrend = "centre"
-moments(Scan(None))  heights.unit = None
-moments(Scan(("µm", None)))  one unit
+moments(Scan(HEIGHTS, (1.0, 1.0), None))  heights.unit = None
+moments(Scan(HEIGHTS, (1.0, 1.0), ("µm", None)))  one unit
 origins.moments_of_spectrum([1.0, 2.0], [1.0, 0.0])  power[1] = 0.0
 origins.moments_of_spectrum([1.0, 2.0], [1.0, 1.0], "2d")  convention = '2d'
 surface(hurst=1.2)  hurst = 1.2
@@ -222,7 +209,6 @@ Contacts(GAUSSIAN, thermal=origins.RateLaw)  or of a subclass of RateLaw
 Contacts(GAUSSIAN, stiffness="equal")  stiffness = 'equal':
 Contacts(GAUSSIAN, reforming="relaxed")  reforming = 'relaxed': must be None, a
 Contacts(GAUSSIAN, stiffness="linked", thermal=PAPER)  stiffness = 'linked': not defined with thermal closure
-Contacts(GAUSSIAN, stiffness="linked", ageing=AGEING)  stiffness = 'linked': not defined with ageing:
 Contacts(GAUSSIAN, ageing=Ageing(BOX, rate=1.0, closure="paper"))  ageing: a weight of 0.506 of the fresh
 Contacts(GAUSSIAN).replace(heat=0.1)  heat = 0.1: is not what contacts have;
 origins.gaussian_start(0.0, -0.1)  std = -0.1:
@@ -245,8 +231,6 @@ master.solve(Contacts(GAUSSIAN), [1.0, 0.5], time=[1e-310, 1.0])  time[0] = 1e-3
 master.steady_state(Contacts(GAUSSIAN, ageing=AGEING), velocity=1e-20)  relaxes thresholds 1e10 times while
 master.solve(Contacts(GAUSSIAN, thermal=PAPER), [0, 0, 1], time=[0, 1e12, 1e12 + 1])  time[-1] = 1000000000001.0:
 master.critical_velocity(Contacts(GAUSSIAN, ageing=AGEING), 1.0, 2.0, 1.0)  slowest = 2.0: must be below fastest = 1
-explicit(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], step=0.01)  contacts.thermal: master.paper.explicit
-closest(Contacts(GAUSSIAN, thermal=Tilted()), [0.0, 1.0], n_contacts=10)  contacts.thermal: eq_model.closest does
 simulate(laws={"reforming": 1.0 - 1e-12}, law=origins.identical(1.0))  reforming: each contact breaks about 1e+12 times
 simulate(n_contacts=0)  n_contacts
 simulate(n_contacts=2**40)  n_contacts
@@ -262,9 +246,8 @@ simulate(law=origins.rectangular(0.6, 0.9), laws={"ageing": Ageing(BOX, 0.1)})  
 simulate(laws={"thermal": Thermal("soft", 1.0, 1e12)})  each contact breaks about 6e+11 times
 simulate(laws={"thermal": Thermal("soft", 1e-21)})  leave thermal out
 simulate(laws={"reforming": 8.5})  the survival of the thresholds is below 1e-290; use stretches
-simulate(law=stats.gamma(0.01))  the quantiles cannot be tabulated
 simulate(law=stats.pareto(2.5), laws={"stiffness": "linked"})  thresholds: stretches may reach
-simulate(law=Careless())  thresholds:
+simulate(law=Careless())  the quantiles cannot be tabulated to 1e-6
 simulate(slip="instant")  rigid
 simulate(slip_fraction=0.2)  slip_fraction
 simulate(spring=-1.0)  spring

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import pytest
 from scenes import GAUSSIAN, ROUGH, said, scene, write
+from solving import same_bits
 
 import eq_model
 import master
@@ -34,16 +35,6 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "toolkit.pictures.run.save_picture", lambda _, path: path.write_bytes(b"drawn")
     )
-
-
-def alike(one: Any, other: Any) -> None:
-    """Two records of a solver have the same bits."""
-    for field in dataclasses.fields(one):
-        mine, yours = getattr(one, field.name), getattr(other, field.name)
-        if dataclasses.is_dataclass(mine):
-            alike(mine, yours)
-        elif field.name != "histograms":
-            assert np.array_equal(mine, yours, equal_nan=isinstance(mine, np.ndarray)), field.name
 
 
 # -- what runs, and what comes back ----------------------------------------------------------------
@@ -82,8 +73,8 @@ def test_what_is_saved_is_the_solvers_own_and_is_what_is_loaded() -> None:
     assert sorted(os.listdir("out")) == ["picture.png", "result.h5", "summary.json"]
     assert Path("out/picture.png").stat().st_size > 10_000
     back = toolkit.load("out")
-    alike(back.master, result.master)
-    alike(back.eq, result.eq)
+    same_bits(back.master, result.master)
+    same_bits(back.eq, result.eq)
     assert (back.title, back.text, back.version) == ("both", result.text, toolkit.__version__)
     written = json.loads(Path("out/summary.json").read_text())
     assert written["master"]["force_error"] == result.master.force_error
@@ -124,7 +115,7 @@ def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:
     np.testing.assert_array_equal(found.force, curve.force)
     line = master.phase_line(contacts, temperature=0.1, delay=0.05)
     assert found.critical_spring[1, 0] == line.critical_spring
-    alike(toolkit.load("out").sweep, found)
+    same_bits(toolkit.load("out").sweep, found)
     head, *lines = Path("out/sweep.csv").read_text().splitlines()
     assert head.startswith("velocity [length / time],force [length],force_error [<x_s>],holding,")
     table = np.array([line.split(",") for line in lines], dtype=float)

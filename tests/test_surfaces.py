@@ -5,7 +5,7 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
-from scenes import ROUGH, scene
+from scenes import ROUGH, Scan, scene
 from scipy.special import erfc, ndtr
 
 import origins
@@ -248,16 +248,6 @@ def test_a_scene_names_stiffness_and_summits() -> None:
 
 
 # -- heights ---------------------------------------------------------------------------------------
-
-
-class Scan:
-    """What a topography object must offer."""
-
-    def __init__(self, heights: np.ndarray, pixel_size: tuple, unit: object) -> None:
-        self._heights, self.pixel_size, self.unit = heights, pixel_size, unit
-
-    def heights(self) -> np.ndarray:
-        return self._heights
 
 
 def by_loops(h: np.ndarray, dx: float, dy: float, step: int) -> list[float]:

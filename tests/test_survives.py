@@ -1,7 +1,6 @@
 """What clusters do to jobs: killed, told to stop, out of time or of disk; the run that goes on from the checkpoint has
 the same bits as one that nothing happened to."""
 
-import dataclasses
 import json
 import os
 import signal
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scenes import said, scene, write
+from solving import same_bits
 
 import toolkit
 from eq_model.blocks import BLOCK
@@ -79,11 +79,7 @@ def same(folder: str, other: str) -> None:
     """Bits of two results, histograms and all."""
     one, two = toolkit.load(folder).eq, toolkit.load(other).eq
     assert one.success and two.success and not Path(other, "checkpoint").exists()
-    for name in ("force", "force_standard_error", "holding", "breaks", "contacts", "message"):
-        assert np.array_equal(getattr(one, name), getattr(two, name)), name
-    for mine, yours in zip(one.histograms, two.histograms, strict=True):
-        for field in dataclasses.fields(mine):
-            assert np.array_equal(getattr(mine, field.name), getattr(yours, field.name)), field.name
+    same_bits(one, two)
 
 
 def followed(told: str) -> int:

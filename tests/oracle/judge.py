@@ -1,20 +1,15 @@
 """Judges answers to the oracle's calls by those that are kept.
 
-    PYTHONPATH=.:tests python -m oracle.judge check tests/oracle/answers.npz [kind ...]
-
-prints each call that is FALSE or short, and a line for each kind; exit status 1 where any is FALSE. FALSE: both answers
-succeed and differ by more than twice the sum of their claims and 1e-12, or one is finite where the other is not, or
-their shapes differ, or the new claim is no number where the old one is. Short: the old answer succeeded, and the new
-one has success=False, is refused, fails or takes longer than 60 s; gained is the other way round.
+FALSE: both answers succeed and differ by more than twice the sum of their claims and 1e-12, or one is finite where the
+other is not, or their shapes differ, or the new claim is no number where the old one is. Short: the old answer
+succeeded, and the new one has success=False, is refused, fails or takes longer than 60 s; gained: the other way round.
 """
 
 from __future__ import annotations
 
 import signal
-import sys
 import time
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,7 +20,6 @@ from oracle.calls import Array, evaluated
 ANSWERS = Path(__file__).with_name("answers.npz")
 LONGEST = 60  # s: what takes longer is no answer to somebody who waits for it
 ROUND_OFF = 1e-12  # of values of order 1, between two codes that add in another order
-WORDS = ("agree", "short", "FALSE", "gained", "neither")
 
 
 @dataclass(frozen=True)
@@ -87,7 +81,7 @@ def give(kind: str, call: str) -> Given:
 
 
 def judge(old: Given, new: Given) -> tuple[str, str]:
-    """One of WORDS, and why."""
+    """One of agree, short, FALSE, gained and neither, and why."""
     if not (old.success and new.success):
         word = "short" if old.success else "gained" if new.success else "neither"
         return word, new.reason
@@ -111,24 +105,3 @@ def difference(old: Given, new: Given) -> str:
         return ""
     worst = int(np.argmax(apart / allowed))
     return f"apart by {apart[worst]:.2e} where {allowed[worst]:.2e} is allowed"
-
-
-def main(words: Sequence[str]) -> int:
-    """Do what the command line says; the exit status."""
-    verb, file, *kinds = words
-    if verb != "check":
-        raise SystemExit(f"{verb}: must be check")
-    counts: dict[str, dict[str, int]] = {}
-    for name, old in load(file).items():
-        if not kinds or old.kind in kinds:
-            word, why = judge(old, give(old.kind, old.call))
-            counts.setdefault(old.kind, dict.fromkeys(WORDS, 0))[word] += 1
-            if word in ("FALSE", "short"):
-                print(f"{word:6s} {name}: {why}", flush=True)
-    for kind, row in counts.items():
-        print(f"{kind:16s} " + ", ".join(f"{count} {word}" for word, count in row.items()))
-    return int(any(row["FALSE"] for row in counts.values()))
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
