@@ -8,19 +8,6 @@ from master.steady.steady import SteadyState, steady_state
 from master.stick_slip.propensity import PhaseLine, Propensity, phase_line, propensity
 from master.stick_slip.spectrum import DecoherenceSpectrum, decoherence_spectrum
 
-__all__ = [
-    "CriticalVelocity",
-    "DecoherenceSpectrum",
-    "KineticCurve",
-    "PhaseLine",
-    "Propensity",
-    "Solution",
-    "SteadyState",
-    "critical_velocity",
-    "decoherence_spectrum",
-    "kinetic_curve",
-    "phase_line",
-    "propensity",
-    "solve",
-    "steady_state",
-]
+__all__ = ["CriticalVelocity", "DecoherenceSpectrum", "KineticCurve", "PhaseLine", "Propensity"]
+__all__ += ["Solution", "SteadyState", "critical_velocity", "decoherence_spectrum"]
+__all__ += ["kinetic_curve", "phase_line", "propensity", "solve", "steady_state"]

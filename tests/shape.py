@@ -32,10 +32,10 @@ class Room(NamedTuple):
 
 
 ROOMS = {
-    "master": Room(7500, 7498, 200, 143),
+    "master": Room(7500, 7500, 200, 143),
     "eq_model": Room(2200, 3161, 60, 43),
     "origins": Room(4500, 5801, 120, 68),
-    "toolkit": Room(4000, 4000, 100, 65),
+    "toolkit": Room(4000, 4000, 100, 63),
 }
 Graph = dict[str, set[str]]
 

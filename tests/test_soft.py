@@ -76,6 +76,14 @@ def test_cycles_repeat_and_are_solved_once():
     assert many.force_error <= 1e-8
 
 
+def test_far_from_its_beginning_a_slider_is_still_followed():
+    """There panels can be no finer than positions are rounded."""
+    contacts, path = origins.Contacts(origins.gaussian(1.0, 0.2)), [1e3, 3e3]
+    solution, steady = solved(contacts, path, 2.0), master.steady_state(contacts)
+    off = np.abs(solution.force - steady.force).max()
+    assert solution.success and off <= solution.force_error + steady.force_error <= 1e-10
+
+
 @pytest.mark.parametrize("spring", [0.15, 2.0])
 def test_an_instant_slip_stays_on_the_rigid_curve(spring):
     def load(x):

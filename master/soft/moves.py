@@ -38,9 +38,8 @@ class ColdContacts:
     def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
         self.formed_again = reforming_law(contacts)
-        # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred
-        # times that of its values: hence 1e-4 of the tolerance, or of 1e-6 mean thresholds if it is
-        # larger; below 1e-13 panels would be halved for round-off alone
+        # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred times that of its
+        # values: hence 1e-4 of the tolerance, at most of 1e-6 mean thresholds; below 1e-13 all is round-off
         self.of_panels = max(1e-4 * min(tolerance, 1e-6) * self.unit / self.life.reach, 1e-13)
         self.spring, self.until, self.nodes = spring, until, 0
 
@@ -152,13 +151,16 @@ class Move:
     def _plan(self, march: March | None, cut_at: float, since: float) -> None:
         """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
         contacts, end, start = self.contacts, since - self.loaded.end, self.loaded.start
-        life, again, tolerance = contacts.life, contacts.formed_again, contacts.of_panels
+        life, again = contacts.life, contacts.formed_again
+        # no finer than the rounding of positions, to which survivals fall within a grain
+        tolerance = max(contacts.of_panels, np.spacing(since + self._ahead) / life.grain)
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
         births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
             march = March(births, start, np.empty(0), tolerance, WIDE * life.grain, life.reach)
         else:
             march = march.cut(cut_at, births)
+            march.tolerance = tolerance
             if cut_at < since:
                 march.postpone_births(cut_at, since)
         plan = edges(births, start, tolerance, since, self._moments)
@@ -173,7 +175,7 @@ class MoveWithoutBirths(Move):
 
     def _advance(self) -> bool:
         """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
-        march, grain, tolerance = self._march, self.contacts.life.grain, self.contacts.of_panels
+        march, grain, tolerance = self._march, self.contacts.life.grain, self._march.tolerance
         begin = max(march.reached, self.loaded.end)
         later = march.edges[march.edges > begin + STILL * grain]
         if not later.size:

@@ -190,10 +190,9 @@ def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> floa
 def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float) -> str:
     """Why a path without slips does not yet prove smooth sliding; "" if it does.
 
-    Without ageing it cannot slip above K* before it turns; with heat it may creep along with the drive on
-    a softer spring and never slip. With ageing, contacts under a slider that runs ahead have no time
-    to age: F drops more steeply than on a rigid slider, and K* decides nothing. Once all contacts
-    of the start have broken, the first drop is over, and it is the steepest.
+    Without ageing it cannot slip above K* before it turns; with heat it may creep with the drive on a softer spring and
+    never slip. With ageing, contacts under a slider that runs ahead have no time to age: F drops more steeply than on a
+    rigid slider, and K* decides nothing. Once all contacts of the start have broken, the first, steepest drop is over.
     """
     ages = bool({"ageing", "grains"}.intersection(contacts.laws))
     spring = float(drive.spring or 0.0)

@@ -67,8 +67,7 @@ class Passage:
     age, stretch, left : time since the birth, stretch and share that holds now
     error : estimate of the largest error of the survival
 
-    Raises InputError where no threshold lies above |start|, where thresholds relax too often to be followed, and in
-    `move` where it takes more than 4,000 panels.
+    Raises InputError where no threshold lies above |start|, thresholds relax too often, or `move` takes 4,000 panels.
     """
 
     def __init__(
