@@ -87,6 +87,17 @@ def test_equal_contacts_slip_where_they_all_break_and_never_before(laws, path, t
     assert solved.slips.drive == pytest.approx(2.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("rule", ["reset", "reform-after", "instant"])
+def test_slips_at_a_jump_of_the_thresholds_law_begin_there(rule: SlipRule) -> None:
+    """Before the first break a delay does not matter: X_T = 0.76 (1 + 1/K), where F' falls from 1 to -3.5."""
+    contacts, spring = Contacts(origins.rectangular(0.76, 0.93), delay=Delay(0.4)), 2.48
+    found = master.solve(contacts, [1.28], 1e-3, spring=spring, slip=rule)
+    claim = found.force_error * contacts.mean_threshold
+    assert found.success and claim < 1e-8
+    assert abs(found.slips.drive[0] - 0.76 * (1.0 + 1.0 / spring)) * spring <= claim
+    assert abs(found.slips.force_before[0] - 0.76) <= 1e-8
+
+
 @pytest.mark.slow
 def test_a_slip_ends_a_hundredth_of_a_threshold_beyond_an_exact_value() -> None:
     """One in twenty breaks at X_T = 1.8. It re-forms where the slip ends, at once, or later than 1.9."""

@@ -71,7 +71,7 @@ class Cohorts:
     """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
     place, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the share that holds
-    unit : mean threshold (a length)
+    unit, jumps : mean threshold (a length), and whether P_c may jump
     pending : times at which the rate of births jumps, and the shares, possibly 0, born at once there
     steps, work : number of steps taken so far, and of operations in them
     unresolved : bound on the force (a length) of contacts whose share that holds steps do not resolve
@@ -82,6 +82,8 @@ class Cohorts:
         self.memory, self.delay, self._until = memory, contacts.waiting_time, until
         self.level, self.steps, self.work, self.unresolved = level, 0, 0.0, 0.0
         self.place, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
+        law, ends = contacts.thresholds, contacts.thresholds.breakpoints
+        self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())
         start = stretch_rule(contacts.start, memory.reach, memory.starts)
         # births at many stretches have more nodes with each level
         births = stretch_rule(reforming_law(contacts), memory.reach, 8 + 4 * level)

@@ -18,8 +18,8 @@ from master.soft.in_time.cohorts import Cohorts, Trial
 COARSEST = 0.5
 # Weight of the drive's travel in the size of a step, relative to the slider's, which matters more.
 DRIVE_WEIGHT = 0.25
-# Accuracy of the beginning of a slip, where X_T is flat, as a share of the step.
-CLOSE_TO_SLIP = 1e-6
+# Accuracy of the beginning of a slip, where X_T is flat or has a kink, as a share of the step.
+CLOSE_TO_SLIP = 1e-9
 # Shares of a step that it may take in time, where a balance before exact thresholds is looked for.
 PROBES = np.array([1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03])
 
@@ -126,9 +126,13 @@ class Steps:
         """The step `trial`, which was asked for with this size and `takes` so many steps of time, as `step` returns
         both, or that up to a slip that begins within it; and whether one does."""
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
-        # no slip is near while a step takes more than 0.3 DRIVE_WEIGHT of its size in time, as it does where the
-        # slider follows the drive, or while a shorter step would take less time
-        if takes > 0.3 * DRIVE_WEIGHT * size or 0.0 < takes > self.step(0.99 * size)[0]:
+        longer = 1.01 * size if self._contacts.jumps and takes > 0.0 else size
+        if longer > size:  # where P_c jumps F falls at once: right behind, a longer step takes less time
+            sticks = self.step(longer)[0] >= size - self.sign * trial.travel / self.length
+        else:  # no slip is near while a step takes more than 0.3 DRIVE_WEIGHT of its size in time, as it does where
+            # the slider follows the drive, or while a shorter step would take less time
+            sticks = takes > 0.3 * DRIVE_WEIGHT * size or 0.0 < takes > self.step(0.99 * size)[0]
+        if sticks:
             share = takes / size
             change = float(np.nan_to_num(share - self._share))
             self._share, self._guess = share, share + change
@@ -138,11 +142,9 @@ class Steps:
             self.shrink = min(max(0.25 * share * size / -change, 0.03), 1.0) if nearing else 1.0
             return trial, False
         options = {"xatol": CLOSE_TO_SLIP * size}
-        found = minimize_scalar(
-            lambda part: -self.step(part)[0], bounds=(0.0, size), method="bounded", options=options
-        )
-        trial = self.step(float(found.x))[1]
-        low, high = 0.0, size if self._contacts.memory.exact else 0.0
+        last = minimize_scalar(lambda x: -self.step(x)[0], bounds=(0.0, longer), options=options).x
+        trial = self.step(float(last))[1]
+        low, high = 0.0, longer if self._contacts.memory.exact else 0.0
         while high - low > 1e-14 * size:  # the largest size before exact thresholds break
             middle = 0.5 * (low + high)
             takes = self.step(middle)[0]
