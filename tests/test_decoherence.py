@@ -53,6 +53,7 @@ LATE = {
     "warm": Contacts(NARROW, thermal=Thermal("stiff", 0.1)),
     "warm, paper's": Contacts(NARROW, thermal=HOT),
     "ageing": Contacts(gaussian(0.5, 0.1), ageing=AGED),
+    "grains, older in the start": Contacts(origins.growing_grains(1.0, 1.0, age=4.0)),
 }
 
 

@@ -97,9 +97,8 @@ def decoherence_spectrum(
         law's tail, and before that near which the infinitely many roots of exact values crowd. It includes periods
         down to 1/300 of the mean way from birth to birth.
 
-    Raises InputError for thresholds of exact values alone, or nearly so, whose roots come arbitrarily near to Re s = 0;
-    for a tail slower than any exponential; where few contacts live for 10,000 times the mean, or all are out for more
-    than 400 times as long as they hold; and as `steady_state` does.
+    Raises InputError for exact values alone, or nearly so, whose roots come as near to Re s = 0 as one likes; for tails
+    slower than any exponential; for lives of 10,000 means; for waits above 400 of them; and as `steady_state` does.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
@@ -110,7 +109,8 @@ def decoherence_spectrum(
     roots, searched = leading_roots(transform, n_roots + 1)
     s, of_start = roots[:n_roots], transform
     next_decay = float(-roots[n_roots].real) if roots.size > n_roots else searched
-    if not (start.is_single and start.span == travel.born.span):
+    # at X = 0 grains are older than those just pinned, at the same stretch, too
+    if contacts.grains is not None or not (start.is_single and start.span == travel.born.span):
         way = Travel(contacts, travel.life, velocity, born=start)
         of_start = Transform(way, -float(s.real.min(initial=0.0)))
     root_error = transform(s).root_error()
