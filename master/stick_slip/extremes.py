@@ -140,18 +140,19 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
 
 def _horizon(travel: Travel) -> tuple[float, bool]:
     """How far to follow F (a length), and if its extremes surely lie before. If generations of breaks do not overlap,
-    the first is the sharpest, or the second if contacts re-form elsewhere than relaxed; else three delays are added."""
-    life, contacts = travel.life, travel.contacts
+    the first is the sharpest, or the second if contacts re-form elsewhere than relaxed: else three delays more then."""
+    life, contacts, elsewhere = travel.life, travel.contacts, any(travel.born.span)
     low, high = contacts.start.span
     if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):
         # the last contact breaks before any breaks for the second time: F is followed for 0.01 mean thresholds beyond
-        second = life.reach - travel.born.span[0] + travel.wait if any(travel.born.span) else 0.0
+        second = life.reach - travel.born.span[0] + travel.wait if elsewhere else 0.0
         return life.reach - min(low, 0.0) + second + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
     old = end[travel.table(begin)[0] * end > OLD * travel.length].max(initial=0.0)
     furthest = max(UNITS * unit, old + unit)
     horizon = min(furthest, MOST_UNITS * unit)
-    return horizon - min(low, 0.0) + 3.0 * travel.wait, bool(furthest <= horizon)
+    # contacts that re-form relaxed fall most steeply in the first generation
+    return horizon - min(low, 0.0) + 3.0 * travel.wait * elsewhere, bool(furthest <= horizon)
 
 
 def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
