@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import between, finite_array, one_of, positive, refuse
+from origins.errors import between, finite_array, one_of, refuse
 
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
@@ -39,7 +39,7 @@ class Drive:
         self.path = finite_array("path", path)
         self.velocity = between("velocity", velocity, 1e-100, 1e100)
         self.time = None if time is None else _check_time(time, self.path, velocity)
-        self.spring = None if spring is None else positive("spring", spring)
+        self.spring = None if spring is None else between("spring", spring, 1e-100, 1e100)
         one_of("slip", slip, get_args(SlipRule))
         if self.spring is None and slip != "reset":
             refuse("slip", slip, "is what a slip of a soft slider does; without spring it is rigid")

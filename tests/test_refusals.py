@@ -311,6 +311,7 @@ drive = {"points": 11, "to": 1.0, "from": 0.5, "times": [1.0]}  for drive.from a
 drive = {"points": 11, "to": 1.0, "times": [1.0], "velocity": 2.0}  drive.velocity = 2.0: the times of
 drive = {"points": 11, "to": 1.0, "hold_scale": 1.0}  drive.hold_scale = 1.0
 drive.spring = 0.0  drive.spring = 0.0: expected a number > 0.0
+drive.spring = 1e160  drive.spring = 1e+160: must lie between 1e-100 and 1e+100
 drive.slip = "instant"  drive.slip = 'instant': is what a slip of a soft slider does; without spring
 master.tolerance = 0.0  master.tolerance = 0.0: expected a number > 0.0
 eq.seed = -1  eq.seed = -1: expected a whole number >= 0

@@ -227,6 +227,9 @@ def test_nothing_of_another_scene_stays_beside_a_new_result(capsys: Any) -> None
     swept = write("swept", drive=None, master=None, sweep={"velocity": [0.5, 1.0]})
     assert said(capsys, "run", swept, "--out", "out")[2] == []
     assert said(capsys, "thresholds", swept, "--out", "out")[0] == 0
+    assert said(capsys, "thresholds", swept, "--out", "law")[0] == 0
+    (line,) = said(capsys, "thresholds", write("plain"), "--out", "law")[2]
+    assert "out = 'law': holds the result of another scene, swept; choose another folder" in line
     Path("out/notes.txt").write_text("mine")
     assert said(capsys, "run", swept, "--out", "out")[2] == []
     ours = ["notes.txt", "picture.png", "result.h5", "summary.json"]

@@ -209,6 +209,8 @@ def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
         ("1 2\n", {"column": 3}, "there is no column 3 of 2"),
         ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2: weights must be a number > 0"),
         ("# nothing\n", {}, "holds no numbers"),
+        ("0.9O1\n1.0\n", {}, "line 1: x_s must be a number > 0"),  # and no header
+        ("1.0 1\n1.1 2\n", {"column": 1, "weight_column": 1}, "is that of the samples"),
         ("1.0\nnan\n", {"quantity": "f_s"}, "line 2: f_s must be a number > 0"),
         ("1.0\n", {"x_s": [1.0]}, "holds the samples; leave x_s, f_s and weights out"),
     ],

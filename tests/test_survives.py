@@ -194,6 +194,7 @@ def test_no_damage_of_a_checkpoint_goes_unseen(capsys: Any) -> None:
     cut = SMALL | {"eq": SMALL["eq"] | {"wall_time": 1e-9}}
     whole, draws = toolkit.run(SMALL).eq, np.random.default_rng(4)
     assert not toolkit.run(cut, folder="out").eq.success
+    assert toolkit.run(scene(), folder="out").master.success  # which has no ensemble, and keeps it
     (file,) = Path("out/checkpoint").iterdir()
     kept, words = file.read_bytes(), ("run", write(**cut), "--out", "out", "--dry-run")
     assert f"{BLOCK:,} of them done before" in "".join(said(capsys, *words)[1])

@@ -124,7 +124,6 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     folder = arguments.out or f"{scene.name}-output"
 
     def describe_it() -> Description:
-        # do not replace the result of another scene, which may have taken hours
         if (whose := another(folder, scene.name, scene.text)) is not None:
             refuse("out", str(folder), f"holds the result of {whose}; choose another folder")
         for note in foreseen(scene):

@@ -79,10 +79,13 @@ def load(folder: str | os.PathLike[str]) -> Result:
 
 
 def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Name and text of the scene whose result `folder` holds, and whether it is `swept`; {} where none can be read."""
+    """Name and text of the scene whose result or thresholds `folder` holds, and whether it is `swept`; {} for none."""
     with suppress(InputError, OSError), opened(Path(folder) / RESULT) as store:
         scene = {name: str(store.attrs[name]) for name in ("name", "scene")}
         return scene | {"swept": "sweep" in store}
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        before = json.loads((Path(folder) / "thresholds.json").read_text(encoding="utf-8"))
+        return {name: str(before[name]) for name in ("name", "scene")}
     return {}
 
 

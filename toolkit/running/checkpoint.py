@@ -34,8 +34,7 @@ _BESIDE = ("title", "master", "eq.wall_time", "wall_time")  # without effect on 
 
 class Checkpoint:
     """The checkpoint of one scene's ensemble in `folder`/checkpoint; nothing is written before its first `every` s, nor
-    sooner after the last. Another scene's is refused. `comm` is the mpi4py communicator, None for this process alone.
-    """
+    sooner after the last. Another scene's is refused. `comm` is mpi4py's communicator, None for this process alone."""
 
     def __init__(
         self, folder: str | os.PathLike[str], scene: Scene, comm: Any = None, every: float = EVERY

@@ -13,8 +13,7 @@ from toolkit.scene.scene import Scene
 
 class Forecast(NamedTuple):
     """What an ensemble takes: contacts to be followed, their breaks, s of those not yet done, and the largest standard
-    error of the force in mean thresholds (nan on a soft slider, where it comes from replicas); `pilot` contacts tell.
-    """
+    error of the force in mean thresholds (nan on a soft slider, where replicas tell it); `pilot` contacts tell."""
 
     contacts: int
     breaks: float
@@ -66,12 +65,10 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     done = sum(state.contacts for state in earlier)
     found = forecast(scene, comm, done)
     so_far = f", {done:,} of them done before" if done else ""
-    out += [
-        f"contacts        {found.contacts:,}{so_far}",
-        f"breaks          {found.breaks:.2g}",
-        f"run time        {found.run_time:.2g} s on {1 if comm is None else comm.Get_size()} rank(s) for what is left, "
-        "[master] and compilation not counted",
-    ]
+    ranks = f"{1 if comm is None else comm.Get_size()} rank(s)"
+    took = f"{found.run_time:.2g} s on {ranks} for what is left, [master] and compilation not counted"
+    out += [f"contacts        {found.contacts:,}{so_far}", f"breaks          {found.breaks:.2g}"]
+    out.append(f"run time        {took}")
     if not math.isnan(found.error):
         out.append(f"standard error  {found.error:.2g} of <x_s>, the largest over the path")
     if found.run_time > (scene.eq.wall_time or math.inf):

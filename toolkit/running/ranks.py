@@ -14,11 +14,9 @@ from toolkit.running.signals import Launch, Terminated, terminable
 
 T = TypeVar("T")
 
-_PASSED_ON = 0.2  # seconds, for the launcher to pass on output before it ends all ranks
 _PATIENCE = 5.0  # seconds to wait for the other ranks to fail in the same way
 _GRACE = 10.0  # and to finish their blocks and write their checkpoints; schedulers kill some 30 s after their SIGTERM
 _NOTHING_TO_KEEP = 1.0  # and where a rank is stopped outside of the ensemble
-_NAP = 0.001  # seconds
 
 
 def communicator(launch: Launch) -> Any:
@@ -33,15 +31,11 @@ def communicator(launch: Launch) -> Any:
             warnings.simplefilter("ignore", RuntimeWarning)
             from mpi4py import MPI
     except (ImportError, RuntimeError, OSError) as error:
-        raise InputError(
-            f"{started} cannot be imported ({error}); install it against the MPI that is there (docs/clusters.md), or "
-            f"the extra [mpi], or run one process"
-        ) from error
+        hint = "install it against the MPI that is there (docs/clusters.md), or the extra [mpi], or run one process"
+        raise InputError(f"{started} cannot be imported ({error}); {hint}") from error
     if (there := MPI.COMM_WORLD.Get_size()) < launch.size:
-        raise InputError(
-            f"{started}'s MPI connects {there}; use the mpirun that belongs to mpi4py's MPI, srun --mpi=pmix or "
-            "--mpi=pmi2, or build mpi4py against this one (docs/clusters.md)"
-        )
+        hint = "use the mpirun of mpi4py's MPI, srun --mpi=pmix or --mpi=pmi2, or build mpi4py against this one"
+        raise InputError(f"{started}'s MPI connects {there}; {hint} (docs/clusters.md)")
     return MPI.COMM_WORLD
 
 
@@ -108,7 +102,7 @@ def _end(comm: Any, launched: Launch, status: int, line: str, patience: float) -
 
 def _abort(comm: Any, status: int) -> NoReturn:
     sys.stderr.flush()
-    time.sleep(_PASSED_ON)
+    time.sleep(0.2)  # s, for the launcher to pass on output before it ends all ranks
     comm.Abort(status)
     os._exit(status)  # some launchers are slow
 
@@ -120,5 +114,5 @@ def _arrived(comm: Any, patience: float = math.inf) -> bool:
     while not request.Test():
         if time.monotonic() > deadline:
             return False
-        time.sleep(_NAP)
+        time.sleep(0.001)  # s
     return True

@@ -80,7 +80,7 @@ def write(result: Result, comm: Any, kept: Checkpoint, finished: bool) -> None:
 
     def on_first() -> None:
         save(result, kept.folder)
-        if finished:
+        if finished and result.eq is not None:  # else a checkpoint there is that of another scene
             kept.remove()
 
     on_root(comm, on_first)

@@ -47,6 +47,8 @@ def from_samples(
         lines = read_file("file", file, folder, comm, read_text).splitlines()
         given[quantity] = _column(file, lines, quantity, column)
         if weight_column is not None:
+            if weight_column == (column or 1):
+                refuse("weight_column", weight_column, "is that of the samples; name another")
             given["weights"] = _column(file, lines, "weights", weight_column)
     return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
 
@@ -55,8 +57,8 @@ def _column(file: str, lines: list[str], name: str, place: int | None) -> list[f
     """The values of this column, counted from 1 (None: of the only one)."""
     numbered = enumerate((_words(line.partition("#")[0]) for line in lines), start=1)
     rows = [(number, row) for number, row in numbered if row]
-    if rows and np.isnan(rows[0][1]).all():
-        del rows[0]  # a header
+    if rows and np.isnan(rows[0][1]).all() and not re.match(r"[\s.+-]*\d", lines[rows[0][0] - 1]):
+        del rows[0]  # a header, and no mistyped number
     if not rows:
         refuse("file", file, "holds no numbers; write one value a line")
     width = len(rows[0][1])
@@ -211,6 +213,8 @@ def open_scan(
         given["physical_sizes"] = tuple(positive("physical_sizes", size) for size in sizes)
     said = {name: value for name, value in given.items() if value is not None}
     channel = whole("channel", channel, least=0)
+    if height_scale_factor is not None:
+        positive("height_scale_factor", height_scale_factor, "such as 1e-9")
 
     def read(path: Path) -> Topography:
         """The scan in a file, by its channel; InputError for what the reader refuses."""
@@ -221,10 +225,10 @@ def open_scan(
 
             with open_topography(str(path)) as reader:
                 if channel >= len(reader.channels):
-                    refuse("channel", channel, f"is 0 to {len(reader.channels) - 1} in this file")
+                    refuse("channel", channel, f"must be 0 to {len(reader.channels) - 1}")
                 scan = reader.topography(channel_index=channel, **said)
             if getattr(scan, "unit", None) not in METRES:
-                refuse("unit", unit, 'is not in the file; write "nm", or take a channel of heights')
+                refuse("unit", unit, 'is no unit of length; write "nm", or take a channel of heights')
             return as_topography(scan)
         except ImportError:
             refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")

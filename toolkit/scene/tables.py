@@ -92,7 +92,7 @@ class SceneTable(Table, frozen=True):
 
 _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}
 _TABLES |= {"master": MasterTable, "sweep": SweepTable}
-_COUNTS = ("points", "contacts", "replicas", "seed")
+_COUNTS = ("points", "contacts", "replicas", "seed", "samples")
 
 
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
