@@ -57,7 +57,7 @@ def _column(file: str, lines: list[str], name: str, place: int | None) -> list[f
     """The values of this column, counted from 1 (None: of the only one)."""
     numbered = enumerate((_words(line.partition("#")[0]) for line in lines), start=1)
     rows = [(number, row) for number, row in numbered if row]
-    if rows and np.isnan(rows[0][1]).all() and not re.match(r"[\s.+-]*\d", lines[rows[0][0] - 1]):
+    if rows and np.isnan(rows[0][1]).all() and not re.match(r"\W*\d", lines[rows[0][0] - 1]):
         del rows[0]  # a header, and no mistyped number
     if not rows:
         refuse("file", file, "holds no numbers; write one value a line")
