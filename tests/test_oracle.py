@@ -3,7 +3,9 @@
 import pytest
 from oracle.judge import give, judge, load
 
-KEPT = load()
+# the older version was wrong: contacts of the start counted as fresh; test_decoherence.py has the right terms
+WRONG_BEFORE = "spectrum grains"
+KEPT = {name: given for name, given in load().items() if name != WRONG_BEFORE}
 FAST = 0.1  # s that a kept answer took: the calls asked by `make test` are of these
 PER_KIND = 3
 KINDS = sorted({given.kind for given in KEPT.values()})
