@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from rate_laws import Tilted
+from scipy import stats
 from solving import held_to_claim
 
 import master
@@ -96,6 +97,18 @@ def test_slips_at_a_jump_of_the_thresholds_law_begin_there(rule: SlipRule) -> No
     assert found.success and claim < 1e-8
     assert abs(found.slips.drive[0] - 0.76 * (1.0 + 1.0 / spring)) * spring <= claim
     assert abs(found.slips.force_before[0] - 0.76) <= 1e-8
+
+
+def test_a_narrow_law_under_a_wide_start_slips_where_the_rigid_force_falls() -> None:
+    """The maximum of F + K X of the rigid slider, whose broken contacts are out as well."""
+    contacts = Contacts(gaussian(1.0, 0.002), stats.uniform(0.0, 0.3), delay=Delay(50.0))
+    x, spring = np.linspace(0.7012, 0.7015, 301), 1.5
+    highest = (master.solve(contacts, x, 1e-11).force / spring + x).max()
+    slips = master.solve(contacts, [0.2, 1.285], 1e-3, spring=spring).slips
+    assert abs(slips.drive[0] - highest) <= 1e-8 and slips.drive_error < 1e-7
+    exact = contacts.replace(thresholds=origins.identical(1.0))
+    with pytest.raises(origins.InputError, match=r"contacts\.start: .* reach exact thresholds"):
+        master.solve(exact, [0.2, 1.285], 1e-3, spring=spring)
 
 
 @pytest.mark.slow

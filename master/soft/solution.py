@@ -15,7 +15,7 @@ from master.soft.regime import Regime, Slips, regime
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
-from origins.errors import refuse
+from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
 
@@ -60,8 +60,8 @@ def solve_soft(
 
     A slider is followed in steps of time where its contacts' laws depend on time, and where contacts
     re-form stretched backward and the drive turns, since each then comes back to its largest |x| at
-    a different X. Raises InputError where contacts that form again elsewhere than at x = 0 would be
-    out in a slip; where a drive in time does not begin at the balance; for too many steps.
+    a different X. Raises InputError where contacts that form again elsewhere than at x = 0 would be out in a slip, and
+    where a drive in time does not begin at the balance; for too many steps, and exact thresholds with a wide start.
     """
     began, again, slip = time.perf_counter(), contacts.reforming, drive.slip
     out = slip == "reform-after" or (contacts.delay is not None and slip == "instant")
@@ -70,6 +70,9 @@ def solve_soft(
         refuse("slip", slip, hint)
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
+        if contacts.thresholds.atoms[0].size and not contacts.start.is_single:
+            fault = "with a width reach exact thresholds one after the other, which steps in time do not resolve"
+            raise InputError(f"contacts.start: stretches {fault}; give the exact values a width, too")
         found = refined(contacts, drive, balance_of(contacts, drive), tolerance, progress, until)
     else:
         found = ColdSlider(contacts, drive, tolerance, until).follow()

@@ -58,7 +58,7 @@ class Memory:
     error : of the survival that `share_and_force` returns, however fine cells and steps are
     reach : stretch at t = 0 or at birth beyond which no contact holds (a length)
     width : length of a strand's record, of which all but the first `others` numbers are A
-    starts : most nodes for a start with a width
+    starts : most nodes for a start with a width; they differ from level to level, so that their error shows
     finer_before_slips : whether steps become finer towards a slip
     exact : whether there are exact thresholds
     """
@@ -70,7 +70,7 @@ class Memory:
         law = self._law = contacts.thresholds
         self._hot, self._contacts = contacts.thermal is not None, contacts
         self.exact = bool(law.atoms[0].size)
-        self.starts = 24 + 8 * level if self._hot else 400
+        self.starts = 24 + 8 * level if self._hot else 100 * 2 ** min(level, 3)
         self.reach = max([min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]])
         # births change over the width of the sharpest tenth of P_c
         self.scales = Scales(min(narrowest(law), contacts.mean_threshold))
@@ -156,10 +156,10 @@ class MeanRateMemory(Memory):
     survived: one that goes out again may break at all that it has passed before (App. C).
     """
 
-    def __init__(self, contacts: Contacts) -> None:
-        super().__init__(contacts, 0)
+    def __init__(self, contacts: Contacts, level: int) -> None:
+        super().__init__(contacts, level)
         self._life = MeanRateLife(contacts)
-        self.width, self.starts, self.error = 2, 400, self._life.error + 1e-12
+        self.width, self.starts, self.error = 2, 100 * 2 ** min(level, 3), self._life.error + 1e-12
         self.scales = self.scales._replace(rate=float(self._life.rate(np.zeros(1))[0]))
 
     def start(self, stretch: Array) -> Array:

@@ -33,7 +33,7 @@ def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
     if contacts.grains is not None:
         return GrainMemory(contacts, level)
     if contacts.thermal is not None and contacts.thermal.closure == "paper":
-        return MeanRateMemory(contacts)
+        return MeanRateMemory(contacts, level)
     return Memory(contacts, level)
 
 
