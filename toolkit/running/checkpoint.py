@@ -161,7 +161,7 @@ def identity(scene: Scene) -> dict[str, str]:
     run_keys["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
     if scene.contacts.ageing is not None:
         run_keys["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
-    return {**run_keys, "eq.blocks": "philox-7 by lanes, 2^15", "version": __version__}
+    return {**run_keys, "eq.blocks": "philox-7 by lanes, 2^15, b", "version": __version__}
 
 
 def say(line: str) -> None:
