@@ -102,7 +102,7 @@ def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
     hazard^(-1/2), which is nearly straight; by halves and doubles where that leaves the bracket.
     """
     low, high, at, speed = 0.0, np.inf, 0.5 * np.sqrt(pace / root) / root, root / pace
-    if age == 0.0:  # within some 15 % for contacts that slide since they pinned
+    if age == 0.0:  # a guess within some 15 %, of contacts that slide since they pinned
         more = max(goal - 4.5 * speed * speed, 1e-3)
         at *= 1.56 * more / (more + speed * (4.0 + 3.0 * speed))
     at = min(at, room)

@@ -147,7 +147,7 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     if born.is_single:
         return StretchRule(np.array([born.mean()]), np.ones(1))
     low, high = np.clip(born.span, -most, most)
-    pieces = np.linspace(low, high, max(9, count // 4))  # with some three times as many nodes
+    pieces = np.linspace(low, high, max(9, count // 4))  # some 3 count nodes
     edges = np.clip(np.append(pieces, born.breakpoints), low, high)
     whole = Pieces.between(edges[None])
     fine = integrals(lambda _, x: finite_density(born, x)[None], whole, 1, 1e-12).pieces
