@@ -35,6 +35,7 @@ docs: $(READY)
 
 lint: $(READY)
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check --quiet .
 	$(BIN)/python tests/shape.py
 	$(BIN)/mypy
 

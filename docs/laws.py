@@ -38,10 +38,14 @@ def a05(closure: str) -> origins.Contacts:
 def a06(closure: str) -> origins.Contacts:
     """Fig. A06; the spring is 3.5 N_c <k>."""
     ageing = origins.Ageing(origins.gaussian(1.0, 0.02), 5e-4, closure)  # type: ignore[arg-type]
-    return origins.Contacts(origins.gaussian(0.5, 0.05), origins.gaussian_start(0.02, 0.01), ageing=ageing)
+    return origins.Contacts(
+        origins.gaussian(0.5, 0.05), origins.gaussian_start(0.02, 0.01), ageing=ageing
+    )
 
 
-def warm(law: str, temperature: float, closure: str = "exact", start: object = None) -> origins.Contacts:
+def warm(
+    law: str, temperature: float, closure: str = "exact", start: object = None
+) -> origins.Contacts:
     """Fig. A08c."""
     thermal = origins.Thermal(law, temperature, closure=closure)  # type: ignore[arg-type]
     return origins.Contacts(NARROW, start, thermal=thermal)
@@ -76,10 +80,17 @@ def _draw_a04(axes: Any) -> None:
     kept = found["positivity"]
     exact = master.solve(a04("exact"), kept.path, 1e-8)
     late = kept.path <= kept.outrun
-    print(f"A04: exact F(X) to {exact.force_error:.0e}; (Q15) outrun from X = {kept.outrun:.3f}, ", end="")
+    print(
+        f"A04: exact F(X) to {exact.force_error:.0e}; (Q15) outrun from X = {kept.outrun:.3f}, ",
+        end="",
+    )
     print(f"before it (Q15) is off by {np.abs(kept.force - exact.force)[late].max():.3f}, ", end="")
-    print(f"mass gained in the end {kept.mass_defect[-1]:.3f}; with mass kept it ends at {found['mass'].path[-1]:.2f}")
-    axes[0].set(title="A04: one $P_c(x;X)$ of (Q15), every 0.1", xlabel="threshold $x$", ylabel="$P_c$")
+    print(
+        f"mass gained in the end {kept.mass_defect[-1]:.3f}; with mass kept it ends at {found['mass'].path[-1]:.2f}"
+    )
+    axes[0].set(
+        title="A04: one $P_c(x;X)$ of (Q15), every 0.1", xlabel="threshold $x$", ylabel="$P_c$"
+    )
     middle, width = 0.5 * (kept.edges[1:] + kept.edges[:-1]), np.diff(kept.edges)
     for number, i in enumerate(range(0, int(late.sum()), 10)):
         ink = (0.12 + 0.06 * number, 0.31, 0.47 + 0.04 * number)
@@ -94,14 +105,27 @@ def _draw_a04(axes: Any) -> None:
     axes[1].plot(kept.path, exact.force, color=BLUE, lw=1.5, label="each its own threshold: exact")
     axes[1].plot(kept.path, kept.force, color=RED, lw=1.2, ls="--", label="(Q15), sign kept")
     mass = found["mass"]
-    axes[1].plot(mass.path, mass.force, color=GREEN, lw=2.0, ls=":", label="(Q15), mass kept, ends here")
+    axes[1].plot(
+        mass.path, mass.force, color=GREEN, lw=2.0, ls=":", label="(Q15), mass kept, ends here"
+    )
     axes[1].plot(mass.path[-1], mass.force[-1], "x", color=GREEN, ms=8, mew=2)
     for ax in axes[1:]:
         ax.axvspan(kept.outrun, kept.path[-1], color="0.93", lw=0)
-    axes[1].set(title="A04: force", xlabel="$X$", ylabel=r"$F/(N_c\langle k\rangle)$", ylim=(0.05, 0.92))
+    axes[1].set(
+        title="A04: force", xlabel="$X$", ylabel=r"$F/(N_c\langle k\rangle)$", ylim=(0.05, 0.92)
+    )
     axes[1].legend(fontsize="small", loc="upper right")
-    axes[2].plot(kept.path, kept.mass_defect, color=RED, lw=1.2, ls="--", label="sign kept: mass less 1")
-    axes[2].plot(mass.path, mass.positivity_defect, color=GREEN, lw=2.0, ls=":", label="mass kept: weight below 0")
+    axes[2].plot(
+        kept.path, kept.mass_defect, color=RED, lw=1.2, ls="--", label="sign kept: mass less 1"
+    )
+    axes[2].plot(
+        mass.path,
+        mass.positivity_defect,
+        color=GREEN,
+        lw=2.0,
+        ls=":",
+        label="mass kept: weight below 0",
+    )
     axes[2].set(title="A04: what (Q15) does not keep", xlabel="$X$", ylabel="defect")
     axes[2].annotate("contacts outrun $P_c$", (0.38, 0.12), xycoords="axes fraction", color="0.4")
     axes[2].legend(fontsize="small", loc="center right")
@@ -114,19 +138,28 @@ def _draw_a05(histogram: Any, curve: Any) -> None:
         steady = master.steady_state(a05("paper"), velocity=1.0 / diffusion)
         ink = (0.12 + 0.15 * number, 0.31, 0.5 - 0.05 * number)
         histogram.plot(x, steady.thresholds.pdf(x), color=ink, lw=1.2, label=f"{diffusion:g}")
-        print(f"A05: D_X = {diffusion:g}: F_k = {steady.force:.10f} +- {0.5 * steady.force_error:.0e} (Q15)")
-    histogram.set(title="A05: steady $P_c$ of (Q15)", xlabel="threshold $x$", ylabel="$P_c$", yscale="log")
+        print(
+            f"A05: D_X = {diffusion:g}: F_k = {steady.force:.10f} +- {0.5 * steady.force_error:.0e} (Q15)"
+        )
+    histogram.set(
+        title="A05: steady $P_c$ of (Q15)", xlabel="threshold $x$", ylabel="$P_c$", yscale="log"
+    )
     histogram.set(ylim=(1e-3, 60.0))
     histogram.legend(title="$D_X$", fontsize="small")
     v = np.geomspace(1.0, 1e7, 57)
     exact, paper = (master.kinetic_curve(a05(closure), v) for closure in ("exact", "paper"))
-    print(f"A05: F_k(v) at {v.size} speeds, exact to {exact.force_error.max():.0e} in {exact.run_time:.1f} s, ", end="")
+    print(
+        f"A05: F_k(v) at {v.size} speeds, exact to {exact.force_error.max():.0e} in {exact.run_time:.1f} s, ",
+        end="",
+    )
     print(f"(Q15) to {paper.force_error.max():.0e} in {paper.run_time:.1f} s")
     laws = origins.gaussian(1.0, 0.01), origins.gaussian(0.5, 0.1)
     final, fresh = (0.5 * law.moment(2) / law.mean() for law in laws)
     curve.semilogx(v, exact.force, color=BLUE, lw=1.5, label="exact")
     curve.semilogx(v, paper.force, color=RED, lw=1.3, ls="--", label="(Q15)")
-    curve.semilogx(v, fit(v, final, fresh, 6.5e3), color=GREY, lw=1.0, label="the paper's fit, 6.5e3 D")
+    curve.semilogx(
+        v, fit(v, final, fresh, 6.5e3), color=GREY, lw=1.0, label="the paper's fit, 6.5e3 D"
+    )
     curve.axvline(7.5e3, color=GREY, lw=0.8, ls=":")
     curve.annotate("7.5e3 D", (9e3, 0.47), color="0.4")
     curve.set(title="A05: kinetic force", xlabel="$v/D = 1/D_X$", ylabel=FORCE)
@@ -139,8 +172,18 @@ def _draw_a06(axes: Any) -> None:
     line = master.phase_line(a06("exact"), v, tolerance=1e-4)
     axes.semilogx(v, line.critical_spring, color=BLUE, lw=1.5, label="exact")
     print(f"A06: K*(v), exact, to {line.critical_spring_error.max():.0e}")
-    found = [(spring, master.critical_velocity(a06("paper"), spring, 1.0, 4.0)) for spring in (3.0, 3.5, 4.0)]
-    axes.plot([v.velocity for _, v in found], [k for k, _ in found], "o--", color=RED, lw=1.3, label="(Q15)")
+    found = [
+        (spring, master.critical_velocity(a06("paper"), spring, 1.0, 4.0))
+        for spring in (3.0, 3.5, 4.0)
+    ]
+    axes.plot(
+        [v.velocity for _, v in found],
+        [k for k, _ in found],
+        "o--",
+        color=RED,
+        lw=1.3,
+        label="(Q15)",
+    )
     exact = master.critical_velocity(a06("exact"), 3.5, 2.5, 7.0)
     for closure, critical in (("exact", exact), ("(Q15)", found[1][1])):
         print(f"A06: v_c = {critical.velocity:.5f} +- {critical.velocity_error:.0e}, {closure}")
@@ -148,7 +191,11 @@ def _draw_a06(axes: Any) -> None:
     axes.plot([1.5, 1.6], [3.5, 3.5], color="k", lw=4, label="the paper: 1.5 to 1.6")
     axes.annotate("smooth sliding", (0.6, 0.6), xycoords="axes fraction", color="0.3")
     axes.annotate("stick-slip", (0.03, 0.04), xycoords="axes fraction", color="0.3")
-    axes.set(title="A06: where ageing ends stick-slip", xlabel="$v$", ylabel=r"$K^*/(N_c\langle k\rangle)$")
+    axes.set(
+        title="A06: where ageing ends stick-slip",
+        xlabel="$v$",
+        ylabel=r"$K^*/(N_c\langle k\rangle)$",
+    )
     axes.set(xticks=[1.5, 2, 3, 4, 6, 10], xticklabels=["1.5", "2", "3", "4", "6", "10"])
     axes.minorticks_off()
     axes.legend(fontsize="small")
@@ -164,14 +211,24 @@ def draw_stick_slip() -> None:
         path = np.linspace(0.0, 3.0, 601)[6:]
         solved = master.solve(a06("exact"), path, 1e-3, velocity=velocity, spring=3.5)
         slips = solved.slips
-        told = f"{slips.drive.size} slips, period {solved.period:.6f}" if solved.period else "no slip"
-        print(f"A06: v = {velocity:g}: {told}, F to {solved.force_error:.0e} of <x_s> in {solved.run_time:.0f} s")
+        told = (
+            f"{slips.drive.size} slips, period {solved.period:.6f}" if solved.period else "no slip"
+        )
+        print(
+            f"A06: v = {velocity:g}: {told}, F to {solved.force_error:.0e} of <x_s> in {solved.run_time:.0f} s"
+        )
         # before and after a slip at one place
         at = np.concatenate([path, slips.drive, slips.drive])
         force = np.concatenate([solved.force, slips.force_before, slips.force_after])
-        order = np.lexsort((np.repeat([1, 0, 2], [path.size, slips.drive.size, slips.drive.size]), at))
+        order = np.lexsort(
+            (np.repeat([1, 0, 2], [path.size, slips.drive.size, slips.drive.size]), at)
+        )
         axes.plot(at[order], force[order], color=ink, lw=1.4, label=f"v = {velocity:g}")
-    axes.set(title="A06: a spring of 3.5 $N_c\\langle k\\rangle$, contacts that age", xlabel="$X_T$", ylabel=FORCE_OF_X)
+    axes.set(
+        title="A06: a spring of 3.5 $N_c\\langle k\\rangle$, contacts that age",
+        xlabel="$X_T$",
+        ylabel=FORCE_OF_X,
+    )
     axes.set(xlim=(0.0, 3.0), ylim=(-0.02, 0.85))
     axes.legend(fontsize="small", loc="upper right", ncols=3)
     figure.savefig(PICTURES / "laws_stick_slip.png", dpi=130)
@@ -204,7 +261,15 @@ def _draw_speeds(axes: Any) -> None:
             axes.semilogx(v, curve.force, color=ink, ls=dashes, lw=1.4, label=label)
     few = np.geomspace(1e-3, 1e3, 13)
     paper = master.kinetic_curve(warm("soft", 0.3, "paper"), few)
-    axes.semilogx(few, paper.force, "o", color="#b8860b", ms=4, mfc="none", label="T = 0.3, the paper's closure")
+    axes.semilogx(
+        few,
+        paper.force,
+        "o",
+        color="#b8860b",
+        ms=4,
+        mfc="none",
+        label="T = 0.3, the paper's closure",
+    )
     axes.set(title="A08c: soft contacts, dashed stiff", xlabel=r"$v$ ($\omega = 1$)", ylabel=FORCE)
     axes.legend(fontsize="small")
 
@@ -218,7 +283,11 @@ def _draw_temperatures(axes: Any) -> None:
             axes.semilogx(temperatures, curve.force, color=ink, ls=dashes, lw=1.4, label=label)
     told = f"to {curve.force_error.max():.0e} in {curve.run_time:.1f} s"
     print(f"A08c: F_k(T) at {temperatures.size} temperatures: {told}")
-    axes.set(title="A08c: soft contacts, dashed stiff", xlabel=r"$T = k_BT/\langle k\rangle$", ylabel=FORCE)
+    axes.set(
+        title="A08c: soft contacts, dashed stiff",
+        xlabel=r"$T = k_BT/\langle k\rangle$",
+        ylabel=FORCE,
+    )
     axes.legend(fontsize="small")
 
 
@@ -234,7 +303,10 @@ def _draw_line(axes: Any) -> None:
     cold = master.phase_line(origins.Contacts(NARROW))
     axes.axhline(float(cold.critical_spring), color=GREY, lw=0.8)
     axes.annotate("T = 0", (1.2e-4, float(cold.critical_spring) - 0.45), color="0.4")
-    axes.set(title="below a line the slider slips, above it slides smoothly", xlabel=r"$v$ ($\omega = 1$)")
+    axes.set(
+        title="below a line the slider slips, above it slides smoothly",
+        xlabel=r"$v$ ($\omega = 1$)",
+    )
     axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$")
     axes.legend(fontsize="small", loc="lower right")
 
@@ -243,11 +315,14 @@ def _draw_delay(axes: Any) -> None:
     waits = np.linspace(0.0, 3.0, 121)
     curve = master.kinetic_curve(origins.Contacts(WIDE), delay=waits)
     print(f"A13b: N_c to {curve.holding_error.max():.0e}, F_k to {curve.force_error.max():.0e}")
-    axes.plot(waits, curve.holding, color=BLUE, lw=1.5, label=r"$N_c(\infty)/N_c(0) = C/(C + v\tau_m)$")
+    axes.plot(
+        waits, curve.holding, color=BLUE, lw=1.5, label=r"$N_c(\infty)/N_c(0) = C/(C + v\tau_m)$"
+    )
     axes.plot(waits, curve.force, color=RED, lw=1.5, label=FORCE)
     some = np.array([0.2, 0.4, 0.8, 1.2])
     late = [
-        master.solve(origins.Contacts(WIDE, START, delay=origins.Delay(float(wait))), [300.0], 1e-8) for wait in some
+        master.solve(origins.Contacts(WIDE, START, delay=origins.Delay(float(wait))), [300.0], 1e-8)
+        for wait in some
     ]
     told = "F(X) followed to X = 300"
     axes.plot(some, [one.holding[0] for one in late], "o", color=BLUE, mfc="none", ms=6, label=told)
@@ -264,30 +339,61 @@ def draw_decoherence() -> None:
     axes = figure.subplots(1, 3, width_ratios=(1, 1.2, 1.2))
     for std, ink in ((0.05, BLUE), (0.1, GREEN), (0.2, RED)):
         found = master.decoherence_spectrum(origins.Contacts(origins.gaussian(1.0, std)), n_roots=8)
-        axes[0].loglog(found.period, found.decay_length, "o-", color=ink, ms=4, lw=0.8, label=f"one peak, std {std:g}")
-        print(f"spectrum, std {std:g}: X* = {found.decay_length[0]:.10g} +- {found.decay_length_error[0]:.0e}")
+        axes[0].loglog(
+            found.period,
+            found.decay_length,
+            "o-",
+            color=ink,
+            ms=4,
+            lw=0.8,
+            label=f"one peak, std {std:g}",
+        )
+        print(
+            f"spectrum, std {std:g}: X* = {found.decay_length[0]:.10g} +- {found.decay_length_error[0]:.0e}"
+        )
     found = master.decoherence_spectrum(PEAKS, n_roots=60)
-    print(f"spectrum, two peaks: {found.roots.size} roots in {found.run_time:.1f} s; slowest: period ", end="")
-    print(f"{found.period[0]:.6f}, X* = {found.decay_length[0]:.4f} +- {found.decay_length_error[0]:.0e}, ", end="")
+    print(
+        f"spectrum, two peaks: {found.roots.size} roots in {found.run_time:.1f} s; slowest: period ",
+        end="",
+    )
+    print(
+        f"{found.period[0]:.6f}, X* = {found.decay_length[0]:.4f} +- {found.decay_length_error[0]:.0e}, ",
+        end="",
+    )
     print(f"|c| = {abs(found.amplitude[0]):.1e}; first harmonic: ", end="")
     first = int(np.argmin(np.abs(found.period - 1.0)))
     print(f"X* = {found.decay_length[first]:.4f}, |c| = {abs(found.amplitude[first]):.3f}")
-    axes[0].loglog(found.period, found.decay_length, "x", color="k", ms=5, label="two peaks of Fig. delta12")
-    axes[0].set(title="roots of $\\hat p(s) = 1$", xlabel="period", ylabel="decay length", ylim=(0.1, 1e4))
+    axes[0].loglog(
+        found.period, found.decay_length, "x", color="k", ms=5, label="two peaks of Fig. delta12"
+    )
+    axes[0].set(
+        title="roots of $\\hat p(s) = 1$", xlabel="period", ylabel="decay length", ylim=(0.1, 1e4)
+    )
     axes[0].legend(fontsize="small", loc="upper left")
     x = np.linspace(0.0, 50.0, 4001)
     solved = master.solve(PEAKS, x, 1e-9)
     axes[1].plot(x, solved.force, color=BLUE, lw=0.7, label="master equation")
     envelope = abs(found.amplitude[first]) * np.exp(-x / found.decay_length[first])
-    for sign, label in ((-1.0, None), (1.0, f"first harmonic, X* = {found.decay_length[first]:.1f}")):
-        axes[1].plot(x, found.kinetic_force + sign * envelope, color=RED, lw=1.2, ls="--", label=label)
+    for sign, label in (
+        (-1.0, None),
+        (1.0, f"first harmonic, X* = {found.decay_length[first]:.1f}"),
+    ):
+        axes[1].plot(
+            x, found.kinetic_force + sign * envelope, color=RED, lw=1.2, ls="--", label=label
+        )
     axes[1].set(title="Fig. delta12, two peaks", xlabel="$X$", ylabel=r"$F/(N_c\langle k\rangle)$")
     axes[1].legend(fontsize="small", loc="upper right")
     late = x[x >= 2.0]
     off = np.abs(found.force(late) - solved.force[x >= 2.0])
-    axes[2].semilogy(late, np.maximum(off, 1e-17), color=BLUE, lw=0.6, label="60 roots less master equation")
-    axes[2].semilogy(late, found.force_error(late), color=RED, lw=1.2, label="error estimated with them")
-    axes[2].set(title="the sum of 60 terms", xlabel="$X$", ylabel=r"$|\Delta F|/(N_c\langle k\rangle)$")
+    axes[2].semilogy(
+        late, np.maximum(off, 1e-17), color=BLUE, lw=0.6, label="60 roots less master equation"
+    )
+    axes[2].semilogy(
+        late, found.force_error(late), color=RED, lw=1.2, label="error estimated with them"
+    )
+    axes[2].set(
+        title="the sum of 60 terms", xlabel="$X$", ylabel=r"$|\Delta F|/(N_c\langle k\rangle)$"
+    )
     axes[2].set_ylim(1e-12, 1e2)
     axes[2].legend(fontsize="small")
     figure.savefig(PICTURES / "decoherence.png", dpi=130)

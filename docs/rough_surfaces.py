@@ -44,8 +44,15 @@ def readings() -> list[Reading]:
         contacts = toolkit.load_scene(scene).contacts
         path = np.linspace(0.0, 5.0, 401)
         mean = contacts.mean_threshold
-        force = master.solve(contacts, path * mean, tolerance=1e-7).force / master.steady_state(contacts).force
-        found.append(Reading(name, ink, dashes, contacts.thresholds, master.propensity(contacts), path, force))
+        force = (
+            master.solve(contacts, path * mean, tolerance=1e-7).force
+            / master.steady_state(contacts).force
+        )
+        found.append(
+            Reading(
+                name, ink, dashes, contacts.thresholds, master.propensity(contacts), path, force
+            )
+        )
     return found
 
 
@@ -86,7 +93,9 @@ def draw(found: list[Reading], path: Path) -> None:
     for reading in found:
         force.plot(reading.path, reading.force, color=reading.ink, ls=reading.dashes, lw=1.4)
     force.axhline(1.0, color="0.6", lw=0.8, zorder=0)
-    force.set(title="the force as the slider sets off", xlabel=r"$X/\langle x_s\rangle$", ylabel="$F/F_k$")
+    force.set(
+        title="the force as the slider sets off", xlabel=r"$X/\langle x_s\rangle$", ylabel="$F/F_k$"
+    )
     force.set(xlim=(0.0, 5.0), ylim=(0.0, 1.3))
     plot_springs(springs, found)
     figure.savefig(path, dpi=130, format="png")
@@ -100,12 +109,16 @@ def plot_loads(axes: "Axes", found: list[Reading]) -> None:
         law, i = reading.thresholds, reading.thresholds.interface
         x = np.geomspace(law.ppf(1e-5), law.isf(1e-4), 2001)
         # points on both sides of a jump, so that it is drawn vertically
-        x = np.sort(np.concatenate([x, law.breakpoints[1:] * (1 - 1e-9), law.breakpoints[1:] * (1 + 1e-9)]))
+        x = np.sort(
+            np.concatenate([x, law.breakpoints[1:] * (1 - 1e-9), law.breakpoints[1:] * (1 + 1e-9)])
+        )
         load, bend = i.force_threshold(x) / i.mean_force_threshold, i.force_law
         steepness = np.where(x <= bend.at, bend.exponent, bend.above)
         density = law.pdf(x) * x / (steepness * load)
         axes.plot(load, density, color=reading.ink, ls=reading.dashes, lw=1.4, label=reading.name)
-    axes.set(title="how contacts share the load", xlabel="load of a contact / its mean", ylabel="density")
+    axes.set(
+        title="how contacts share the load", xlabel="load of a contact / its mean", ylabel="density"
+    )
     axes.set(xlim=(0.0, 3.0), ylim=(0.0, 1.6))
     axes.legend(fontsize="small")
 
@@ -116,9 +129,20 @@ def plot_thresholds(axes: "Axes", found: list[Reading]) -> None:
         law = reading.thresholds
         mean = law.mean()
         marks = law.breakpoints[1:] / mean
-        x = np.sort(np.concatenate([np.linspace(0.0, 3.0, 1501), marks * (1 - 1e-9), marks * (1 + 1e-9)]))
-        axes.plot(x, law.pdf(x * mean) * mean, color=reading.ink, ls=reading.dashes, lw=1.4, label=reading.name)
-    axes.set(title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$")
+        x = np.sort(
+            np.concatenate([np.linspace(0.0, 3.0, 1501), marks * (1 - 1e-9), marks * (1 + 1e-9)])
+        )
+        axes.plot(
+            x,
+            law.pdf(x * mean) * mean,
+            color=reading.ink,
+            ls=reading.dashes,
+            lw=1.4,
+            label=reading.name,
+        )
+    axes.set(
+        title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$"
+    )
     axes.set(xlim=(0.0, 3.0), ylim=(0.0, None))
     axes.legend(fontsize="small")
 
@@ -128,8 +152,18 @@ def plot_springs(axes: "Axes", found: list[Reading]) -> None:
     for row, reading in enumerate(found):
         value = reading.propensity.critical_spring
         hatch = "//" if reading.dashes == "--" else None
-        axes.barh(row, value - 3e-4, left=3e-4, color=reading.ink, height=0.6, hatch=hatch, edgecolor="white")
-        axes.annotate(f"{value:.2g}", (value, row), xytext=(4, 0), textcoords="offset points", va="center")
+        axes.barh(
+            row,
+            value - 3e-4,
+            left=3e-4,
+            color=reading.ink,
+            height=0.6,
+            hatch=hatch,
+            edgecolor="white",
+        )
+        axes.annotate(
+            f"{value:.2g}", (value, row), xytext=(4, 0), textcoords="offset points", va="center"
+        )
     axes.set_yticks(range(len(found)), [reading.name for reading in found])
     axes.invert_yaxis()
     axes.set(xscale="log", xlim=(3e-4, 3.0), xlabel=r"$K^*/(N\langle k\rangle)$")

@@ -32,9 +32,14 @@ def both(amplitude: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def static_force(temperature: float, hold: float, tolerance: float = 1e-6) -> float:
     """The largest force on the way after two thresholds at speed 1 and a hold, of soft contacts with ω = 1."""
-    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=origins.Thermal("soft", temperature))
+    contacts = origins.Contacts(
+        origins.gaussian(1.0, 0.2), thermal=origins.Thermal("soft", temperature)
+    )
     after = np.linspace(0.02, 2.0, 100)
-    path, time = np.concatenate([[2.0, 2.0], 2.0 + after]), np.concatenate([[2.0, 2.0 + hold], 2.0 + hold + after])
+    path, time = (
+        np.concatenate([[2.0, 2.0], 2.0 + after]),
+        np.concatenate([[2.0, 2.0 + hold], 2.0 + hold + after]),
+    )
     found = master.solve(contacts, path, tolerance, time=time)
     if not found.success:
         raise RuntimeError(found.message)
@@ -72,7 +77,13 @@ def finite_numbers(contacts_each: int = 128_000_000) -> list[tuple[np.ndarray, n
     for size in SIZES:
         replicas = contacts_each // size
         run = eq_model.simulate(
-            NARROW, path, spring=1.0, slip="reform-after", n_contacts=size, n_replicas=replicas, seed=1
+            NARROW,
+            path,
+            spring=1.0,
+            slip="reform-after",
+            n_contacts=size,
+            n_replicas=replicas,
+            seed=1,
         )
         own = of_slips(run.slips, replicas) - exact
         found.append((own.mean(axis=0), own.std(axis=0, ddof=1) / np.sqrt(replicas)))
@@ -88,16 +99,40 @@ def draw_contacts() -> None:
     scale = np.array(SIZES) ** (-2.0 / 3.0)
     figure = Figure(figsize=(10, 3.6), layout="constrained")
     axes = figure.subplots(1, 2)
-    named = [*(f"$X_T$ of slip {k}" for k in (1, 2, 3)), "first period", "second", *(f"drop {k}" for k in (1, 2, 3))]
+    named = [
+        *(f"$X_T$ of slip {k}" for k in (1, 2, 3)),
+        "first period",
+        "second",
+        *(f"drop {k}" for k in (1, 2, 3)),
+    ]
     for k, name in enumerate(named):
-        weights = np.linalg.pinv(np.stack([np.ones(3), scale], axis=1) / error[:, k : k + 1]) / error[:, k]
+        weights = (
+            np.linalg.pinv(np.stack([np.ones(3), scale], axis=1) / error[:, k : k + 1])
+            / error[:, k]
+        )
         at, slope = weights @ mean[:, k]
         # the next order is N^(-1), by up to five times the slope
-        off = float(np.hypot(np.linalg.norm(weights[0] * error[:, k]), 5.0 * slope * weights[0] @ scale**1.5))
-        print(f"{name.replace('$', '')}: {at:.1e} ± {off:.1e} beside the master equation, {slope:.2f} N^(-2/3)")
+        off = float(
+            np.hypot(
+                np.linalg.norm(weights[0] * error[:, k]), 5.0 * slope * weights[0] @ scale**1.5
+            )
+        )
+        print(
+            f"{name.replace('$', '')}: {at:.1e} ± {off:.1e} beside the master equation, {slope:.2f} N^(-2/3)"
+        )
         ax = axes[0] if k < 3 else axes[1]
         ink = ("#1f4e79", "#2e7d32", "#c0392b", "#1f4e79", "#2e7d32", "0.2", "0.5", "0.7")[k]
-        ax.errorbar(scale, mean[:, k], yerr=error[:, k], fmt="o", ms=3, capsize=2, lw=1, color=ink, label=name)
+        ax.errorbar(
+            scale,
+            mean[:, k],
+            yerr=error[:, k],
+            fmt="o",
+            ms=3,
+            capsize=2,
+            lw=1,
+            color=ink,
+            label=name,
+        )
         ax.plot([0.0, scale[0]], [at, at + slope * scale[0]], lw=1, color=ink)
     for ax in axes:
         ax.axhline(0.0, color="0.6", lw=0.8, zorder=0)
@@ -117,18 +152,28 @@ def main() -> None:
     axes = figure.subplots(1, 3, width_ratios=(1, 1, 1.4))
     for ax, amplitude in zip(axes, (3.0, 0.9), strict=False):
         path, exact, paper = both(amplitude)
-        print(f"turning at +-{amplitude}: the paper's closure is off by {np.abs(paper - exact).max():.3f}")
+        print(
+            f"turning at +-{amplitude}: the paper's closure is off by {np.abs(paper - exact).max():.3f}"
+        )
         ax.plot(path, exact, color="#1f4e79", lw=1.4, label="exact cohorts")
         ax.plot(path, paper, color="#c0392b", lw=1.2, ls="--", label="paper's closure")
-        ax.set(title=f"turns at ±{amplitude}", xlabel="slider position $X$", ylabel=r"force $F/(N_c\langle k\rangle)$")
+        ax.set(
+            title=f"turns at ±{amplitude}",
+            xlabel="slider position $X$",
+            ylabel=r"force $F/(N_c\langle k\rangle)$",
+        )
         ax.legend(loc="center" if amplitude > 1.0 else "lower right", fontsize="small")
     drive = np.linspace(0.0, 12.0, 1201)
     for slip, ink, dashes in RULES:
         found = master.solve(CONTACTS, drive, spring=SPRING, slip=slip)
-        print(f"{slip}: {found.slips.drive.size} slips, {found.regime.verdict}; {found.regime.reason}")
+        print(
+            f"{slip}: {found.slips.drive.size} slips, {found.regime.verdict}; {found.regime.reason}"
+        )
         axes[2].plot(drive, found.force, color=ink, ls=dashes, lw=1.4, label=f'slip = "{slip}"')
     title = f"soft slider, K = {SPRING} $N_c\\langle k\\rangle$"
-    axes[2].set(title=title, xlabel="drive position $X_T$", ylabel=r"force $F/(N_c\langle k\rangle)$")
+    axes[2].set(
+        title=title, xlabel="drive position $X_T$", ylabel=r"force $F/(N_c\langle k\rangle)$"
+    )
     axes[2].legend(loc="lower right", fontsize="small", framealpha=1.0)
     figure.savefig(PICTURES / "sliders.png", dpi=130)
     draw_holds()

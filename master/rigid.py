@@ -5,14 +5,14 @@ from copy import copy
 
 import numpy as np
 
-from master.lives.life import Life
-from master.motion.motion import Motion
+from master.motion import Motion
+from master.numerics import polynomials
 from master.outcome import Progress, outcome
-from master.renewal import rule
 from master.renewal.births import Births, reforming_law
 from master.renewal.edges import ROUNDED, SAME_TIME, edges
 from master.renewal.march import WIDE, March
 from master.solution import Solution
+from master.survival.life import Life
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 from origins.thresholds.law import Array
@@ -67,7 +67,7 @@ def solve_rigid(
         force_error=error,
         holding=1.0 - broken,
         run_time=clock.perf_counter() - began,
-        nodes=march.begin.size * rule.DEGREE,
+        nodes=march.begin.size * polynomials.DEGREE,
         success=success,
         message=message,
         _march=march,
@@ -152,7 +152,7 @@ def march_of(
         fault = "exact values break together more often on this path than can be followed"
         hint = "give them a width, as in gaussian(mean, std), or shorten the path"
         raise InputError(f"thresholds: {fault}; {hint}")
-    first = WIDE * life.grain * (allowed / 1e-8) ** (1.0 / rule.DEGREE)
+    first = WIDE * life.grain * (allowed / 1e-8) ** (1.0 / polynomials.DEGREE)
     return March(births, contacts.start, plan.times, allowed, first, stretch)
 
 
@@ -186,4 +186,4 @@ def _read(march: March, values: Array, t: Array) -> Array:
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
     leg_begin = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
     share = np.clip((t - leg_begin - since[panel]) / width[panel], 0.0, 1.0)
-    return np.asarray(np.einsum("ij,ij->i", rule.values(share), values[panel]))
+    return np.asarray(np.einsum("ij,ij->i", polynomials.values(share), values[panel]))

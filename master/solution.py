@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.grains import GrainLife
-from master.motion.motion import Motion
-from master.renewal import rule
+from master.motion import Motion
+from master.numerics import polynomials
 from master.renewal.births import Panels
 from master.renewal.march import March
 from master.renewal.past import Past
+from master.survival.grains import GrainLife
 from origins import InputError
 from origins.brief import brief
 from origins.errors import finite, refuse
@@ -46,7 +46,7 @@ class StretchDistribution:
             inside = np.flatnonzero(within)
             origin, history = origin[inside], motion.history(at, np.zeros((inside.size, 1)))
             out[inside] = start.pdf(origin) * life.left(origin[:, None], history)[0, :, 0]
-        slopes = march.breaks @ rule.SLOPES.T / march.width[:, None]
+        slopes = march.breaks @ polynomials.SLOPES.T / march.width[:, None]
         for leg in np.flatnonzero(motion.speeds):
             first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
             speed = float(motion.speeds[leg])
@@ -54,7 +54,7 @@ class StretchDistribution:
             here = np.flatnonzero((s > first) & (s <= last))
             panel = np.maximum(np.searchsorted(march.begin, s[here] - delay) - 1, 0)
             share = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
-            rate = rule.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0]
+            rate = polynomials.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0]
             held = life.left(law, motion.history(at, s[here, None]))[0, :, 0]
             out[here] += held * rate / abs(speed)
         return out.reshape(shape)[()]

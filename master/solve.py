@@ -5,13 +5,13 @@ import time as clock
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import life_of
 from master.outcome import Progress, unheard
 from master.paper.q15_transient import AgeingTransient, solve_q15
 from master.rigid import motion_of, solve_rigid
 from master.soft.in_time.refining import solve_on_stiff_spring
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
+from master.survival.make import life_of
 from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
@@ -34,9 +34,9 @@ def solve(
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
     master.paper.explicit. The files that do the work on a rigid slider, in the order in which they begin, are `solve`,
-    `rigid`, `motion.motion`, `lives.make`, `lives.life`, `renewal.births`, `renewal.edges`, `renewal.march`,
-    `renewal.kernels`, `renewal.past`, `outcome` and `renewal.rule`; docs/equations.md says what each does, and derives
-    the equation.
+    `rigid`, `motion`, `survival.make`, `survival.life`, `renewal.births`, `renewal.edges`, `renewal.march`,
+    `renewal.kernels`, `renewal.past`, `outcome` and `numerics.polynomials`; docs/equations.md says what each does, and
+    derives the equation.
 
     Parameters
     ----------

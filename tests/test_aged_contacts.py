@@ -117,9 +117,14 @@ def test_fresh_thresholds_far_above_a_final_law_that_is_no_single_normal_one() -
 def test_contacts_hold_beyond_every_fresh_threshold_as_these_spread() -> None:
     fresh, final = origins.gaussian(1.0, 4e-4), origins.gaussian(0.392, 0.0408)
     contacts, x = Contacts(fresh, ageing=Ageing(final, 1.5e-5)), np.array([1.002, 1.005, 1.01])
-    solved, drawn = master.solve(contacts, x, 1e-6), eq_model.simulate(contacts, x, n_contacts=300_000)
+    solved, drawn = (
+        master.solve(contacts, x, 1e-6),
+        eq_model.simulate(contacts, x, n_contacts=300_000),
+    )
     assert solved.success
-    assert (np.abs(solved.force - drawn.force) < 4.0 * drawn.force_standard_error + drawn.step_error).all()
+    assert (
+        np.abs(solved.force - drawn.force) < 4.0 * drawn.force_standard_error + drawn.step_error
+    ).all()
 
 
 REFINED = {1000.0: 0.499542736223, 100.0: 0.496482068623, 10.0: 0.490625246688, 3.0: 0.487907968334}

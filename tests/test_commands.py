@@ -255,7 +255,9 @@ def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeyp
 
 def test_precision_refuses_laws_before_any_work(capsys: Any) -> None:
     contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "delay": {"time": 0.2}}
-    status, out, told = said(capsys, "precision", write(contacts=contacts, drive={"to": 6.0, "points": 9}))
+    status, out, told = said(
+        capsys, "precision", write(contacts=contacts, drive={"to": 6.0, "points": 9})
+    )
     assert status == 2 and not out and "contacts.delay: precision does not take it" in told[0]
 
 

@@ -114,7 +114,9 @@ def test_heat_and_one_exact_value(law):
     assert np.abs(relaxed.force - beside.force).max() < 1e-8 and relaxed.force[3] < 0.4
 
 
-@pytest.mark.parametrize(("velocity", "tolerance"), [pytest.param(0.1, 1e-4, marks=pytest.mark.slow), (1.0, 1e-5)])
+@pytest.mark.parametrize(
+    ("velocity", "tolerance"), [pytest.param(0.1, 1e-4, marks=pytest.mark.slow), (1.0, 1e-5)]
+)
 def test_a_thin_layer_of_heat_before_an_exact_value(velocity, tolerance):
     """After turns thin layers of early breaks show in F, where panels end before them and at them."""
     thermal, start = origins.Thermal("soft", 1.3e-3, 500.0), origins.gaussian_start(0.0, 0.07)

@@ -16,7 +16,7 @@ LOWER = """
 import json, sys, types
 from pathlib import Path
 
-name, degree, counts = "master.renewal.rule", *json.loads(sys.argv[1])
+name, degree, counts = "master.numerics.polynomials", *json.loads(sys.argv[1])
 rule = sys.modules[name] = types.ModuleType(name)
 text = Path(sys.argv[2]).read_text(encoding="utf-8")
 exec(text.replace("\\nDEGREE = 16\\n", f"\\nDEGREE = {degree}\\n"), rule.__dict__)
@@ -24,10 +24,10 @@ exec(text.replace("\\nDEGREE = 16\\n", f"\\nDEGREE = {degree}\\n"), rule.__dict_
 import numpy as np
 import scipy.stats
 
-import master.renewal
-master.renewal.rule = rule
-from master.lives.life import ColdLife
-from master.motion.motion import Motion
+import master.numerics
+master.numerics.polynomials = rule
+from master.survival.life import ColdLife
+from master.motion import Motion
 from master.renewal.births import Births
 from master.renewal.march import March
 from master.rigid import breaks_until
@@ -60,7 +60,7 @@ print(json.dumps(errors))
 )
 def test_the_order_is_one_more_than_the_degree(python, degree: int, counts: tuple) -> None:
     """Breaks of thresholds of the gamma law of shape 2, whose number has a closed form."""
-    rule = ROOT / "master" / "renewal" / "rule.py"
+    rule = ROOT / "master" / "numerics" / "polynomials.py"
     assert rule.read_text(encoding="utf-8").count(TOLD) == 1
     done = python(LOWER, json.dumps([degree, counts]), str(rule))
     assert done.returncode == 0, done.stderr

@@ -10,7 +10,7 @@ from scenes import GAUSSIAN, ROUGH, scene
 import origins
 import toolkit
 from toolkit.judge.compare import compare
-from toolkit.pictures.compare import draw_comparison
+from toolkit.judge.picture import draw_comparison
 from toolkit.pictures.run import plot_force, plot_holding, plot_position
 from toolkit.pictures.thresholds import plot_density, plot_samples
 from toolkit.results.records import sample_curve

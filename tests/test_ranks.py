@@ -13,7 +13,7 @@ import pytest
 from scenes import scene, write
 
 import toolkit
-from toolkit.running.signals import Launch, read_environment
+from toolkit.processes.signals import Launch, read_environment
 from toolkit.scene.tables import to_toml
 
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
@@ -102,7 +102,7 @@ def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Any) -> None:
 IN_TURN = """
 import contextlib, io, json, sys
 from toolkit.command import main
-from toolkit.running.signals import read_environment
+from toolkit.processes.signals import read_environment
 told = []
 for words in " ".join(sys.argv[1:]).split(" then "):
     streams = io.StringIO(), io.StringIO()

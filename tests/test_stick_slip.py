@@ -55,7 +55,9 @@ BEHIND = [(NARROW, -1.05, 0.5), (BROAD, -1.2, 20.0), (scipy.stats.expon(), 1.2, 
 
 
 @pytest.mark.parametrize(("law", "place", "wait"), BEHIND)
-def test_the_second_generation_may_be_sharper_than_the_first(law, place: float, wait: float) -> None:
+def test_the_second_generation_may_be_sharper_than_the_first(
+    law, place: float, wait: float
+) -> None:
     contacts = Contacts(law, reforming=place, delay=origins.Delay(wait))
     found, x = master.propensity(contacts, 1e-6), np.linspace(0.0, 2.0 * wait + 7.0, 20_001)[1:]
     force, kinetic = master.solve(contacts, x, 1e-7).force, master.steady_state(contacts).force

@@ -223,7 +223,7 @@ def test_a_disk_that_refuses_checkpoints_or_results_loses_nothing(
     assert "no checkpoint: No space left on device; the run goes on" in capsys.readouterr().err
     file = write(**SMALL)
     with monkeypatch.context() as patch:
-        patch.setattr("toolkit.results.files.write_json", full)
+        patch.setattr("toolkit.saving.write_json", full)
         assert said(capsys, "run", file, "--out", "out")[0] == 2
         assert os.listdir("out") == ["checkpoint"]
     assert said(capsys, "run", file, "--out", "out")[0] == 0

@@ -11,9 +11,9 @@ import pytest
 from solving import gauss
 
 import master
-from master.lives.life import ColdLife
 from master.outcome import unheard
 from master.rigid import solve_rigid
+from master.survival.life import ColdLife
 from origins import Contacts, Drive, gaussian, gaussian_start, rectangular
 from origins.start import Start
 

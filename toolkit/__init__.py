@@ -14,13 +14,14 @@ from toolkit.version import __version__
 
 if TYPE_CHECKING:
     from toolkit.pictures.run import plot
-    from toolkit.results.files import load, save
+    from toolkit.results.files import load
     from toolkit.running.runner import run
+    from toolkit.saving import save
     from toolkit.scene.scene import load_scene
 
 __all__ = ["__version__", "load", "load_scene", "plot", "run", "save"]
 
-_HOMES = {"load": "results.files", "save": "results.files", "plot": "pictures.run"}
+_HOMES = {"load": "results.files", "save": "saving", "plot": "pictures.run"}
 _HOMES |= {"run": "running.runner", "load_scene": "scene.scene"}
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:  # else imported in functions, so that `main` catches an interrupt
     import argparse
 
-    from toolkit.running.signals import Launch
+    from toolkit.processes.signals import Launch
 
 COMMANDS = {
     "run": "solve a scene: F(X) with its error and run time, result files and a picture",
@@ -25,7 +25,7 @@ def main(words: list[str] | None = None) -> int:
     interrupted, 141 nobody reads its output, 143 terminated."""
     # these cover the time of the imports, before there is a run to end
     try:
-        from toolkit.running.signals import Terminated, terminable
+        from toolkit.processes.signals import Terminated, terminable
 
         try:
             with terminable():
@@ -47,7 +47,7 @@ def main(words: list[str] | None = None) -> int:
 def _run(words: list[str]) -> int:
     from contextlib import redirect_stderr, redirect_stdout
 
-    from toolkit.running.signals import read_environment
+    from toolkit.processes.signals import read_environment
 
     # numpy reads it: matrices are small here, and BLAS's threads would cost more than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -94,7 +94,7 @@ def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     from importlib import import_module
 
     commands = import_module("toolkit.commands")
-    from toolkit.running.ranks import end_together, on_root
+    from toolkit.processes.ranks import end_together, on_root
 
     command = getattr(commands, parsed.command)
     if parsed.command not in commands.ON_ONE_RANK:

@@ -10,17 +10,17 @@ from typing import Any
 
 from origins.errors import refuse
 from toolkit.judge import compare as judge
+from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
 from toolkit.judge.describe import PROPENSITY, Description, describe
-from toolkit.pictures import compare as pictures
 from toolkit.pictures.thresholds import save_thresholds_picture
+from toolkit.processes.ranks import on_root
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import NOT_COMPARED, deviation, is_coupled, sample_curve, slip_line
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
-from toolkit.running.ranks import on_root
 from toolkit.scene.interfaces import Number, foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes

@@ -95,7 +95,10 @@ class Scratch(NamedTuple):
 
 def make_scratch() -> Scratch:
     """Arrays for one block."""
-    words, survival = np.zeros((3, 4 * ROW), np.uint32), np.array([-1.0, 0.0])  # wanted at no stretch so far
+    words, survival = (
+        np.zeros((3, 4 * ROW), np.uint32),
+        np.array([-1.0, 0.0]),
+    )  # wanted at no stretch so far
     rows = np.zeros(LANES, np.uint32), np.zeros(LANES), np.zeros(2 * LANES, np.int64), survival
     return Scratch(words[0], words[1], words[2], *rows)
 

@@ -19,9 +19,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
-from master.lives.age.cells import highest
 from master.outcome import Progress, outcome
-from master.paper.q15_steady import ageing_of, make_ageing
+from master.steady.q15 import ageing_of, make_ageing
+from master.survival.age.cells import highest
 from origins import Contacts, Drive
 from origins.brief import brief
 from origins.errors import one_of, positive, refuse, whole

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from master.lives.life import Life
-from master.motion.motion import Motion
-from master.renewal import rule
-from master.renewal.rule import Pieces, Rows
+from master.motion import Motion
+from master.numerics import polynomials
+from master.numerics.polynomials import Pieces, Rows
+from master.survival.life import Life
 from origins import Contacts
 from origins.start import SingleStart, Start
 from origins.thresholds.law import Array
@@ -55,7 +55,7 @@ class Births:
 
     def add_work(self, pieces: int) -> None:
         """Add the work of so many pieces: 1 each, or pair_work at a node; of many stretches at birth 40 times that."""
-        cost = 1 if self.life.quick else rule.PANEL_NODES * self.life.pair_work
+        cost = 1 if self.life.quick else polynomials.PANEL_NODES * self.life.pair_work
         self.work += pieces * cost * (1 if self.law.is_single else 40)
 
 
@@ -107,7 +107,7 @@ class Nodes(NamedTuple):
         begin, width = ends[panel, None], np.maximum(np.diff(ends)[panel], TINY)[:, None]
         low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
         high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
-        lobatto = rule.lobatto(rule.PANEL_NODES)
+        lobatto = polynomials.lobatto(polynomials.PANEL_NODES)
         share = low + (high - low) * lobatto.nodes
         time, weight = begin + width * share, (high - low) * lobatto.series[:, 0]
         return cls(target[piece], panel, share, time, weight)
@@ -117,7 +117,7 @@ def legendre_births(ends: Array, slopes: Array, left: Array, right: Array, size:
     """Births on pieces from left to right, weighted by each one's own Legendre polynomials, shape (pieces, size);
     `ends` are those of the panels, `slopes` Legendre coefficients of the breaks' derivative, a row a panel."""
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
-    births = rule.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
+    births = polynomials.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
     z = np.clip((2.0 * nodes.time - middle) / width, -1.0, 1.0)
     weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.motion.motion import Motion
+from master.motion import Motion
 from master.renewal.births import Births
 from origins.start import Start
 from origins.thresholds.law import Array

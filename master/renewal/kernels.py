@@ -9,19 +9,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.lives.life import NONE_LEFT, TIE, Life
-from master.motion.motion import Motion
+from master.motion import Motion
+from master.numerics import polynomials
+from master.numerics.polynomials import Pieces
+from master.numerics.table import Table
 from master.outcome import stop_after
-from master.renewal import rule
 from master.renewal.births import Births, Nodes
-from master.renewal.rule import Pieces
-from master.renewal.table import Table
+from master.survival.life import NONE_LEFT, TIE, Life
 from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
 
 # Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
-TARGETS: Array = np.concatenate([[0.0], rule.NODES, rule.CHECKS])
+TARGETS: Array = np.concatenate([[0.0], polynomials.NODES, polynomials.CHECKS])
 # Allowed error of a table at its panels' ends, divided by the last coefficients; it is larger beside a square root.
 AT_ENDS = 10.0
 # Pieces of births that are summed together: 0.1 GB.
@@ -195,18 +195,18 @@ class Kernels:
         panels = most if most <= 2 * panels else max(panels, 2 * have)
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
-        sums = np.zeros((t.size, 2, rule.DEGREE + 1))
-        parts = values.swapaxes(0, 1) @ rule.legendre_values(nodes.share)
+        sums = np.zeros((t.size, 2, polynomials.DEGREE + 1))
+        parts = values.swapaxes(0, 1) @ polynomials.legendre_values(nodes.share)
         first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
         sums[nodes.target[first]] = np.add.reduceat(parts, first)
-        found = sums.swapaxes(0, 1) @ rule.SLOPES
+        found = sums.swapaxes(0, 1) @ polynomials.SLOPES
         if delay > 0.0:  # contacts that are out count as well
             share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
-            found[0] += np.subtract(*rule.values(share))
+            found[0] += np.subtract(*polynomials.values(share))
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
-        solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : rule.DEGREE + 1, 1:]))
-        self._cache[speed, width] = Kernel(both.reshape(panels, -1, rule.DEGREE + 1), solve)
+        solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : polynomials.DEGREE + 1, 1:]))
+        self._cache[speed, width] = Kernel(both.reshape(panels, -1, polynomials.DEGREE + 1), solve)
         return self._cache[speed, width]
 
     def sums(self, speed: float, t: Array, ends: Array, breaks: Array) -> Array:
@@ -214,8 +214,8 @@ class Kernels:
         pieces, sums = t.size * (ends.size + self.straight(speed).edges.size), []
         for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
             nodes, values = self._integrals(speed, some, ends)
-            slopes = (breaks @ rule.SLOPES.T)[nodes.panel]
-            parts = (values * rule.legendre_sum(slopes, 2.0 * nodes.share - 1.0)).sum(axis=2)
+            slopes = (breaks @ polynomials.SLOPES.T)[nodes.panel]
+            parts = (values * polynomials.legendre_sum(slopes, 2.0 * nodes.share - 1.0)).sum(axis=2)
             sums.append([np.bincount(nodes.target, part, some.size) for part in parts])
         return np.concatenate(sums, axis=1)
 
@@ -236,7 +236,7 @@ def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> R
     known : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
     earlier : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
     """
-    count, size, targets = known.shape[1], rule.DEGREE + 1, TARGETS.size
+    count, size, targets = known.shape[1], polynomials.DEGREE + 1, TARGETS.size
     before = min(kernel.values.shape[0], len(earlier) + count) - 1
     panels = np.zeros((before + count, size))
     kept = min(len(earlier), before)
@@ -250,7 +250,7 @@ def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> R
     sums += panels[before:] @ kernel.values[0].T
     number, force = sums[:, :targets], sums[:, targets:]
     of_number = np.abs(number[:, size:] - 1.0).max(axis=1)
-    of_force = np.abs(force[:, :size] @ rule.AT_CHECKS.T - force[:, size:]).max(axis=1)
+    of_force = np.abs(force[:, :size] @ polynomials.AT_CHECKS.T - force[:, size:]).max(axis=1)
     # the residual of conservation is the share of contacts miscounted, which bear the longest stretch at
     # most; of samples at a few points the largest is at least half of the true one (measured)
     error = np.nan_to_num(2.0 * (of_number + of_force / stretch), nan=np.inf)

@@ -15,12 +15,12 @@ from copy import copy
 
 import numpy as np
 
-from master.lives.life import NONE_LEFT
+from master.numerics import polynomials
 from master.outcome import StoppedError, stop_after
-from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, Lump, Panels
 from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
 from master.renewal.past import Past
+from master.survival.life import NONE_LEFT
 from origins.start import Start
 from origins.thresholds.law import Array
 
@@ -60,7 +60,7 @@ class March:
         self.life, self.motion = births.life, births.motion
         self.stretch, self.unfinished = stretch, False
         self.begin = self.since = self.width = self.error = np.empty(0)
-        self.breaks = self.force = np.empty((0, rule.DEGREE + 1))
+        self.breaks = self.force = np.empty((0, polynomials.DEGREE + 1))
         self.lumps = [Lump(0.0, 1.0, start)]
         self._as_births = start.is_single and start.span == births.law.span and self.life.fresh
         self.kernels, self._past = Kernels(births), Past(births)
@@ -136,7 +136,7 @@ class March:
             # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
             calm = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance  # hardly any breaks
             widens_soon = calm or not quick or width <= 0.5 * first
-            spare = max(self.tolerance * (1e-2 if widens_soon else 0.5**rule.DEGREE), 1e-14)
+            spare = max(self.tolerance * (1e-2 if widens_soon else 0.5**polynomials.DEGREE), 1e-14)
             easy = easy + good if run.error.max() < spare else 0
             # each width needs its own kernel: wide panels are widened only if that serves many, or hardly any break
             needed = 0 if calm or width <= 0.5 * first else 32
@@ -164,8 +164,10 @@ class March:
         if not speed or since < memory or self.edges[-1] - self.reached < 8.0 * memory:
             return False
         first = max(int(np.searchsorted(self.begin, self.reached - memory, "right")) - 1, 0)
-        slopes = self.breaks[first:] @ rule.SLOPES.T / self.width[first:, None]
-        rates = slopes @ rule.legendre_values(rule.gauss(rule.PANEL_NODES).nodes).T
+        slopes = self.breaks[first:] @ polynomials.SLOPES.T / self.width[first:, None]
+        rates = (
+            slopes @ polynomials.legendre_values(polynomials.gauss(polynomials.PANEL_NODES).nodes).T
+        )
         alike = np.ptp(rates) < 0.25 * self.tolerance * rates.mean()
         return bool(alike and np.ptp(self.force[first:]) < 0.25 * self.tolerance * self.stretch)
 
@@ -209,7 +211,7 @@ class March:
             # contacts that are out count as well
             begin, _, width, breaks = self.panels(first, last)
             share = (leg_begin + t - [[[0.0]], [[delay]]] - begin[:, None]) / width[:, None]
-            values = rule.values(np.clip(share, 0.0, 1.0))
+            values = polynomials.values(np.clip(share, 0.0, 1.0))
             out[0] += np.einsum("ptn,pn->t", values[0] - values[1], breaks).reshape(grid.shape)
         return out
 
@@ -253,7 +255,9 @@ class March:
             setattr(other, name, getattr(self, name)[:begun].copy())
         if begun and other.reached > t:
             width = t - other.begin[-1]
-            to_part = rule.values(np.append(0.0, rule.NODES) * width / other.width[-1])
+            to_part = polynomials.values(
+                np.append(0.0, polynomials.NODES) * width / other.width[-1]
+            )
             other.width[-1] = width
             for values in (other.breaks, other.force):
                 values[-1] = to_part @ values[-1]
@@ -264,7 +268,7 @@ class March:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
         number, _ = self.known(np.full((1, TARGETS.size), end))
         leg_begin = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
-        nothing = np.zeros((1, rule.DEGREE + 1))
+        nothing = np.zeros((1, polynomials.DEGREE + 1))
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly, run = end - min(1e-6 * self.guess, end - begin), Run(nothing, nothing, np.zeros(1))
         for first, last in ((begin, nearly), (nearly, end)):

@@ -12,21 +12,21 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.life import MARGIN
-from master.motion.motion import History
-from master.renewal import rule
+from master.motion import History
+from master.numerics import polynomials
+from master.numerics.polynomials import Pieces, Rows
 from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, legendre_births
 from master.renewal.kernels import TARGETS
-from master.renewal.rule import Pieces, Rows
 from master.renewal.strand_births import StrandBirths
+from master.survival.life import MARGIN
 from origins.start import Start
 from origins.thresholds.law import Array
 
 # Where survivals take long, places in TARGETS, from 0 to the end, that give the values at all of them, and those that
 # check it: a layer right behind a turn would show at the first.
-FEW = [0, 3 * rule.DEGREE // 8, 11 * rule.DEGREE // 16, rule.DEGREE]
-CHECKED = [rule.DEGREE + 1, rule.DEGREE + 3]
-TO_ALL = rule.Points(2.0 * TARGETS[FEW] - 1.0).at(TARGETS)
+FEW = [0, 3 * polynomials.DEGREE // 8, 11 * polynomials.DEGREE // 16, polynomials.DEGREE]
+CHECKED = [polynomials.DEGREE + 1, polynomials.DEGREE + 3]
+TO_ALL = polynomials.Points(2.0 * TARGETS[FEW] - 1.0).at(TARGETS)
 # The survival jumps at exact thresholds: on panels that end there it is evaluated this share of the panel inside.
 INSIDE = 1e-9
 
@@ -67,7 +67,7 @@ class Past:
             return
         begin = self._motion.times[legs] + panels.since
         self._ends = np.append(begin, begin[-1:] + panels.width[-1:])
-        self._slopes = panels.breaks @ rule.SLOPES.T
+        self._slopes = panels.breaks @ polynomials.SLOPES.T
         self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
         self._dropped |= self._dropped_next
         self._legs = np.array(sorted(set(legs.tolist()) - self._dropped), dtype=int)
@@ -151,22 +151,24 @@ class Past:
             return
         births, pieces = self._births, self._pieces(t)
         # pieces may end at exact thresholds, where the survival jumps
-        nodes = rule.gauss if self._life.atoms.size else rule.lobatto
-        size = rule.PANEL_NODES if self._life.quick else 5  # few first where survivals take long
+        nodes = polynomials.gauss if self._life.atoms.size else polynomials.lobatto
+        size = (
+            polynomials.PANEL_NODES if self._life.quick else 5
+        )  # few first where survivals take long
         while pieces.owner.size:
             owner, low, high = pieces
             few = nodes(size)
             place = low[:, None] + (high - low)[:, None] * few.nodes
-            births.add_work(owner.size * size // rule.PANEL_NODES)
+            births.add_work(owner.size * size // polynomials.PANEL_NODES)
             held = self._life.left(births.law, self._motion.history(t[owner, None], place))
             born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
             # about the first coefficient c_n left out of number or force, by the decay of the last four
-            last, fall = rule.last_and_fall(np.abs(held @ few.series[:, -4:]))
+            last, fall = polynomials.last_and_fall(np.abs(held @ few.series[:, -4:]))
             fall, unit = np.sqrt(fall), np.array([[1.0], [self._life.reach]])
             left_out, fall = (last * fall / unit).max(axis=0), fall.max(axis=0)
             wrong = left_out * born
             leg = self._motion.leg(place[:, 1])
-            narrowest = rule.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
+            narrowest = polynomials.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
             rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
             rough &= births.work <= MOST_WORK and clock.monotonic() <= births.until
             good = pieces.pick(~rough)
@@ -177,8 +179,8 @@ class Past:
             missed = left_out[~rough] * (np.abs(weights) * fading).sum(axis=1)
             yield good, np.append(found, missed[None], axis=0)
             pieces = pieces.pick(rough)
-            pieces = pieces.halves() if size == rule.PANEL_NODES else pieces
-            size = min(2 * size, rule.PANEL_NODES)
+            pieces = pieces.halves() if size == polynomials.PANEL_NODES else pieces
+            size = min(2 * size, polynomials.PANEL_NODES)
 
     def _pieces(self, t: Array) -> Pieces:
         """Pieces of the births on each leg, for each target, with ends where the survival bends."""

@@ -8,11 +8,11 @@ is a weighted sum over strands: on pieces of the time of birth the survival is a
 import numpy as np
 from numpy.polynomial import legendre
 
-from master.lives.age.ageing import AgeingLife
-from master.lives.age.strands import over_root
-from master.motion.motion import Motion
-from master.renewal import rule
+from master.motion import Motion
+from master.numerics import polynomials
 from master.renewal.births import Births, legendre_births
+from master.survival.age.ageing import AgeingLife
+from master.survival.age.strands import over_root
 from origins.thresholds.law import Array
 
 # Gauss nodes of a piece in the time of birth, its length divided by the narrowest width of the thresholds, and fewest
@@ -34,14 +34,14 @@ class StrandBirths:
         ends, speed = np.append(since, since[-1] + width[-1]), float(motion.speeds[leg])
         count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
-        left, right, basis = edges[:-1], edges[1:], rule.gauss(SIZE)
+        left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
         fresh = life.begin(life.stretches(births.law))
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs = life.follow(self._strands, leg + 1)
-        births_on = legendre_births(ends, breaks @ rule.SLOPES.T, left, right, SIZE)
+        births_on = legendre_births(ends, breaks @ polynomials.SLOPES.T, left, right, SIZE)
         self._weight = births_on @ basis.series.T  # of the pieces' nodes in a sum over all births
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
@@ -69,9 +69,9 @@ def _missed(survival: Array, weight: Array) -> Array:
     births is nearly constant; what the last ones contribute to the sums underestimates it up to 20 times. The
     geometric mean of both is about right, twice that a bound.
     """
-    basis = rule.gauss(SIZE)
+    basis = polynomials.gauss(SIZE)
     size = np.abs(survival @ basis.series)
-    last, fall = rule.last_and_fall(size)
+    last, fall = polynomials.last_and_fall(size)
     alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)
     moments_of_births = np.abs(weight @ legendre.legvander(2.0 * basis.nodes - 1.0, SIZE - 1))
     changed = (size[..., -2:] * moments_of_births[:, -2:]).sum(axis=-1).max(axis=0)

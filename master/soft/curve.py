@@ -17,7 +17,7 @@ import numpy.typing as npt
 from numpy.polynomial import Legendre, legendre
 from scipy.optimize.elementwise import find_root
 
-from master.renewal import rule
+from master.numerics import polynomials
 from origins.thresholds.law import Array
 
 
@@ -159,7 +159,7 @@ class SlipBegin(NamedTuple):
         panel = int(curve.panel(y))
         begin, width = curve.begin[panel], curve.width[panel]
         # Bernstein's and Markov's inequalities: the slope of a polynomial's error, of this degree
-        inside = max((y - begin) * (begin + width - y), (0.5 * width / rule.DEGREE) ** 2)
-        steep = self.error * rule.DEGREE / np.sqrt(inside)
+        inside = max((y - begin) * (begin + width - y), (0.5 * width / polynomials.DEGREE) ** 2)
+        steep = self.error * polynomials.DEGREE / np.sqrt(inside)
         jumps = (curve.drops == y).any() or curve.load_slope(y) > 10.0 * steep
         return 0.0 if jumps else float(steep / curve.curvature(y))

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from master.lives.life import ColdLife
-from master.motion.motion import Motion
+from master.motion import Motion
+from master.numerics import polynomials
 from master.outcome import StoppedError
-from master.renewal import rule
 from master.renewal.births import MOST_WORK, Births, reforming_law
 from master.renewal.edges import SMOOTHER, Moment, edges
 from master.renewal.kernels import TARGETS, Run
 from master.renewal.march import WIDE, March
 from master.soft.curve import LoadCurve, SlipBegin
+from master.survival.life import ColdLife
 from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -123,7 +123,7 @@ class Move:
             if not self._advance():
                 self._ahead *= 2.0
                 self._plan(self._march, self._march.reached, self._march.reached)
-            self.contacts.nodes += (len(self._march.begin) - before) * rule.DEGREE
+            self.contacts.nodes += (len(self._march.begin) - before) * polynomials.DEGREE
         loaded, march, reach = self.loaded, self._march, self.contacts.life.reach
         panels = march.begin, march.width, march.force, march.error
         begin, width, force, missed = (np.array(values[self._first :]) for values in panels)
@@ -133,7 +133,10 @@ class Move:
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
         error = loaded.error + np.maximum.accumulate(missed) * reach + rounding
-        drops, series = np.array(times) - loaded.end, self.direction * force @ rule.TO_LEGENDRE.T
+        drops, series = (
+            np.array(times) - loaded.end,
+            self.direction * force @ polynomials.TO_LEGENDRE.T,
+        )
         return LoadCurve(begin, width, series, error, drops, self.contacts.spring)
 
     def _advance(self) -> bool:
@@ -182,8 +185,11 @@ class MoveWithoutBirths(Move):
             return False
         width = min(WIDE * grain, float(later[0]) - begin)
         while True:
-            force = march.known(begin + width * TARGETS[None])[1, :, : rule.DEGREE + 1]
-            error = np.abs(force @ rule.TO_LEGENDRE[-2:].T).max(axis=1) / self.contacts.life.reach
+            force = march.known(begin + width * TARGETS[None])[1, :, : polynomials.DEGREE + 1]
+            error = (
+                np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1)
+                / self.contacts.life.reach
+            )
             if error[0] <= tolerance or width <= STILL * grain:
                 break
             width *= 0.5

@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from master.motion.motion import drive_motion
+from master.motion import drive_motion
 from master.outcome import outcome
 from master.stick_slip.extremes import extremes
 from origins import Contacts

@@ -72,7 +72,9 @@ def solve_soft(
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
         if contacts.thresholds.atoms[0].size and not contacts.start.is_single:
             fault = "with a width reach exact thresholds one after the other, which steps in time do not resolve"
-            raise InputError(f"contacts.start: stretches {fault}; give the exact values a width, too")
+            raise InputError(
+                f"contacts.start: stretches {fault}; give the exact values a width, too"
+            )
         found = refined(contacts, drive, balance_of(contacts, drive), tolerance, progress, until)
     else:
         found = ColdSlider(contacts, drive, tolerance, until).follow()

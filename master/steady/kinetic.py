@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.make import steady_life
 from master.outcome import WELL, judged
 from master.steady.steady import state_at
 from master.steady.sums import summed
+from master.survival.make import steady_life
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts

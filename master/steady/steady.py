@@ -7,14 +7,14 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from master.lives.heat import ThermalLife
-from master.lives.life import Life
-from master.lives.make import steady_life
+from master.numerics.polynomials import Pieces
 from master.outcome import WELL, judged
-from master.paper.q15_steady import paper_steady
-from master.renewal.rule import Pieces
+from master.steady.q15 import paper_steady
 from master.steady.sums import summed
 from master.steady.travel import Travel
+from master.survival.heat import ThermalLife
+from master.survival.life import Life
+from master.survival.make import steady_life
 from origins import Contacts, Thresholds
 from origins.contacts import LAWS, check_contacts
 from origins.errors import between

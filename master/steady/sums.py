@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from master.renewal.table import Table
+from master.numerics.table import Table
 from master.steady.travel import check_finite, thresholds_beyond
 from origins import Contacts
 from origins.thresholds.law import Array

@@ -8,10 +8,10 @@ integrals over the way, the slider's travel since a contact's birth (paper, Eqs.
 
 import numpy as np
 
-from master.lives.heat import ThermalLife
-from master.lives.life import Life
 from master.renewal.births import reforming_law
 from master.renewal.kernels import Straight
+from master.survival.heat import ThermalLife
+from master.survival.life import Life
 from origins import Contacts, InputError
 from origins.start import Start
 from origins.thresholds.law import Array

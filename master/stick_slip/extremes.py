@@ -5,12 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from master.lives.make import steady_life
-from master.motion.motion import Motion
-from master.renewal import rule
+from master.motion import Motion
+from master.numerics import polynomials
 from master.renewal.march import WIDE, March
 from master.rigid import ROUND_OFF, SMALLEST_TOLERANCE, longest_stretch, march_of
 from master.steady.travel import Travel
+from master.survival.make import steady_life
 from origins import Contacts
 from origins.thresholds.law import Array
 
@@ -105,7 +105,7 @@ def unit_of(travel: Travel) -> float:
 def _steepest_and_highest(march: March, travel: Travel) -> tuple[Largest, Largest]:
     """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `travel` as in `forward_march`."""
     begin, width = travel.velocity * np.array([march.begin, march.width])
-    series = np.array(march.force) @ rule.TO_LEGENDRE.T
+    series = np.array(march.force) @ polynomials.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
     errors = (np.maximum(march.error, 2e-15) + march.life_error) * march.stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
@@ -119,7 +119,7 @@ def _steepest_and_highest(march: March, travel: Travel) -> tuple[Largest, Larges
     # on panels narrower than this the change of F is rounding, and so would be its slope
     wide = width > min(1e-6 * travel.typical, 0.5 * width.max())
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
-    errors = 2.0 * rule.DEGREE**2 * errors / width + shifted / travel.grain
+    errors = 2.0 * polynomials.DEGREE**2 * errors / width + shifted / travel.grain
     fall = _largest(slopes, errors[wide], begin[wide], width[wide])
     return fall._replace(value=max(fall.value, 0.0)), force
 
@@ -129,7 +129,7 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
     low, high, rows = -np.ones(begin.size), np.ones(begin.size), np.arange(begin.size)
     for _ in range(5):  # then the place is known to 1e-6 of a panel
         z = np.linspace(low, high, 33, axis=1)
-        values = rule.legendre_sum(series, z)
+        values = polynomials.legendre_sum(series, z)
         at = values.argmax(axis=1)
         low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, 32)]
     best = values.max(axis=1)

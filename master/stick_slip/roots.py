@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from master.renewal import rule
+from master.numerics import polynomials
+from master.numerics.table import SIZE, Table
 from master.renewal.kernels import NARROWEST_PANEL
-from master.renewal.table import SIZE, Table
 from master.steady.travel import FEW, UNDERFLOW, Travel
 from origins.thresholds.law import Array
 from origins.thresholds.tail import tail_rate
@@ -108,8 +108,8 @@ class Transform:
         pieces = np.maximum(np.ceil(table.widths[:felt] * fastest / wave), 1.0).astype(int)
         numbers = np.append(0, pieces.cumsum())
         edges = np.interp(np.arange(numbers[-1] + 1), numbers, table.edges[: felt + 1])[:, None]
-        way = edges[:-1] + np.diff(edges, axis=0) * rule.gauss(size).nodes
-        weight = np.diff(edges, axis=0) * rule.gauss(size).series[:, 0]
+        way = edges[:-1] + np.diff(edges, axis=0) * polynomials.gauss(size).nodes
+        weight = np.diff(edges, axis=0) * polynomials.gauss(size).series[:, 0]
         held, force = values = table(way)
         # where few contacts hold, the error of E is relative to their share, but for those left out; shares
         # below 1e-120 are of contacts that nobody has: no wave may hang on them

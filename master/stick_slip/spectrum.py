@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from master.renewal import rule
+from master.numerics import polynomials
 from master.steady.travel import Travel
 from master.stick_slip.extremes import forward_march, travel_table
 from master.stick_slip.roots import BROAD, Complex, Transform, crowding, deepest_wave, leading_roots
@@ -164,7 +164,7 @@ def _remainder(travel: Travel, spectrum: DecoherenceSpectrum) -> float:
     """The largest error of the terms over the first few mean ways from birth to birth, times e^(X/beyond), a length."""
     horizon = 6.0 * travel.birth_to_birth + max(-2.0 * travel.contacts.start.span[0], 0.0)
     march = forward_march(travel, horizon, TOLERANCE).run()
-    share = np.append(0.0, rule.NODES)
+    share = np.append(0.0, polynomials.NODES)
     x = travel.velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
     off = (np.array(march.error) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))

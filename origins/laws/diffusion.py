@@ -14,7 +14,7 @@ class Diffusion:
     The weights of P in n cells obey a master equation of hops between neighbours (Scharfetter and Gummel, IEEE Trans.
     Electron Devices 16, 64, 1969): up[i] from cell i to i + 1, down[i] back, both per unit of D, in balance where the
     densities in the cells are as those of P_cf in their middles. Errors fall as the square of the cell width, more
-    slowly where P_cf begins as a power. A propagator, such as scipy.linalg.expm or master/paper/q15_steady.py, gives
+    slowly where P_cf begins as a power. A propagator, such as scipy.linalg.expm or master/steady/q15.py, gives
     the weights after a time.
 
     final : P_cf.

@@ -9,8 +9,8 @@ import numpy as np
 
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
+from toolkit.processes.ranks import on_root
 from toolkit.results.records import NOT_COMPARED, Result, deviation
-from toolkit.running.ranks import on_root
 from toolkit.running.runner import solve, within
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.laws import inside

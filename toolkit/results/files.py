@@ -1,11 +1,10 @@
-"""Writing and reading of result folders: result.h5, summary.json, a picture and a sweep's table."""
+"""The files of a result folder but for its pictures: result.h5, summary.json and a sweep's table."""
 
 import csv
 import json
 import math
 import os
 import tomllib
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import MISSING, asdict, fields, is_dataclass
 from pathlib import Path
@@ -14,45 +13,16 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError, refuse
-from toolkit.results.folders import opened, write_folder, write_sealed
+from toolkit.results.folders import opened, write_sealed
 from toolkit.results.records import Result, SolvedRecord, ThresholdCurve, is_coupled, slips_beside
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
 
 RESULT = "result.h5"
-_OF_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = """path position force force_standard_error step_error position_standard_error positions forces x atoms
 stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after"""
-
-
-def save(result: Result, folder: str | os.PathLike[str]) -> None:
-    """Write result.h5, summary.json and picture.png into `folder`, for a sweep sweep.csv and for islands barriers.png,
-    all or none. Another scene's thresholds.json, thresholds.png and barriers.png, or an earlier sweep.csv, are removed.
-
-    result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
-    array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
-    cannot be written.
-    """
-    from toolkit.pictures.run import save_picture
-
-    writers: dict[str, Callable[[Path], None]] = {
-        RESULT: lambda path: _write_result(result, path),
-        "summary.json": lambda path: write_json(summary(result), path),
-        "picture.png": lambda path: save_picture(result, path),
-    }
-    if (islands := result.domains) is not None:
-        from toolkit.pictures.thresholds import save_barriers
-
-        writers["barriers.png"] = lambda path: save_barriers(islands, path)
-    if (sweep := result.sweep) is not None:
-        units = _units(result, short=True) | {"force_error": "<x_s>"}
-        writers["sweep.csv"] = lambda path: _write_csv(sweep, units, path)
-    gone = ["sweep.csv"] if _earlier(folder).get("swept") else []
-    if another(folder, result.name, result.text) is not None:
-        gone += [*_OF_THRESHOLDS, "barriers.png"]
-    write_folder(folder, writers, [name for name in gone if name not in writers])
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -78,7 +48,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
         )
 
 
-def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
+def earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """Name and text of the scene whose result or thresholds `folder` holds, and whether it is `swept`; {} for none."""
     with suppress(InputError, OSError), opened(Path(folder) / RESULT) as store:
         scene = {name: str(store.attrs[name]) for name in ("name", "scene")}
@@ -91,7 +61,7 @@ def _earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
     """In words, whose result is in `folder`; None if it is this scene's, by name and contacts, or there is none."""
-    before = _earlier(folder)
+    before = earlier(folder)
     if before.get("name", name) != name:
         return f"another scene, {before['name']}"
     with suppress(ValueError):  # the scene of an older package
@@ -167,7 +137,7 @@ def write_json(content: dict[str, Any], path: Path) -> None:
     path.write_text(text + "\n", encoding="utf-8")
 
 
-def _write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
+def write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
     """A line for each point, a column for each array that the sweep has, its unit in brackets, with all digits."""
     arrays = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
     arrays = {name: value for name, value in arrays.items() if isinstance(value, np.ndarray)}
@@ -177,7 +147,7 @@ def _write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
         writer.writerows(zip(*(value.ravel().tolist() for value in arrays.values()), strict=True))
 
 
-def _units(result: Result, short: bool = False) -> dict[str, str]:
+def units_of(result: Result, short: bool = False) -> dict[str, str]:
     """Units of arrays by name; a scene's own unit of length is written in full unless `short`."""
     unit = "length" if short and not result.thresholds.in_metres else result.thresholds.unit
     clock = "s" if result.thresholds.in_metres else "time"
@@ -188,7 +158,7 @@ def _units(result: Result, short: bool = False) -> dict[str, str]:
     return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
 
-def _write_result(result: Result, path: Path) -> None:
+def write_result(result: Result, path: Path) -> None:
     """Build the file in memory, then write it: a signal or a full disk while HDF5 writes would abort the process."""
     import h5py
 
@@ -201,7 +171,7 @@ def _write_result(result: Result, path: Path) -> None:
 
 def _fill(result: Result, store: Any) -> None:
     """Write all fields of a result into an open HDF5 file, with their units."""
-    units = _units(result)
+    units = units_of(result)
     store.attrs["scene"] = result.text
     for name in ("name", "title", "version", "mean_threshold"):
         store.attrs[name] = getattr(result, name)

@@ -1,1 +1,1 @@
-"""Runs: from a scene to its answers, with checkpoints, ranks, signals and progress."""
+"""Runs: from a scene to its answers, with checkpoints and progress."""

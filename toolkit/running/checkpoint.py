@@ -22,8 +22,8 @@ import numpy as np
 
 from origins.errors import InputError, positive
 from origins.thresholds.law import Thresholds
+from toolkit.processes.ranks import on_root
 from toolkit.results.folders import read_sealed, write_sealed
-from toolkit.running.ranks import on_root
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import read_table
 from toolkit.version import __version__

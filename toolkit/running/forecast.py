@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.running.checkpoint import Checkpoint
 from toolkit.running.runner import follow, make_ensemble, solve_master
-from toolkit.running.signals import TimeIsUp, no_longer_than
 from toolkit.scene.scene import Scene
 
 
@@ -66,7 +66,9 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     found = forecast(scene, comm, done)
     so_far = f", {done:,} of them done before" if done else ""
     ranks = f"{1 if comm is None else comm.Get_size()} rank(s)"
-    took = f"{found.run_time:.2g} s on {ranks} for what is left, [master] and compilation not counted"
+    took = (
+        f"{found.run_time:.2g} s on {ranks} for what is left, [master] and compilation not counted"
+    )
     out += [f"contacts        {found.contacts:,}{so_far}", f"breaks          {found.breaks:.2g}"]
     out.append(f"run time        {took}")
     if not math.isnan(found.error):

@@ -9,13 +9,14 @@ from typing import Any
 
 from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
-from toolkit.results.files import another, save
+from toolkit.processes.ranks import on_root
+from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
+from toolkit.results.files import another
 from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
-from toolkit.running.ranks import on_root
-from toolkit.running.signals import TimeIsUp, deferred, no_longer_than
+from toolkit.saving import save
 from toolkit.scene import laws
 from toolkit.scene.interfaces import foreseen, of_interface, of_so_many, remarks
 from toolkit.scene.scene import Scene, load_scene

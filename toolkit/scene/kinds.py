@@ -228,7 +228,9 @@ def open_scan(
                     refuse("channel", channel, f"must be 0 to {len(reader.channels) - 1}")
                 scan = reader.topography(channel_index=channel, **said)
             if getattr(scan, "unit", None) not in METRES:
-                refuse("unit", unit, 'is no unit of length; write "nm", or take a channel of heights')
+                refuse(
+                    "unit", unit, 'is no unit of length; write "nm", or take a channel of heights'
+                )
             return as_topography(scan)
         except ImportError:
             refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")

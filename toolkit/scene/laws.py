@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import origins
 from origins.errors import InputError, refuse
 from origins.roughness.interface import BOLTZMANN
-from toolkit.running.ranks import on_root
+from toolkit.processes.ranks import on_root
 
 T = TypeVar("T")
 

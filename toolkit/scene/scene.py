@@ -16,7 +16,7 @@ import numpy.typing as npt
 from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
 from origins.errors import InputError, refuse, shown
-from toolkit.running.ranks import on_root
+from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.drive import histogram_points, make_drive, sliding_speed, spring_number
 from toolkit.scene.sweep import Sweep, make_sweep

@@ -1,16 +1,16 @@
 """Contacts whose thresholds change under a spring: those that age (closure "exact"), and growing grains.
 
-Of contacts that age every strand carries the density of its thresholds, on the cells of master.lives.age.cells.
+Of contacts that age every strand carries the density of its thresholds, on the cells of master.survival.age.cells.
 
 Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned together the share
 e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of their law at their stretch and age so far
-(master.lives.grains). With heat they also break earlier, see Memory: here the cells are those of the quantile.
+(master.survival.grains). With heat they also break earlier, see Memory: here the cells are those of the quantile.
 """
 
 import numpy as np
 
-from master.lives.age.cells import Cells
 from master.soft.in_time.memory import Leg, Memory, Scales
+from master.survival.age.cells import Cells
 from origins import Contacts
 from origins.thresholds.law import Array
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
-from master.lives.averages import StretchRule, stretch_rule
+from master.numerics.averages import StretchRule, stretch_rule
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import reforming_law
 from master.soft.in_time.memory import Leg, Memory

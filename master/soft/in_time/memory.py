@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import exp1
 
-from master.lives.age.cells import narrowest
-from master.lives.heat import MeanRateLife, Replay
-from master.lives.life import TIE
-from master.motion.motion import Legs
+from master.motion import Legs
+from master.survival.age.cells import narrowest
+from master.survival.heat import MeanRateLife, Replay
+from master.survival.life import TIE
 from origins import Contacts
 from origins.thresholds.law import Array
 

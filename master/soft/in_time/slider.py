@@ -7,7 +7,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 from scipy.optimize.elementwise import find_root
 
-from master.motion.motion import Motion
+from master.motion import Motion
 from master.soft.in_time.cohorts import Cohorts
 from master.soft.in_time.steps import Steps
 from origins.drive import Drive

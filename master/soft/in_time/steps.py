@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import wrightomega
 
-from master.motion.motion import Motion
+from master.motion import Motion
 from master.soft.in_time.cohorts import Cohorts, Trial
 
 # A step on the coarsest level, as a share of the length over which births change.
@@ -127,7 +127,9 @@ class Steps:
         both, or that up to a slip that begins within it; and whether one does."""
         size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
         longer = 1.01 * size if self._contacts.jumps and takes > 0.0 else size
-        if longer > size:  # where P_c jumps F falls at once: right behind, a longer step takes less time
+        if (
+            longer > size
+        ):  # where P_c jumps F falls at once: right behind, a longer step takes less time
             sticks = self.step(longer)[0] >= size - self.sign * trial.travel / self.length
         else:  # no slip is near while a step takes more than 0.3 DRIVE_WEIGHT of its size in time, as it does where
             # the slider follows the drive, or while a shorter step would take less time

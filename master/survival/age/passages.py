@@ -5,9 +5,9 @@ from copy import copy
 
 import numpy as np
 
-from master.lives.age.passage import Passage
-from master.lives.age.strands import over_root
 from master.outcome import stop_after
+from master.survival.age.passage import Passage
+from master.survival.age.strands import over_root
 from origins.thresholds.law import Array
 
 # Moments of a leg at which survivals are computed: MANY even in the root of the time, as many in its logarithm from
@@ -16,7 +16,7 @@ MANY, FIRST, ADDED = 60, 1e-10, 8
 
 
 class Passages:
-    """Groups of contacts born together, with `aged`, `follow` and `left` of master.lives.age.strands.Strands.
+    """Groups of contacts born together, with `aged`, `follow` and `left` of master.survival.age.strands.Strands.
 
     begin : gives the passage of contacts that are born at a stretch
     born, share : arrays (parts,), stretches at birth, and weights of sum 1

@@ -6,11 +6,11 @@ closure "paper" (Eqs. temper3, temper4), in which all contacts break at one mean
 
 import numpy as np
 
-from master.lives.averages import CHECKED, Integrals, integrals_above
-from master.lives.life import MARGIN, SMALLEST, TIE, LawLife
-from master.motion.motion import History, Legs
-from master.renewal.rule import Rows
-from master.renewal.table import Table
+from master.motion import History, Legs
+from master.numerics.averages import CHECKED, Integrals, integrals_above
+from master.numerics.polynomials import Rows
+from master.numerics.table import Table
+from master.survival.life import MARGIN, SMALLEST, TIE, LawLife
 from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT
 from origins.thresholds.law import Array

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from master.lives.age.cells import Cells
 from master.outcome import stop_after
+from master.survival.age.cells import Cells
 from origins.thresholds.law import Array
 
 # Survival below which strands are not followed any more, and the degree of splines in time.

@@ -17,10 +17,10 @@ A(η) being the integral over time of the rate h(|x|; x_s).
 
 import numpy as np
 
-from master.lives.averages import integrals_above
-from master.lives.life import MARGIN, Life
-from master.motion.motion import History
-from master.renewal.rule import Rows
+from master.motion import History
+from master.numerics.averages import integrals_above
+from master.numerics.polynomials import Rows
+from master.survival.life import MARGIN, Life
 from origins import Contacts, GrainContact
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -33,7 +33,7 @@ HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 
 
 class GrainLife(Life):
-    """Life (see master.lives.life) of contacts with growing grains; with heat, on one leg only.
+    """Life (see master.survival.life) of contacts with growing grains; with heat, on one leg only.
 
     longest : the latest time > 0 at which `left` is called
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import legendre
 
-from master.renewal import rule
+from master.numerics import polynomials
 from origins.thresholds.law import Array
 
 # Coefficients of a panel's polynomial.
@@ -48,7 +48,7 @@ class Table:
         rounding: float = 0.0,
     ) -> None:
         """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
-        gauss, to_ends = rule.gauss(size), rule.gauss(size).at(np.array([0.0, 1.0]))
+        gauss, to_ends = polynomials.gauss(size), polynomials.gauss(size).at(np.array([0.0, 1.0]))
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         shares = np.concatenate([[0.0], gauss.nodes, [1.0]]) if at_ends > 0.0 else gauss.nodes
         kept, self.error, before = [], 0.0, np.full(low.size, np.inf)
@@ -97,7 +97,7 @@ class Table:
         """Errors of the integrals, shape (functions,): Gauss nodes integrate polynomials of twice the degree exactly,
         and up to there the coefficients are taken to keep the decay that the last four show."""
         size = np.abs(self._parts)
-        last, fall = rule.last_and_fall(np.moveaxis(size, 0, -1))
+        last, fall = polynomials.last_and_fall(np.moveaxis(size, 0, -1))
         rounding = np.finfo(float).eps * size.max(axis=0)
         return np.asarray((last * fall ** (self._parts.shape[0] // 2) + rounding) @ self.widths)
 
@@ -107,7 +107,7 @@ class Table:
         panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
         way = np.minimum(x, self.end[panel]) - self.begin[panel]
         # the mean up to x keeps its digits where x is close to an edge, unlike the integral
-        gauss = rule.gauss(self._parts.shape[0])
+        gauss = polynomials.gauss(self._parts.shape[0])
         integral = legendre.legint(self._parts[:, 0], lbnd=-1.0)
         grown = legendre.legval(2.0 * gauss.nodes - 1.0, integral)
         mean = (0.5 * grown / gauss.nodes) @ gauss.series

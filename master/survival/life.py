@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from master.lives.averages import integrals
-from master.motion.motion import History
-from master.renewal.rule import Pieces, Rows
-from master.renewal.table import Table
+from master.motion import History
+from master.numerics.averages import integrals
+from master.numerics.polynomials import Pieces, Rows
+from master.numerics.table import Table
 from origins import Contacts, InputError
 from origins.start import Start
 from origins.thresholds.law import Array

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from master.lives.age.ageing import AgeingLife
-from master.lives.grains import GrainLife
-from master.lives.heat import RESOLVED, MeanRateLife, ThermalLife
-from master.lives.life import ColdLife, Life
-from master.motion.motion import Motion
+from master.motion import Motion
+from master.survival.age.ageing import AgeingLife
+from master.survival.grains import GrainLife
+from master.survival.heat import RESOLVED, MeanRateLife, ThermalLife
+from master.survival.life import ColdLife, Life
 from origins import Contacts, InputError
 from origins.errors import refuse
 

@@ -47,7 +47,7 @@ class Cells:
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
         """Choose the cells; InputError for laws whose thresholds they cannot follow."""
-        from master.lives.age import kernel
+        from master.survival.age import kernel
 
         ageing, law = contacts.ageing, contacts.thresholds
         assert ageing is not None

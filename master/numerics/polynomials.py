@@ -1,4 +1,4 @@
-"""Rule: pieces of ranges, polynomials on one panel, and the nodes at which number conservation is imposed.
+"""Polynomials on one panel, the nodes at which number conservation is imposed, and pieces of ranges.
 
 A panel is an interval [a, a + w] of t; a share is (t - a)/w. The number of breaks since the panel's
 beginning is a polynomial of degree DEGREE, known by its values at share 0 (where it is 0) and at the

@@ -19,17 +19,17 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
-from master.lives.averages import Integrals, integrals_above
-from master.lives.life import MARGIN
-from master.renewal import rule
-from master.renewal.rule import Rows
+from master.numerics import polynomials
+from master.numerics.averages import Integrals, integrals_above
+from master.numerics.polynomials import Rows
+from master.survival.life import MARGIN
 from origins import Ageing, Thresholds
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
 # Nodes and weights on (0, 1) of the integral over fresh thresholds.
-_INNER, _INNER_WEIGHTS = rule.gauss(12).nodes, rule.gauss(12).series[:, 0]
+_INNER, _INNER_WEIGHTS = polynomials.gauss(12).nodes, polynomials.gauss(12).series[:, 0]
 # Shares of the contacts below which: none is taken to hold; a panel's breaks are left out.
 _NOTHING, _FEWEST = 1e-14, 1e-18
 
@@ -145,7 +145,9 @@ class Passage:
             step = min(width, last - low)
             series = self._panel(low, step)
             # the last coefficients, in the integral of the density
-            early, tail = (np.abs(series[-k:]).max() * step / (2.0 * rule.DEGREE) for k in (6, 2))
+            early, tail = (
+                np.abs(series[-k:]).max() * step / (2.0 * polynomials.DEGREE) for k in (6, 2)
+            )
             rounded = 0.3 * before < tail < 1e-9  # hardly less than on twice the panel
             if tail > self._accuracy and not rounded and step > 0.3 * first:
                 width, before = 0.5 * step, tail
@@ -163,10 +165,10 @@ class Passage:
 
     def _panel(self, low: float, width: float) -> Array:
         """Legendre coefficients of 2 ρ b on a panel of the last segment, from the shares below at its nodes."""
-        here, rho = self._segments[-1], low + width * rule.NODES
+        here, rho = self._segments[-1], low + width * polynomials.NODES
         level = here.level + here.slope * rho * rho
         below = self._below_from_fresh(here.begin + rho * rho, level)
-        new = _Panel(len(self._segments) - 1, low, width, 0.0, 0.0, np.zeros(rule.DEGREE))
+        new = _Panel(len(self._segments) - 1, low, width, 0.0, 0.0, np.zeros(polynomials.DEGREE))
         felt = [panel for panel in self._panels if abs(panel.breaks) > _FEWEST]
         own, earlier = self._met([new], rho, level, True), self._met([*felt, new], rho, level)
         series = np.linalg.solve(own.value.T, below - earlier.value[0])
@@ -196,8 +198,8 @@ class Passage:
             rise = np.where(own, slope[-1] * before, level[row, None] - start[k] - slope[k] * then)
             below = self._below(level[row, None], rise, before)
             if each:
-                return np.moveaxis(legendre.legvander(z, rule.DEGREE - 1), -1, 0) * below
-            return np.asarray(rule.legendre_sum(series[panel], z) * below)[None]
+                return np.moveaxis(legendre.legvander(z, polynomials.DEGREE - 1), -1, 0) * below
+            return np.asarray(polynomials.legendre_sum(series[panel], z) * below)[None]
 
         edges = -np.stack([high, low], axis=1)[::-1].ravel()
         felt = np.arange(edges.size - 1) % 2 == 0
@@ -216,7 +218,7 @@ class Passage:
         steep = self._mean + (offset + std * np.arange(-9.0, 9.5)) / np.maximum(decay, 1e-150)
         steep = np.clip(steep, self._pieces[0], self._pieces[-1])
         ends = np.concatenate([np.tile(self._pieces, (time.size, 1)), steep], axis=1)
-        row, low, high = rule.Pieces.between(ends)
+        row, low, high = polynomials.Pieces.between(ends)
         values = low[:, None] + (high - low)[:, None] * _INNER
         below = self._below(level[row], level[row] - values, time[row])
         each = finite_density(self._fresh, values) * below @ _INNER_WEIGHTS

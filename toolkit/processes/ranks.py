@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, NoReturn, TypeVar
 
 from origins.errors import InputError
-from toolkit.running.signals import Launch, Terminated, terminable
+from toolkit.processes.signals import Launch, Terminated, terminable
 
 T = TypeVar("T")
 

@@ -14,13 +14,13 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from master.lives.age.cells import TRAVEL_STEP, Cells, highest, narrowest
-from master.lives.age.passage import Passage
-from master.lives.age.passages import Passages
-from master.lives.age.strands import Strands, over_root, survival_at
-from master.lives.averages import StretchRule, stretch_rule
-from master.lives.life import Life
-from master.motion.motion import History, Motion
+from master.motion import History, Motion
+from master.numerics.averages import StretchRule, stretch_rule
+from master.survival.age.cells import TRAVEL_STEP, Cells, highest, narrowest
+from master.survival.age.passage import Passage
+from master.survival.age.passages import Passages
+from master.survival.age.strands import Strands, over_root, survival_at
+from master.survival.life import Life
 from origins import Contacts
 from origins.start import SingleStart, Start
 from origins.thresholds.law import Array
@@ -39,7 +39,7 @@ LONGEST_LIFE = 3.0  # reaches divided by the speed: a time after which hardly an
 
 
 class AgeingLife(Life):
-    """Life (see master.lives.life) of contacts that age, closure "exact".
+    """Life (see master.survival.life) of contacts that age, closure "exact".
 
     With more than one leg `left` is for contacts of the start, and for those that have moved straight
     since their birth; master.renewal.strand_births follows births of earlier legs.

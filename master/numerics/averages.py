@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.renewal import rule
-from master.renewal.rule import Pieces, Rows
+from master.numerics import polynomials
+from master.numerics.polynomials import Pieces, Rows
 from origins.start import Start
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
@@ -27,7 +27,7 @@ CHECKED = 17
 # Pieces evaluated together, so that their nodes stay in the processor's cache.
 PIECES_TOGETHER = 1024
 
-_GAUSS = rule.gauss(SIZE)
+_GAUSS = polynomials.gauss(SIZE)
 _AT = np.concatenate([[BESIDE], _GAUSS.nodes, [1.0 - BESIDE]])
 # matrix from values to the last two coefficients and to the polynomial's errors at both ends
 _TAIL = np.zeros((SIZE + 2, 4))

@@ -1,1 +1,0 @@
-"""How the slider moves, and the moves of contacts between their birth and a later moment."""
