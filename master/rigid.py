@@ -109,7 +109,9 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     scale = contacts.thermal.rates.scale
     times = np.geomspace(1e-3, 1e50, 54)[:, None] / scale
     at_rest = Motion(np.array([0.0, times[-1, 0]]), np.zeros(2))
-    held = life.left(reforming_law(contacts), at_rest.history(times, np.zeros((1, 1))))[0, :, 0]
+    held = life.survival_and_force(
+        reforming_law(contacts), at_rest.history(times, np.zeros((1, 1)))
+    )[0, :, 0]
     lasts = float(times[min(int((held > 0.5).sum()), times.size - 1), 0])
     moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
     most = FURTHEST if motion.one_leg else MOST_LIVES_TURN
@@ -152,7 +154,7 @@ def march_of(
         fault = "exact values break together more often on this path than can be followed"
         hint = "give them a width, as in gaussian(mean, std), or shorten the path"
         raise InputError(f"thresholds: {fault}; {hint}")
-    first = WIDE * life.grain * (allowed / 1e-8) ** (1.0 / polynomials.DEGREE)
+    first = WIDE * life.resolution_length * (allowed / 1e-8) ** (1.0 / polynomials.DEGREE)
     return March(births, contacts.start, plan.times, allowed, first, stretch)
 
 
@@ -160,7 +162,7 @@ def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     """The longest |x| that a contact may have: turns an error of the number into one of the force."""
     ends = [*contacts.start.span, *reforming_law(contacts).span]
     most = max(abs(end) for end in ends) + float(np.ptp(motion.positions))
-    return max(min(life.reach, most), 1e-3 * contacts.mean_threshold)
+    return max(min(life.largest_stretch, most), 1e-3 * contacts.mean_threshold)
 
 
 def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> float:

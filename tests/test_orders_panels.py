@@ -41,7 +41,7 @@ births = Births(life, SingleStart(0.0), motion, 0.0, 1e-15)
 errors = []
 for count in counts:
     edges = np.linspace(0.0, END, count + 1)
-    march = March(births, contacts.start, edges, 1e9, END, life.reach).run()
+    march = March(births, contacts.start, edges, 1e9, END, life.largest_stretch).run()
     assert len(march.width) == count
     at = (edges[:-1, None] + END / count * np.linspace(0.05, 0.95, 10)).ravel()
     exact = at - (1.0 - np.exp(-4.0 * at)) / 4.0

@@ -38,8 +38,8 @@ class Wrong(ColdLife):
         super().__init__(contacts)
         self.error = 1e-6 if says else 0.0
 
-    def left(self, born, history):
-        share, force = super().left(born, history)
+    def survival_and_force(self, born, history):
+        share, force = super().survival_and_force(born, history)
         wrong = 1.0 + 4e-6 * (1.0 - share) if np.ndim(share) else 1.0
         return np.stack([share * wrong, force * wrong])
 
@@ -60,13 +60,15 @@ class FixedNodes(ColdLife):
         super().__init__(contacts)
         self.nodes, self.weights = np.polynomial.legendre.leggauss(count)
 
-    def left(self, born, history):
+    def survival_and_force(self, born, history):
         if not isinstance(born, Start) or born.is_single:
-            return super().left(born, history)
+            return super().survival_and_force(born, history)
         first, last = born.span
         stretch = 0.5 * (first + last) + 0.5 * (last - first) * self.nodes
         weight = self.weights * born.pdf(stretch)
-        parts = [super(FixedNodes, self).left(np.array([[r]]), history) for r in stretch]
+        parts = [
+            super(FixedNodes, self).survival_and_force(np.array([[r]]), history) for r in stretch
+        ]
         return np.tensordot(weight / weight.sum(), parts, 1)
 
 

@@ -49,18 +49,18 @@ def edges(
     """
     motion, life, again, delay = births.motion, births.life, births.law, births.delay
     end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
-    grain = life.grain / fastest if fastest else 0.0
+    resolution = life.resolution_length / fastest if fastest else 0.0
     # contacts born alike break together where thresholds are alike, to a tenth: panels end there, or miss a narrow peak
-    alike = life.quiet > 0.9 * life.reach
-    bends = np.union1d(life.bends, [life.quiet, life.reach] if alike else [])
+    alike = life.safe_stretch > 0.9 * life.largest_stretch
+    bends = np.union1d(life.bends, [life.safe_stretch, life.largest_stretch] if alike else [])
 
     def break_moments(birth: float, size: float, law: Start) -> Iterator[Moment]:
         """When births with a jump or bend of this size make breaks jump or bend. At a jump of P_c breaks are one order
         smoother; at an exact threshold they are as sharp, times the share of the contacts that have it."""
-        ends = law.span if np.ptp(law.span) < 0.1 * life.reach else []
+        ends = law.span if np.ptp(law.span) < 0.1 * life.largest_stretch else []
         for stretch in np.union1d(law.breakpoints, ends).tolist():
             for t, bend in passings(motion, birth, stretch, bends):
-                if t > since + same_time(motion, t) + SAME_TIME * grain:
+                if t > since + same_time(motion, t) + SAME_TIME * resolution:
                     yield Moment(t, size * (life.atom_share(bend, stretch) or SMOOTHER))
 
     first = [*known, *break_moments(0.0, 1.0, start)]
@@ -79,7 +79,7 @@ def edges(
         heapq.heapify(coming)
         while coming:
             time, size = heapq.heappop(coming)
-            close = same_time(motion, time) + SAME_TIME * grain
+            close = same_time(motion, time) + SAME_TIME * resolution
             while coming and coming[0].time <= time + close:
                 size = min(size + heapq.heappop(coming).size, 1.0)
             if size > least and time < end - close:

@@ -64,8 +64,8 @@ class Straight:
         """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest, self.error = life, born, longest, 0.0
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
-        self.scale, self._until = life.reach, until
-        bends = self._bends(np.append(life.bends, life.reach))
+        self.scale, self._until = life.largest_stretch, until
+        bends = self._bends(np.append(life.bends, life.largest_stretch))
         self._last = float(bends.max(initial=0.0)) or np.inf  # the lag of the last breaks
         self._read: Callable[[Array], Array] = self.scaled
         if life.quick and born.is_single and not steady:  # the life is as quick as a table
@@ -75,7 +75,7 @@ class Straight:
         lags, held = self._ladder(longest, steady)
         self.longest = float(lags[-1])
         way = self.typical * abs(speed) / self._per_time
-        self.scale = max(way, *(abs(end) for end in born.span)) or life.reach
+        self.scale = max(way, *(abs(end) for end in born.span)) or life.largest_stretch
         first = max(int(np.argmax(held < 1.0 - AT_FIRST)) - 1, 0)
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
@@ -85,14 +85,15 @@ class Straight:
         self.edges, self.error = self.table.edges, self.table.error
 
     def scaled(self, lag: Array, born: Array | None = None) -> Array:
-        """E and K/`scale` after lags of shape (rows, columns), from the life itself; `born`: see Life.left."""
+        """E and K/`scale` after lags of shape (rows, columns), from the life itself; `born` as in
+        Life.survival_and_force."""
         stop_after(self._until)
         if not lag.size:
             return np.zeros((2, *lag.shape))
         far = max(float(lag.max()), self.longest) / self._per_time
         motion = Motion(np.array([0.0, far]), np.array([0.0, far * self._speed]))
         history = motion.history(lag / self._per_time, np.zeros((1, 1)))
-        found = self.life.left(self.born if born is None else born, history)
+        found = self.life.survival_and_force(self.born if born is None else born, history)
         found[1] /= self.scale
         return found
 
@@ -175,7 +176,7 @@ class Kernels:
         """Survival and force of contacts born on a leg of this speed."""
         if speed not in self._table:
             births, life, motion = self._births, self._births.life, self._births.motion
-            most = life.reach + max(abs(end) for end in births.law.span)
+            most = life.largest_stretch + max(abs(end) for end in births.law.span)
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, float(np.diff(motion.times)[motion.speeds == speed].max()))

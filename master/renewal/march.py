@@ -143,7 +143,7 @@ class March:
             count = min(2 * count, 256)
             if hurried or (easy > needed and ahead - good >= needed and width > 0.6 * self.widest):
                 wide = (8.0 if calm else 4.0 if run.error.max() < 1e-4 * spare else 2.0) * width
-                self.widest = min(wide, self._duration(self.life.reach, leg))
+                self.widest = min(wide, self._duration(self.life.largest_stretch, leg))
                 count, easy = 1 if widens_soon else max(1, count // 4), 0
             yield
 

@@ -80,7 +80,7 @@ class Past:
             known = self._summed(grid[:, FEW + CHECKED], lumps)
             found = known[..., : len(FEW)] @ TO_ALL
             off = np.abs(found[..., CHECKED] - known[..., len(FEW) :]).max(axis=(1, 2))
-            wrong = MARGIN * float(max(off[0], off[1] / self._life.reach))
+            wrong = MARGIN * float(max(off[0], off[1] / self._life.largest_stretch))
             if wrong <= self._accuracy:
                 self.error = max(self.error, wrong)  # a smooth interpolant hides it from the panels
                 return np.asarray(found)
@@ -123,7 +123,7 @@ class Past:
             lump, row = np.nonzero(felt & (s <= middle))
             if row.size:
                 births.add_work(row.size)
-                held = self._life.left(law, motion.history(grid[row], s[lump]))
+                held = self._life.survival_and_force(law, motion.history(grid[row], s[lump]))
                 for sums, added in zip(out, weight[lump, None] * held, strict=True):
                     np.add.at(sums, row, added)
         return out
@@ -132,7 +132,7 @@ class Past:
         """Whether any contacts born at stretches of a law, with the moves of a row, hold; shape (rows,)."""
         low, high = law.span
         highs, lows = history.high.min(axis=1), history.low.max(axis=1)
-        return np.maximum(low + highs, -(high + lows)) <= self._life.reach
+        return np.maximum(low + highs, -(high + lows)) <= self._life.largest_stretch
 
     def _follow(self, legs_before: range, panels: Panels, legs: Rows) -> None:
         """Make strands of the births on some legs, and follow all strands to the present leg."""
@@ -160,11 +160,13 @@ class Past:
             few = nodes(size)
             place = low[:, None] + (high - low)[:, None] * few.nodes
             births.add_work(owner.size * size // polynomials.PANEL_NODES)
-            held = self._life.left(births.law, self._motion.history(t[owner, None], place))
+            held = self._life.survival_and_force(
+                births.law, self._motion.history(t[owner, None], place)
+            )
             born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
             # about the first coefficient c_n left out of number or force, by the decay of the last four
             last, fall = polynomials.last_and_fall(np.abs(held @ few.series[:, -4:]))
-            fall, unit = np.sqrt(fall), np.array([[1.0], [self._life.reach]])
+            fall, unit = np.sqrt(fall), np.array([[1.0], [self._life.largest_stretch]])
             left_out, fall = (last * fall / unit).max(axis=0), fall.max(axis=0)
             wrong = left_out * born
             leg = self._motion.leg(place[:, 1])
@@ -193,7 +195,7 @@ class Past:
             r, now = law.mean(), motion.at(t)[:, None, None]
             tops, bottoms = motion.knots_between(self.leg, self._legs)
             high, low = np.maximum(now, tops[:, None]), np.minimum(now, bottoms[:, None])
-            marks = np.append(life.bends, [abs(r), life.reach])
+            marks = np.append(life.bends, [abs(r), life.largest_stretch])
             middle = 0.5 * (high + low)
             now = np.broadcast_to(now, middle.shape)
             goals = [high - marks, low + marks, middle, now, high, low]

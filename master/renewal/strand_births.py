@@ -49,7 +49,7 @@ class StrandBirths:
         leg, self._strands.dropped_below = int(motion.leg(np.finfo(float).tiny)), negligible
         while self._seen < leg:
             self._seen += 1
-            if not np.abs(self._weight).ravel() @ self._strands.left()[0] > negligible:
+            if not np.abs(self._weight).ravel() @ self._strands.surviving_shares()[0] > negligible:
                 return False
             times, left = next(self._legs)
             told = left.reshape(*left.shape[:-1], -1, SIZE)

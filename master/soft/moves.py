@@ -40,14 +40,16 @@ class ColdContacts:
         self.formed_again = reforming_law(contacts)
         # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred times that of its
         # values: hence 1e-4 of the tolerance, at most of 1e-6 mean thresholds; below 1e-13 all is round-off
-        self.of_panels = max(1e-4 * min(tolerance, 1e-6) * self.unit / self.life.reach, 1e-13)
+        self.of_panels = max(
+            1e-4 * min(tolerance, 1e-6) * self.unit / self.life.largest_stretch, 1e-13
+        )
         self.spring, self.until, self.nodes = spring, until, 0
 
     def force_of(self, start: Start) -> float:
         """F/(N_c <k>) of contacts with these stretches (a length)."""
         still = np.zeros((1, 3))
         history = Motion.along(np.array([0.0, self.unit])).history(still, still)
-        return float(self.life.left(start, history)[1, 0, 0])
+        return float(self.life.survival_and_force(start, history)[1, 0, 0])
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,7 @@ class Move:
                 return SlipBegin(curve, last, np.inf)
             if np.isfinite(y):
                 return SlipBegin(curve, y, load)
-            travel = curve.end + self.contacts.life.grain
+            travel = curve.end + self.contacts.life.resolution_length
 
     def end_of_slip(self, after: float, load: float, begin: SlipBegin) -> tuple[LoadCurve, float]:
         """The curve, and the travel at the end of the slip that begins at the travel `after` with this load."""
@@ -110,7 +112,7 @@ class Move:
             y = curve.slip_ends(after, load, falling)
             if np.isfinite(y):
                 return curve, y
-            travel = curve.end + self.contacts.life.grain
+            travel = curve.end + self.contacts.life.resolution_length
 
     def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
@@ -124,15 +126,15 @@ class Move:
                 self._ahead *= 2.0
                 self._plan(self._march, self._march.reached, self._march.reached)
             self.contacts.nodes += (len(self._march.begin) - before) * polynomials.DEGREE
-        loaded, march, reach = self.loaded, self._march, self.contacts.life.reach
+        loaded, march, largest = self.loaded, self._march, self.contacts.life.largest_stretch
         panels = march.begin, march.width, march.force, march.error
         begin, width, force, missed = (np.array(values[self._first :]) for values in panels)
         begin -= loaded.end
         # a drop by more than this share of the contacts, well above rounding, makes a slip
         times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
-        rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * reach
-        error = loaded.error + np.maximum.accumulate(missed) * reach + rounding
+        rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * largest
+        error = loaded.error + np.maximum.accumulate(missed) * largest + rounding
         drops, series = (
             np.array(times) - loaded.end,
             self.direction * force @ polynomials.TO_LEGENDRE.T,
@@ -145,7 +147,7 @@ class Move:
 
     def stopped(self, y: float, error: float) -> LoadingHistory:
         """The history after the travel y; `error` is that of the force due to it."""
-        y = max(y, STILL * self.contacts.life.grain)
+        y = max(y, STILL * self.contacts.life.resolution_length)
         end, places = self.loaded.end + y, (*self.loaded.places, self.at(y))
         met = tuple(moment for moment in self._moments if moment.time < end)
         moments = (*met, Moment(end, SMOOTHER))
@@ -155,12 +157,21 @@ class Move:
         """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
         contacts, end, start = self.contacts, since - self.loaded.end, self.loaded.start
         life, again = contacts.life, contacts.formed_again
-        # no finer than the rounding of positions, to which survivals fall within a grain
-        tolerance = max(contacts.of_panels, np.spacing(since + self._ahead) / life.grain)
+        # no finer than the rounding of positions, to which survivals fall within a resolution length
+        tolerance = max(
+            contacts.of_panels, np.spacing(since + self._ahead) / life.resolution_length
+        )
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
         births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
-            march = March(births, start, np.empty(0), tolerance, WIDE * life.grain, life.reach)
+            march = March(
+                births,
+                start,
+                np.empty(0),
+                tolerance,
+                WIDE * life.resolution_length,
+                life.largest_stretch,
+            )
         else:
             march = march.cut(cut_at, births)
             march.tolerance = tolerance
@@ -178,19 +189,23 @@ class MoveWithoutBirths(Move):
 
     def _advance(self) -> bool:
         """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
-        march, grain, tolerance = self._march, self.contacts.life.grain, self._march.tolerance
+        march, length, tolerance = (
+            self._march,
+            self.contacts.life.resolution_length,
+            self._march.tolerance,
+        )
         begin = max(march.reached, self.loaded.end)
-        later = march.edges[march.edges > begin + STILL * grain]
+        later = march.edges[march.edges > begin + STILL * length]
         if not later.size:
             return False
-        width = min(WIDE * grain, float(later[0]) - begin)
+        width = min(WIDE * length, float(later[0]) - begin)
         while True:
             force = march.known(begin + width * TARGETS[None])[1, :, : polynomials.DEGREE + 1]
             error = (
                 np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1)
-                / self.contacts.life.reach
+                / self.contacts.life.largest_stretch
             )
-            if error[0] <= tolerance or width <= STILL * grain:
+            if error[0] <= tolerance or width <= STILL * length:
                 break
             width *= 0.5
         leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])

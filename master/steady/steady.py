@@ -108,7 +108,7 @@ def _held(travel: Travel, x: Array) -> Array:
     if births.is_single:
         way = x[:, None] - births.mean()
         return np.asarray((way >= 0.0) * travel.scaled(np.maximum(way, 0.0))[0])[:, 0]
-    low, high = np.clip(births.span, -life.reach, life.reach)
+    low, high = np.clip(births.span, -life.largest_stretch, life.largest_stretch)
     # twelve panels, and edges where the survival bends
     even = np.linspace(low, high, 13)
     fixed = np.concatenate([even, births.breakpoints, np.zeros(1), life.bends, -life.bends])

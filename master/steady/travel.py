@@ -31,7 +31,8 @@ class Travel(Straight):
 
     Beside the attributes of Straight, where lags are ways (lengths, areas lengths squared):
     atoms : array of shape (n,), ways after which contacts reach exact thresholds together
-    grain : about the length over which E falls: mean width of the table's panels, weighted by the fall of E there
+    resolution_length : about the length over which E falls: mean width of the table's panels, weighted by the
+        fall of E there
     most : the largest value of |K|
     wait : v tau, the travel during which a broken contact is out
     length, area : C, the integral of E, and that of K; `length_error`, `area_error` their errors
@@ -50,7 +51,7 @@ class Travel(Straight):
         self.contacts, self.velocity, self.accuracy = contacts, velocity, accuracy
         self.wait = velocity * contacts.waiting_time
         born = born or reforming_law(contacts)
-        longest = life.reach + max(-2.0 * float(born.span[0]), 0.0)
+        longest = life.largest_stretch + max(-2.0 * float(born.span[0]), 0.0)
         # panels that follow E more closely than it is known would follow its rounding
         finest = max(accuracy, min(life.error, COARSEST))
         super().__init__(life, born, velocity, longest, finest, steady=True)
@@ -59,7 +60,7 @@ class Travel(Straight):
         held, borne = table(table.edges)
         self.most = float(np.abs(borne).max()) * self.scale
         lost = np.maximum(-np.diff(held), 0.0)
-        self.grain = float(table.widths @ lost / lost.sum())
+        self.resolution_length = float(table.widths @ lost / lost.sum())
         units = np.array([1.0, self.scale])
         self.length, self.area = (table.integrals() * units).tolist()
         if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
@@ -79,7 +80,7 @@ class Travel(Straight):
         if isinstance(life, ThermalLife):
             off += life.rounded_away(velocity) / units
         elif contacts.stiffness == "linked":  # farther thresholds are missing in the table of <k x>
-            off += thresholds_beyond(contacts, life.reach) / units
+            off += thresholds_beyond(contacts, life.largest_stretch) / units
         # relative round-off of integrals of the survival
         self.length_error = float(off[0]) + 1e-13 * self.length
         self.area_error = float(off[1]) * self.scale + 1e-13 * abs(self.area)

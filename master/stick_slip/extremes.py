@@ -85,12 +85,14 @@ def forward_march(travel: Travel, horizon: float, tolerance: float, until: float
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
     known = life.error + (0.0 if life.quick else float(travel.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
-    finest = max(SMALLEST_TOLERANCE, 10.0 * known, 0.1 * np.spacing(horizon) / travel.grain)
+    finest = max(
+        SMALLEST_TOLERANCE, 10.0 * known, 0.1 * np.spacing(horizon) / travel.resolution_length
+    )
     finest *= min(longest_stretch(contacts, motion, life), most) / mean
     march = march_of(contacts, motion, life, max(tolerance, finest), until, most)
     if not life.quick:
         # an error of the force divided by the panel's width is one of the slope: avoid narrow panels
-        march.guess = WIDE * travel.grain
+        march.guess = WIDE * travel.resolution_length
     return march
 
 
@@ -110,7 +112,7 @@ def _steepest_and_highest(march: March, travel: Travel) -> tuple[Largest, Larges
     errors = (np.maximum(march.error, 2e-15) + march.life_error) * march.stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
     # over which contacts break: conservation puts the number right at the panel's end
-    shifted = np.maximum.accumulate(errors * np.minimum(width / travel.grain, 1.0))
+    shifted = np.maximum.accumulate(errors * np.minimum(width / travel.resolution_length, 1.0))
     force = _largest(series, np.maximum(errors, shifted), begin, width)
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
     force = force._replace(error=force.error + rounding)
@@ -119,7 +121,7 @@ def _steepest_and_highest(march: March, travel: Travel) -> tuple[Largest, Larges
     # on panels narrower than this the change of F is rounding, and so would be its slope
     wide = width > min(1e-6 * travel.typical, 0.5 * width.max())
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
-    errors = 2.0 * polynomials.DEGREE**2 * errors / width + shifted / travel.grain
+    errors = 2.0 * polynomials.DEGREE**2 * errors / width + shifted / travel.resolution_length
     fall = _largest(slopes, errors[wide], begin[wide], width[wide])
     return fall._replace(value=max(fall.value, 0.0)), force
 
@@ -143,10 +145,10 @@ def _horizon(travel: Travel) -> tuple[float, bool]:
     the first is the sharpest, or the second if contacts re-form elsewhere than relaxed: else three delays more then."""
     life, contacts, elsewhere = travel.life, travel.contacts, any(travel.born.span)
     low, high = contacts.start.span
-    if life.reach - low < 2.0 * life.quiet - high - max(travel.born.span[1], 0.0):
+    if life.largest_stretch - low < 2.0 * life.safe_stretch - high - max(travel.born.span[1], 0.0):
         # the last contact breaks before any breaks for the second time: F is followed for 0.01 mean thresholds beyond
-        second = life.reach - travel.born.span[0] + travel.wait if elsewhere else 0.0
-        return life.reach - min(low, 0.0) + second + 0.01 * contacts.mean_threshold, True
+        second = life.largest_stretch - travel.born.span[0] + travel.wait if elsewhere else 0.0
+        return life.largest_stretch - min(low, 0.0) + second + 0.01 * contacts.mean_threshold, True
     unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
     old = end[travel.table(begin)[0] * end > OLD * travel.length].max(initial=0.0)
     furthest = max(UNITS * unit, old + unit)

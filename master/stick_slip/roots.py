@@ -117,7 +117,7 @@ class Transform:
         errors = np.abs(values) * share
         errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
-        errors[1] = (errors[1] + life.kernel_error * (way < life.reach)) * scale
+        errors[1] = (errors[1] + life.kernel_error * (way < life.largest_stretch)) * scale
         some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
         return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
 
@@ -223,7 +223,7 @@ def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, 
     step = float((0.5 * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     # at most 1e8 frequencies times nodes of an integral, and at most 2,000 per mean way
     highest = min(2e3 / travel.birth_to_birth, np.sqrt(1e8 * step / transform.table.end[-1]))
-    last = max(4.0 / travel.grain, 15.0 * step)
+    last = max(4.0 / travel.resolution_length, 15.0 * step)
     while True:
         last = min(2.0 * last, highest)
         s = -decay + 1j * step * np.arange(int(np.ceil(last / step)) + 2)

@@ -35,7 +35,7 @@ HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
 class GrainLife(Life):
     """Life (see master.survival.life) of contacts with growing grains; with heat, on one leg only.
 
-    longest : the latest time > 0 at which `left` is called
+    longest : the latest time > 0 at which `survival_and_force` is called
 
     Contacts born with the law `contacts.start`, the same object, or at single stretches other than 0 are those of t = 0
     and have the grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
@@ -50,18 +50,18 @@ class GrainLife(Life):
         self.grains: GrainContact = grains
         self.start, self._of_start = contacts.start, False
         self.start_since = grains.age - grains.growth.first_pinning_time
-        self.reach = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
+        self.largest_stretch = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
         # no contact of the start is stretched beyond the largest threshold at t = 0
-        self.birth_reach = grains.at_start.support()[1]
-        self.grain, self._thermal = 0.25 * grains.at_start.std(), contacts.thermal
+        self.largest_birth_stretch = grains.at_start.support()[1]
+        self.resolution_length, self._thermal = 0.25 * grains.at_start.std(), contacts.thermal
         if contacts.thermal is not None:
             # with this `resolved` normal laws are summed to 1e-8
             self.pair_work, self.resolved = 1000, 1e-5
 
-    def left(self, born: Start | Array, history: History) -> Array:
+    def survival_and_force(self, born: Start | Array, history: History) -> Array:
         """See Life."""
         self._of_start = born is self.start if isinstance(born, Start) else bool(np.any(born))
-        return super().left(born, history)
+        return super().survival_and_force(born, history)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
         """See Life."""

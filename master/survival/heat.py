@@ -40,7 +40,11 @@ class ThermalLife(LawLife):
 
     def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
         super().__init__(contacts)
-        self.resolved, self.birth_reach, self._contacts = resolved, self.reach, contacts
+        self.resolved, self.largest_birth_stretch, self._contacts = (
+            resolved,
+            self.largest_stretch,
+            contacts,
+        )
         self._mass = -np.diff(self.law.sf(self.panels))
         self.left_out = float(np.minimum(self._mass, _NO_WEIGHT).sum())
 
@@ -175,10 +179,10 @@ class MeanRateLife(LawLife):
         """Tabulate the mean rate H and its integral."""
         super().__init__(contacts)
         assert contacts.thermal is not None
-        self.resolved, self.birth_reach = resolved, self.reach
+        self.resolved, self.largest_birth_stretch = resolved, self.largest_stretch
         rates = self._rates = contacts.thermal.rates
-        edges = np.unique(np.concatenate([[0.0, self.reach], self.bends, self.panels]))
-        scale, far = rates.scale, self.reach
+        edges = np.unique(np.concatenate([[0.0, self.largest_stretch], self.bends, self.panels]))
+        scale, far = rates.scale, self.largest_stretch
         barrier = float(np.log(scale) - rates.log_rate(0.0, far, 1.0))
         self._accuracy = 0.1 * resolved  # relative last coefficients of H in its table
         # relative rounding of h per k_BT of the barrier, divided by the accuracy; halving cannot reduce it
@@ -230,7 +234,9 @@ class MeanRateLife(LawLife):
         """Share that meets no threshold on a straight move; |r| = first at birth; arrays that broadcast."""
         # a way out through 0 begins at |r|; a way towards 0 has the factor 1
         least = np.where(begin * end < 0.0, first, np.maximum(np.abs(begin), first))
-        held, whole = (self.held(m, side) for m in (np.maximum(np.abs(end), least), least))
+        held, whole = (
+            self.threshold_survival(m, side) for m in (np.maximum(np.abs(end), least), least)
+        )
         return np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:

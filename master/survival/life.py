@@ -27,35 +27,43 @@ LOWEST = 1e-290
 class Life:
     """Survival and force, after any motion of the slider, of contacts that were born together.
 
-    The method `left` gives the survival E(t, s) and the force kernel K(t, s) of number conservation for
+    The method `survival_and_force` gives the survival E(t, s) and the force kernel K(t, s) of number conservation for
     contacts born at the stretches at which broken contacts re-form, and G_0(t) and M_0(t) for contacts
     born at t = 0 at the stretches of the start. Each law of contacts is a subclass; attributes that it
     does not set are those of a survival that depends on time and has no bends.
 
-    reach : length; a contact whose |x| has been beyond it no longer holds (its survival is below 1e-17)
-    quiet : length; a contact whose |x| has never been beyond it still holds (its survival is 1 to
+    largest_stretch : length; a contact whose |x| has been beyond it no longer holds (its survival is below 1e-17)
+    safe_stretch : length; a contact whose |x| has never been beyond it still holds (its survival is 1 to
         rounding); 0 where there is no such length
-    birth_reach : length; stretches of the start beyond it are left out
+    largest_birth_stretch : length; stretches of the start beyond it are left out
     atoms : array of shape (n,), exact thresholds (lengths), at which finite shares of contacts break together
     bends : array of shape (n,), sorted lengths: the largest |x| at which the survival of a contact is not
         smooth, such as jumps of P_c and exact thresholds
     marks : array of shape (n,), where `quick`: |x| between which the survival is nearly a polynomial
-    grain : length over which the survival has to be resolved
-    quick : whether `left`, for births at one stretch, takes no longer than a look-up in a table
-    pair_work : work of `left` for one birth at one moment, in look-ups in a table
+    resolution_length : length over which the survival has to be resolved
+    quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
+    pair_work : work of `survival_and_force` for one birth at one moment, in look-ups in a table
     timeless : whether the survival depends only on the way, and not on the time that it took
-    error : estimate from above of the error of the share that `left` returns, which finer panels do not reduce
+    error : estimate from above of the error of the share that `survival_and_force` returns, which finer
+        panels do not reduce
     left_out : share of the contacts that the survival may leave out: its error is never below that
     kernel_error : further error of K, in units of the stretches at a break; only transforms need it
     resolved : last coefficients, on a piece of the stretches at birth, below which it is not halved
     fresh : whether contacts of the start survive as those born later at the same stretch
-    has_strands : whether births of earlier legs have to be followed, since `left` does not know them
+    has_strands : whether births of earlier legs have to be followed, since `survival_and_force` does not know them
     """
 
-    reach: float
-    grain: float
-    quiet, quick, timeless, has_strands, left_out, kernel_error = 0.0, False, False, False, 0.0, 0.0
-    pair_work, fresh, error, resolved, birth_reach = 1, True, 0.0, 1e-12, np.inf
+    largest_stretch: float
+    resolution_length: float
+    safe_stretch, quick, timeless, has_strands, left_out, kernel_error = (
+        0.0,
+        False,
+        False,
+        False,
+        0.0,
+        0.0,
+    )
+    pair_work, fresh, error, resolved, largest_birth_stretch = 1, True, 0.0, 1e-12, np.inf
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
     marks: Array = np.empty(0)
@@ -64,7 +72,7 @@ class Life:
         """Upper bound of the share of contacts born at a stretch that have the exact threshold `atom`."""
         return 0.0
 
-    def left(self, born: Start | Array, history: History) -> Array:
+    def survival_and_force(self, born: Start | Array, history: History) -> Array:
         """Share of contacts that still hold, and their mean force per contact born.
 
         born : the law of the stretches at birth, or an array of single stretches that broadcasts
@@ -91,17 +99,17 @@ class Life:
     def _averaged(self, law: Start, history: History) -> Array:
         """Share and force averaged over the law's stretches, of moves of shape (n,); shape (2, n). Pieces of the law
         end where x is 0, and where the largest |x| changes sides or meets a bend."""
-        first, last = np.clip(law.span, -self.birth_reach, self.birth_reach)
-        reach = self.reach if max(-first, last) <= self.reach else np.inf
-        bends = np.append(self.bends, reach)
+        first, last = np.clip(law.span, -self.largest_birth_stretch, self.largest_birth_stretch)
+        furthest = self.largest_stretch if max(-first, last) <= self.largest_stretch else np.inf
+        bends = np.append(self.bends, furthest)
         fixed = np.concatenate([np.linspace(first, last, 7), law.breakpoints, [0.0], bends, -bends])
         now, high, low = (part[:, None] for part in (history.now, history.high, history.low))
         moving = [-now, -high, -low, -0.5 * high, -0.5 * low, -0.5 * (high + low)]
         cuts = [np.tile(fixed, (now.size, 1)), *moving, bends - high, -bends - low]
         pieces = Pieces.between(np.clip(np.concatenate(cuts, axis=1), first, last))
         middle = 0.5 * (pieces.low + pieces.high)
-        pieces = pieces.pick(history.pick(pieces.owner).largest(middle) < reach)
-        kept = law.cdf(self.birth_reach) - law.cdf(-self.birth_reach)
+        pieces = pieces.pick(history.pick(pieces.owner).largest(middle) < furthest)
+        kept = law.cdf(self.largest_birth_stretch) - law.cdf(-self.largest_birth_stretch)
 
         def weighed(row: Rows, born: Array) -> Array:
             nodes = born.shape[1]
@@ -132,23 +140,25 @@ class LawLife(Life):
         # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
         least = float(law.sf(max(abs(end) for born in births for end in born.span)))
-        reach = float(law.isf(NONE_LEFT * max(least, 1e-280)))
-        self.reach = max([min(float(law.support()[1]), reach), *self.atoms])
+        furthest = float(law.isf(NONE_LEFT * max(least, 1e-280)))
+        self.largest_stretch = max([min(float(law.support()[1]), furthest), *self.atoms])
         marks = np.concatenate([law.breakpoints, self.atoms])
-        self.bends = np.unique(marks[(marks > 0.0) & (marks <= self.reach)])
+        self.bends = np.unique(marks[(marks > 0.0) & (marks <= self.largest_stretch)])
         spread = float(self.atom_weights.sum()) < 1.0 - 1e-14
         self.panels: Array = panel_edges(law, tail=1e-30) if spread else np.empty(0)
         self.panels = np.maximum(self.panels, SMALLEST)
-        inner = self.panels[self.panels < self.reach]
+        inner = self.panels[self.panels < self.largest_stretch]
         broken = -np.diff(law.sf(inner))
-        grain = np.average(np.diff(inner), weights=broken) if broken.any() else self.reach
-        self.grain = float(grain)
+        length = (
+            np.average(np.diff(inner), weights=broken) if broken.any() else self.largest_stretch
+        )
+        self.resolution_length = float(length)
 
     def atom_share(self, atom: float, stretch: float) -> float:
         """See Life; an upper bound, as heat may break some before."""
         return float(self.atom_weights[self.atoms == atom].sum() / self.law.sf(abs(stretch)))
 
-    def held(self, m: Array, side: Array) -> Array:
+    def threshold_survival(self, m: Array, side: Array) -> Array:
         """Survival at m, shape (n,); exact thresholds close to m are broken where they lie below `side`."""
         out = np.asarray(self.law.sf(m), dtype=float)
         for position, weight in zip(self.atoms, self.atom_weights, strict=True):
@@ -174,13 +184,19 @@ class ColdLife(LawLife):
             hint = "where floating point ends; leave such contacts out and count them apart"
             raise InputError(f"thresholds: {fault}, {hint}")
         super().__init__(contacts)
-        self.grain *= 0.5  # a first guess: no heat smooths the survival
-        # a narrow law breaks only between `quiet` and `reach`
-        self.quiet = min([float(law.support()[0] or law.ppf(NONE_LEFT)), *self.atoms])
-        edges = np.unique(np.concatenate([[0.0, self.quiet, self.reach], self.bends, self.panels]))
-        self.marks = edges[edges <= self.reach]
+        self.resolution_length *= 0.5  # a first guess: no heat smooths the survival
+        # a narrow law breaks only between `safe_stretch` and `largest_stretch`
+        self.safe_stretch = min([float(law.support()[0] or law.ppf(NONE_LEFT)), *self.atoms])
+        edges = np.unique(
+            np.concatenate(
+                [[0.0, self.safe_stretch, self.largest_stretch], self.bends, self.panels]
+            )
+        )
+        self.marks = edges[edges <= self.largest_stretch]
         # where a start reaches into a heavy tail, the few contacts beyond may carry much force
-        self.birth_reach = self.reach if self.reach == law.support()[1] else np.inf
+        self.largest_birth_stretch = (
+            self.largest_stretch if self.largest_stretch == law.support()[1] else np.inf
+        )
         self._linked: Table | None = None
         if contacts.stiffness == "linked":
             shortest = 1e-9 * self._mean
@@ -190,9 +206,11 @@ class ColdLife(LawLife):
         """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
         if not self._linked:
             return held
-        # thresholds lie below `reach`: in the far tail this bound is more accurate than the table
-        most = np.maximum(self.reach - m, 0.0) * held
-        beyond = self._linked.integrals()[0] - self._linked.up_to(np.minimum(m, self.reach))
+        # thresholds lie below `largest_stretch`: in the far tail this bound is more accurate than the table
+        most = np.maximum(self.largest_stretch - m, 0.0) * held
+        beyond = self._linked.integrals()[0] - self._linked.up_to(
+            np.minimum(m, self.largest_stretch)
+        )
         return np.asarray((m * held + np.clip(beyond, 0.0, most)) / self._mean)
 
     def survivors(self, born: Array, side: Array, history: History) -> Array:
@@ -200,8 +218,8 @@ class ColdLife(LawLife):
         first, m = np.abs(born), history.largest(born)
         whole, held = np.ones((2, *m.shape))
         for share, x, edge in ((whole, first, first), (held, m, side)):
-            # up to `quiet` all contacts hold: the law need not be evaluated there
-            some = x > self.quiet * (1.0 - 2.0 * TIE)
-            share[some] = self.held(x[some], edge[some])
+            # up to `safe_stretch` all contacts hold: the law need not be evaluated there
+            some = x > self.safe_stretch * (1.0 - 2.0 * TIE)
+            share[some] = self.threshold_survival(x[some], edge[some])
         out = np.stack([held, self._borne(m, held) * (born + history.now)])
         return np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)

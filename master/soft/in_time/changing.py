@@ -31,7 +31,7 @@ class AgeingMemory(Memory):
         assert ageing is not None
         self._cells = cells = Cells(contacts, level, fastest)
         self.width = cells.edges.size - 1
-        self.reach = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
+        self.largest_stretch = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
         self.starts = 24 + 8 * level
         # first step of a hold: 1e-3 of the time in which thresholds spread by the narrowest width
         shortest = 1e-3 * cells.width**2 / ageing.rate
@@ -60,7 +60,7 @@ class GrainMemory(Memory):
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         self._grains, first = grains, grains.growth.first_pinning_time
-        self._start_since, self.reach = grains.age - first, grains.at_start.support()[1]
+        self._start_since, self.largest_stretch = grains.age - first, grains.at_start.support()[1]
         self.starts = 24 + 8 * level
         # births change over a length of some 2 narrowest widths of the laws of thresholds; the first
         # step of a hold is 0.05 pinning times

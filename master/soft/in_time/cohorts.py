@@ -84,9 +84,9 @@ class Cohorts:
         self.place, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
         self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())
-        start = stretch_rule(contacts.start, memory.reach, memory.starts)
+        start = stretch_rule(contacts.start, memory.largest_stretch, memory.starts)
         # births at many stretches have more nodes with each level
-        births = stretch_rule(reforming_law(contacts), memory.reach, 8 + 4 * level)
+        births = stretch_rule(reforming_law(contacts), memory.largest_stretch, 8 + 4 * level)
         self._births = _over_held(memory, births)
         self._begin(_over_held(memory, start), memory.start(start.stretch))
 

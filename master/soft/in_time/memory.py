@@ -56,7 +56,7 @@ class Memory:
     """The history of contacts with thresholds that stay, which break there or by heat.
 
     error : of the survival that `share_and_force` returns, however fine cells and steps are
-    reach : stretch at t = 0 or at birth beyond which no contact holds (a length)
+    largest_stretch : stretch at t = 0 or at birth beyond which no contact holds (a length)
     width : length of a strand's record, of which all but the first `others` numbers are A
     starts : most nodes for a start with a width; they differ from level to level, so that their error shows
     finer_before_slips : whether steps become finer towards a slip
@@ -71,7 +71,9 @@ class Memory:
         self._hot, self._contacts = contacts.thermal is not None, contacts
         self.exact = bool(law.atoms[0].size)
         self.starts = 24 + 8 * level if self._hot else 100 * 2 ** min(level, 3)
-        self.reach = max([min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]])
+        self.largest_stretch = max(
+            [min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]]
+        )
         # births change over the width of the sharpest tenth of P_c
         self.scales = Scales(min(narrowest(law), contacts.mean_threshold))
         if contacts.thermal is not None:
@@ -81,10 +83,16 @@ class Memory:
             weak = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * contacts.mean_threshold)
             fresh_rate = float(rates.rate(0.0, weak, contacts.relative_stiffness(weak))[0])
             self.scales = self.scales._replace(time=1.0 / rates.scale, rate=fresh_rate)
-        ends = np.concatenate([law.ppf(RANKS), law.isf(RANKS), law.breakpoints, [self.reach]])
+        ends = np.concatenate(
+            [law.ppf(RANKS), law.isf(RANKS), law.breakpoints, [self.largest_stretch]]
+        )
         # a very narrow cell for each exact threshold
         atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
-        ends = np.unique(np.clip(np.concatenate([ends, *atoms]), 1e-12 * self.reach, self.reach))
+        ends = np.unique(
+            np.clip(
+                np.concatenate([ends, *atoms]), 1e-12 * self.largest_stretch, self.largest_stretch
+            )
+        )
         cells = 2 ** min(level + 1, level // 2 + 3)
         edges = np.unique([np.linspace(*two, cells + 1) for two in pairwise(ends)])
         self._set_cells(edges, law.sf(edges))

@@ -41,7 +41,7 @@ LONGEST_LIFE = 3.0  # reaches divided by the speed: a time after which hardly an
 class AgeingLife(Life):
     """Life (see master.survival.life) of contacts that age, closure "exact".
 
-    With more than one leg `left` is for contacts of the start, and for those that have moved straight
+    With more than one leg `survival_and_force` is for contacts of the start, and for those that have moved straight
     since their birth; master.renewal.strand_births follows births of earlier legs.
 
     accuracy : aimed-at error of the share that holds; with cells it takes very long to reach 1e-9 and less
@@ -58,10 +58,10 @@ class AgeingLife(Life):
         laws = contacts.thresholds, ageing.final
         self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
         self.accuracy, self._until = accuracy, until
-        self.reach = highest(*laws, 1e-17)
+        self.largest_stretch = highest(*laws, 1e-17)
         self.width = min(narrowest(law) for law in laws)
-        self.grain = TRAVEL_STEP * self.width
-        longest = LONGEST_LIFE * self.reach / np.maximum(np.abs(motion.speeds), 1e-300)
+        self.resolution_length = TRAVEL_STEP * self.width
+        longest = LONGEST_LIFE * self.largest_stretch / np.maximum(np.abs(motion.speeds), 1e-300)
         # of each leg the time until it ends or hardly any contact holds
         self._lasts = np.minimum(np.diff(motion.times), longest)
         # where the fresh density diverges at 0, so do the breaks right after a birth: below this power
@@ -84,8 +84,8 @@ class AgeingLife(Life):
         self._errors[source] = max(self._errors.get(source, 0.0), error)
         self.error = self.left_out = sum(self._errors.values()) + 1e-13
 
-    def left(self, born: Start | Array, history: History) -> Array:
-        """Share of contacts that hold, and their force per contact born; see Life.left."""
+    def survival_and_force(self, born: Start | Array, history: History) -> Array:
+        """Share of contacts that hold, and their force per contact born; see Life.survival_and_force."""
         motion = history.motion
         leg = motion.leg_of_all(history.t)
         # on a motion of one leg, as that of a kernels.Straight, contacts of the start are looked up as births
@@ -94,7 +94,10 @@ class AgeingLife(Life):
             return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
         if isinstance(born, Start):
             rule = self.stretches(born)
-            each = [self.left(np.full((1, 1), stretch), history) for stretch in rule.stretch]
+            each = [
+                self.survival_and_force(np.full((1, 1), stretch), history)
+                for stretch in rule.stretch
+            ]
             return np.asarray(np.tensordot(rule.weight, each, 1))
         # the speed of Straight's own motion is rounded; by the speed of this one its table is found again
         speed = float((motion if self.has_strands else self.motion).speeds[leg])
@@ -113,7 +116,7 @@ class AgeingLife(Life):
         for here in (stretch < 0.0, stretch >= 0.0):
             if here.any():
                 low = float(stretch[here].min())
-                way = max(float(np.ptp(stretch[here])), 1e-12 * self.reach)
+                way = max(float(np.ptp(stretch[here])), 1e-12 * self.largest_stretch)
                 tables = [self._table(speed, float(low + 0.5 * way * (1.0 + x))) for x in nodes]
                 known = np.array([table(lag[here]) for table in tables])
                 z = 2.0 * (stretch[here] - low) / way - 1.0
@@ -125,14 +128,18 @@ class AgeingLife(Life):
         if (speed, stretch) not in self._tables:
             # |x| does not change when speed and stretch change sign
             along, lasts = -stretch if speed < 0.0 else stretch, float(np.ptp(self.motion.times))
-            longest = min(lasts, LONGEST_LIFE * self.reach / abs(speed)) if speed else lasts
+            longest = (
+                min(lasts, LONGEST_LIFE * self.largest_stretch / abs(speed)) if speed else lasts
+            )
             if self._by_passage:
                 found = self._passage(along)
                 found.move(abs(speed), longest)
                 self._add_error("passages", found.error + max(found.left, 0.0) * (longest < lasts))
                 self._tables[speed, stretch] = found.survival
             else:
-                born = Strands(self.cells, *stretch_rule(SingleStart(along), self.reach, 1))
+                born = Strands(
+                    self.cells, *stretch_rule(SingleStart(along), self.largest_stretch, 1)
+                )
                 self._tables[speed, stretch] = survival_at(born, abs(speed), longest)
         return self._tables[speed, stretch]
 
@@ -185,7 +192,7 @@ class AgeingLife(Life):
         """Share that holds, along the whole motion, of contacts of the start and of some births, shape (moments,)."""
         legs = self.motion.speeds.size
         firsts = np.linspace(0, legs - 1, min(4, legs)).astype(int).tolist()
-        relaxed = stretch_rule(SingleStart(0.0), self.reach, 1)
+        relaxed = stretch_rule(SingleStart(0.0), self.largest_stretch, 1)
         born = [(0, self.stretches(self.contacts.start)), *((first, relaxed) for first in firsts)]
         return np.concatenate([self._shares(Strands(cells, *rule), first) for first, rule in born])
 
@@ -200,7 +207,7 @@ class AgeingLife(Life):
     def stretches(self, born: Start) -> StretchRule:
         """Stretches for births of the law `born`, as many as the survivals need."""
         if born.is_single:
-            return stretch_rule(born, self.reach, 1)
+            return stretch_rule(born, self.largest_stretch, 1)
         if born in self._stretches:
             return self._stretches[born]
         most, before = self.contacts.thresholds.support()[1], np.zeros(1)

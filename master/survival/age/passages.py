@@ -16,7 +16,8 @@ MANY, FIRST, ADDED = 60, 1e-10, 8
 
 
 class Passages:
-    """Groups of contacts born together, with `aged`, `follow` and `left` of master.survival.age.strands.Strands.
+    """Groups of contacts born together, with `aged`, `follow` and `surviving_shares` of
+    master.survival.age.strands.Strands.
 
     begin : gives the passage of contacts that are born at a stretch
     born, share : arrays (parts,), stretches at birth, and weights of sum 1
@@ -46,7 +47,7 @@ class Passages:
 
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
         """As Strands.follow, to the end of the leg; the error of splines between the moments is measured."""
-        alive = np.flatnonzero(self.left()[0] > self.dropped_below)
+        alive = np.flatnonzero(self.surviving_shares()[0] > self.dropped_below)
         for part in (part for strand in alive for part in self._strands[strand]):
             stop_after(self.until)
             part.move(speed, duration)
@@ -77,7 +78,7 @@ class Passages:
         self.error = self._survivals_error + self._splines_error
         return times, found
 
-    def left(self) -> Array:
-        """As Strands.left."""
+    def surviving_shares(self) -> Array:
+        """As Strands.surviving_shares."""
         left = [[(p.left, p.left * p.stretch) for p in parts] for parts in self._strands]
         return np.moveaxis(np.array(left), 2, 0) @ self._share

@@ -58,18 +58,18 @@ class Strands:
 
     def follow(self, speed: float, duration: float) -> tuple[Array, Array]:
         """Advance along a leg, until hardly any contact holds. Returns times since its beginning, shape (n,), and what
-        is `left` then, shape (n, 2, strands)."""
+        is `survival_and_force` then, shape (n, 2, strands)."""
         # where a leg begins, thresholds may have gathered right above |x|: the first steps are short
         self._speed, self._steady_for = speed, 0.0
-        times, shares = self._cells[0].steps(speed, 0.0, duration), [self.left()]
+        times, shares = self._cells[0].steps(speed, 0.0, duration), [self.surviving_shares()]
         for time in np.diff(times):
             self.advance(speed, float(time))
-            shares.append(self.left())
+            shares.append(self.surviving_shares())
             if (shares[-1][0] < UNFOLLOWED).all():
                 break
         return times[: len(shares)], np.array(shares)
 
-    def left(self) -> Array:
+    def surviving_shares(self) -> Array:
         """Share of each strand that holds, and its force per contact born, shape (2, strands)."""
         coarse, fine = (weights.sum(axis=2) for weights in self._weights)
         # extrapolated: the finer resolution has an eighth of the error
