@@ -57,7 +57,7 @@ class Ensemble:
     ) -> None:
         """Check the arguments, make tables and blocks, and compile what will be needed.
 
-        drive : velocity, time, spring and slip, as for origins.Drive.
+        drive : velocity, time, spring, slip, mass and damping, as for origins.Drive.
         """
         started = self.clock()
         if comm is not None and not hasattr(comm, "Get_rank"):
@@ -71,7 +71,7 @@ class Ensemble:
         self._wall_time = np.inf if wall_time is None else positive("wall_time", wall_time)
         small = "such as 1e-4"
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
-        self.contacts, self.drive = contacts, Drive(path, **drive)
+        self.contacts, self.drive = contacts, Drive(path, **drive).without_mass("the ensemble")
         check_seed(seed)
         coupled = self.drive.spring is not None
         most = Replicas.MOST if coupled else Engine.MOST // self._replicas

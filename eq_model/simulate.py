@@ -16,7 +16,9 @@ def simulate(
     velocity: float = 1.0,
     time: npt.ArrayLike | None = None,
     spring: float | None = None,
-    slip: SlipRule = "reset",
+    slip: SlipRule | None = None,
+    mass: float | None = None,
+    damping: float = 0.0,
     slip_fraction: float | None = None,
     n_contacts: int = 100_000,
     n_replicas: int = 1,
@@ -53,9 +55,11 @@ def simulate(
     spring : float, optional
         K/(N_c <k>) of a soft slider; None: it is rigid.
     slip : "reset", "reform-after" or "instant"
-        With a spring, when broken contacts re-form. "instant": at once. "reform-after": when the avalanche ends, or one
-        delay later. "reset": the same, but once an avalanche has broken `slip_fraction` of the contacts, all contacts,
-        those that are out too, are replaced by fresh relaxed ones, and the slider moves to X_T.
+        With a spring, when broken contacts re-form; left out, "reset". "instant": at once. "reform-after": when the
+        avalanche ends, or one delay later. "reset": the same, but once an avalanche has broken `slip_fraction` of the
+        contacts, all contacts, those that are out too, are replaced by fresh relaxed ones, and the slider moves to X_T.
+    mass, damping : float, optional
+        M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, instead of a slip rule; refused as yet.
     slip_fraction : float, optional
         Smallest share of a replica's contacts that breaks in an avalanche that counts as a slip; None: 0.2. Before a
         slip avalanches break up to 2 N^(-1/3) of them, 0.13 at N = 4,000.

@@ -26,7 +26,9 @@ def solve(
     velocity: float = 1.0,
     time: npt.ArrayLike | None = None,
     spring: float | None = None,
-    slip: SlipRule = "reset",
+    slip: SlipRule | None = None,
+    mass: float | None = None,
+    damping: float = 0.0,
     progress: Progress = unheard,
     wall_time: float | None = None,
 ) -> Solution | SoftSolution | AgeingTransient:
@@ -56,12 +58,14 @@ def solve(
     spring : float, optional
         K/(N_c <k>) of a soft slider; None: rigid.
     slip : "reset", "reform-after" or "instant"
-        What a slip of a soft slider does. At the instability F'(X) = -K:
+        What a slip of a soft slider does; left out, "reset". At the instability F'(X) = -K:
         "reset" (the paper's): all contacts are replaced by ones that have just re-formed, and X jumps to where
         K (X_T - X) = F;
         "reform-after": broken contacts stay out until the slip ends, which is where the spring balances those that
         hold; meanwhile these stretch and may break;
         "instant": contacts re-form at once, or after their delay, and X goes to the first X' with F(X') + K X' = K X_T.
+    mass, damping : float, optional
+        M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, instead of a slip rule; refused as yet.
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional
@@ -75,7 +79,8 @@ def solve(
     that cannot be solved on such a path yet.
     """
     tolerance = check_tolerance("tolerance", tolerance)
-    drive = Drive(path, velocity, time, spring, slip)
+    drive = Drive(path, velocity, time, spring, slip, mass, damping)
+    drive.without_mass("the master equation")
     until = np.inf if wall_time is None else clock.monotonic() + positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":

@@ -7,24 +7,28 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import between, finite_array, one_of, refuse
+from origins.errors import between, finite_array, non_negative, one_of, refuse
 
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
 
 
 class Drive:
-    """A path, the speed along it, and the spring that pulls; straight between the points.
+    """A path, the speed along it, and the spring that pulls a slider, with a mass or without; straight between points.
 
     path : positions (lengths), shape (n,), n >= 1, which may turn round: X of a rigid slider, which moves from
         X = 0 straight to the first of them; X_T, the position of the drive, of a soft one.
     velocity : constant speed along the path (length per time); it matters only with rates, ageing, grains or delay.
     time : when each point is reached, shape (n,), from 0 on and in order, instead of the velocity.
     spring : K/(N_c <k>); None: the slider is rigid.
-    slip : "reset", "reform-after" or "instant", the slip rule of a soft slider; a rigid one takes the default only.
+    slip : "reset", "reform-after" or "instant", the slip rule of a soft slider without mass, left out "reset"; a rigid
+        one takes the default only. With a mass None: its motion in a slip follows from mass, damping and delay.
+    mass : M/(N_c <k>) of a soft slider (time squared), M X'' + γ X' = K (X_T - X) - F; None: it has none.
+    damping : γ/(N_c <k>) of a slider with mass (time), at least 0.
     forward : whether the path begins at 0 or above and never turns back.
 
-    Raises InputError for values that are not finite, not positive or not in order, and for an unknown slip rule.
+    Raises InputError for values that are not finite, out of range or not in order, for an unknown slip rule, and for
+    keywords that do not go together: mass and damping need a spring, damping a mass, and beside a mass no slip rule.
     """
 
     def __init__(
@@ -33,25 +37,55 @@ class Drive:
         velocity: float = 1.0,
         time: npt.ArrayLike | None = None,
         spring: float | None = None,
-        slip: SlipRule = "reset",
+        slip: SlipRule | None = None,
+        mass: float | None = None,
+        damping: float = 0.0,
     ) -> None:
         """Check the arguments, which are those above."""
         self.path = finite_array("path", path)
         self.velocity = between("velocity", velocity, 1e-100, 1e100)
         self.time = None if time is None else _check_time(time, self.path, velocity)
         self.spring = None if spring is None else between("spring", spring, 1e-100, 1e100)
-        one_of("slip", slip, get_args(SlipRule))
-        if self.spring is None and slip != "reset":
-            refuse("slip", slip, "is what a slip of a soft slider does; without spring it is rigid")
-        self.slip = slip
+        self.mass = None if mass is None else between("mass", mass, 1e-100, 1e100)
+        self.damping = non_negative("damping", damping)
+        self.slip = self._rule_of(slip)
         self._back = np.flatnonzero(np.diff(self.path, prepend=0.0) < 0.0)
         self.forward = not self._back.size
+
+    def _rule_of(self, slip: SlipRule | None) -> SlipRule | None:
+        """The slip rule: the default where it is left out, None with a mass. Raises InputError for keywords that do not
+        go together."""
+        if slip is not None:
+            one_of("slip", slip, get_args(SlipRule))
+        if self.mass is None:
+            if self.damping:
+                refuse("damping", self.damping, "is of a slider with mass; give a mass, too")
+            if self.spring is None and slip not in (None, "reset"):
+                hint = "is what a slip of a soft slider does; without spring it is rigid"
+                refuse("slip", slip, hint)
+            return slip or "reset"
+        if self.spring is None:
+            refuse("mass", self.mass, "is of a soft slider; give its spring, too")
+        if slip is not None:
+            refuse(
+                "slip",
+                slip,
+                "mass, damping and the contacts' delay decide; leave it out beside mass",
+            )
+        return None
 
     def arrival_times(self, begin: float = 0.0) -> Array:
         """When the points are reached, shape (n,), from the position `begin` at t = 0 on."""
         if self.time is not None:
             return self.time
         return np.asarray(np.abs(np.diff(self.path, prepend=begin)).cumsum() / self.velocity)
+
+    def without_mass(self, solver: str) -> Drive:
+        """`self` without a mass; else InputError, which says that `solver` does not follow one yet."""
+        if self.mass is not None:
+            hint = "does not follow a slider with mass yet; leave it out"
+            refuse("mass", self.mass, f"{solver} {hint}")
+        return self
 
     def only_forward(self, solver: str) -> Drive:
         """`self` for a rigid slider that moves forward; else InputError, which says that `solver` takes only that."""

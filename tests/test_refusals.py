@@ -223,6 +223,15 @@ Ageing(origins.identical(1.5), 1.0)  final: holds the single value 1.5:
 Ageing(GAP, 1.0)  final: has no weight between 0.5 and 1:
 Drive([0.0, np.nan, 1.0])  path[1] = nan:
 Drive([0.0, 1.0], slip="instant")  slip = 'instant': is what a slip of a soft
+Drive([0.0, 1.0], mass=1.0)  mass = 1.0: is of a soft slider; give its spring
+Drive([0.0, 1.0], spring=1.0, mass=0.0)  mass = 0.0: must be above zero
+Drive([0.0, 1.0], spring=1.0, mass=1e101)  mass = 1e+101: must lie between 1e-100 and 1e+100
+Drive([0.0, 1.0], damping=1.0)  damping = 1.0: is of a slider with mass; give a mass, too
+Drive([0.0, 1.0], spring=1.0, damping=1.0)  damping = 1.0: is of a slider with mass; give a mass, too
+Drive([0.0, 1.0], spring=1.0, mass=1.0, damping=-0.1)  damping = -0.1: must be zero or above
+Drive([0.0, 1.0], spring=1.0, mass=1.0, slip="reset")  slip = 'reset': mass, damping and the contacts' delay
+master.solve(Contacts(GAUSSIAN), [1.0], spring=1.0, mass=1.0)  mass = 1.0: the master equation does not follow
+simulate(spring=1.0, mass=1.0, damping=0.1)  mass = 1.0: the ensemble does not follow
 Drive([0.0, 1.0], time=[0.0, 0.0])  time[1] = 0.0: leaves no time to get there
 Drive([0.0, 1.0], 2.0, time=[0.0, 1.0])  velocity = 2.0: the times of the points
 master.kinetic_curve(Contacts(GAUSSIAN), None)  velocity = nan: must be finite
