@@ -1,21 +1,29 @@
 """Contacts whose thresholds change under a spring: those that age (closure "exact"), and growing grains.
 
-Of contacts that age every strand carries the density of its thresholds, on the cells of master.survival.age.cells.
+Of contacts that age every group carries the density of its thresholds, on the cells of master.survival.age.cells.
 
-Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned together the share
+Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned together the fraction
 e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of their law at their stretch and age so far
 (master.survival.grains). With heat they also break earlier, see Memory: here the cells are those of the quantile.
 """
 
 import numpy as np
 
-from master.soft.in_time.memory import Leg, Memory, Scales
+from master.soft.in_time.memory import Leg, Memory, Scales, warm_nodes
 from master.survival.age.cells import Cells
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# Columns of a strand's numbers: largest hazard, hazard at birth, time since pinning, and from there A.
+# Columns of a group's record: largest hazard, hazard at birth, time since pinning, and from there A.
 LARGEST_HAZARD, BIRTH_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(4)
+# Births change over this many of the narrowest widths of the laws.
+WIDTHS_OF_BIRTHS = 2.0
+# First step of a hold: of contacts that age in times in which thresholds spread by the narrowest width, of grains in
+# times until they pin.
+FIRST_OF_AGEING, FIRST_OF_GROWTH = 1e-3, 0.05
+# Largest root of the hazard at an edge: the survival there is 2e-14. Cells on the coarsest level; they are halved with
+# every second one.
+LARGEST_ROOT, COARSEST_CELLS = 5.6, 48
 
 
 class AgeingMemory(Memory):
@@ -32,11 +40,9 @@ class AgeingMemory(Memory):
         self._cells = cells = Cells(contacts, level, fastest)
         self.width = cells.edges.size - 1
         self.largest_stretch = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
-        self.starts = 24 + 8 * level
-        # first step of a hold: 1e-3 of the time in which thresholds spread by the narrowest width
-        shortest = 1e-3 * cells.width**2 / ageing.rate
-        # births change over a length of some 2 narrowest widths of both laws
-        self.scales = Scales(2.0 * cells.width, shortest, cells.heat_rate)
+        self.starts = warm_nodes(level)
+        shortest = FIRST_OF_AGEING * cells.width**2 / ageing.rate
+        self.scales = Scales(WIDTHS_OF_BIRTHS * cells.width, shortest, cells.heat_rate)
 
     def start(self, stretch: Array) -> Array:
         return self._cells.fresh(stretch)
@@ -44,7 +50,7 @@ class AgeingMemory(Memory):
     def advance(self, record: Array, leg: Leg) -> Array:
         return self._cells.stepped(record, leg.begin, leg.end, leg.duration)
 
-    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
+    def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         held = record.sum(axis=1)
         return np.stack([held, stretch * held])
 
@@ -61,14 +67,12 @@ class GrainMemory(Memory):
         assert grains is not None and grains.age is not None
         self._grains, first = grains, grains.growth.first_pinning_time
         self._start_since, self.largest_stretch = grains.age - first, grains.at_start.support()[1]
-        self.starts = 24 + 8 * level
-        # births change over a length of some 2 narrowest widths of the laws of thresholds; the first
-        # step of a hold is 0.05 pinning times
-        length, time = 2.0 * min(self.scales.length, grains.quick_width), 0.05 * first
+        self.starts = warm_nodes(level)
+        length = WIDTHS_OF_BIRTHS * min(self.scales.length, grains.quick_width)
+        time = FIRST_OF_GROWTH * first
         self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
-        # places of the edges are roots of hazards, as small thresholds are proportional to these;
-        # the last is at a survival of 2e-14
-        edges = np.linspace(0.0, 5.6, 48 * 2 ** (level // 2) + 1)
+        # edges are roots of hazards, as small thresholds are proportional to these
+        edges = np.linspace(0.0, LARGEST_ROOT, COARSEST_CELLS * 2 ** (level // 2) + 1)
         self._hazards = edges**2
         self._set_cells(edges, np.exp(-self._hazards))
         if contacts.thermal is not None:
@@ -101,9 +105,9 @@ class GrainMemory(Memory):
             hazards = record[:, BIRTH_HAZARD, None] + self._hazards
             limit = self._grains.threshold_at(hazards, self._grains.growth.excess_after(middle))
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
-            out[:, RATE_INTEGRAL:] += self._rate_integral(leg._replace(furthest=moved), limit)
+            out[:, RATE_INTEGRAL:] += self._rate_integral(leg._replace(largest=moved), limit)
         return out
 
-    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
+    def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         passed = np.maximum(record[:, LARGEST_HAZARD] - record[:, BIRTH_HAZARD], 0.0)
         return self._summed(record[:, RATE_INTEGRAL:], stretch, np.sqrt(passed), np.exp(-passed))

@@ -1,4 +1,4 @@
-"""Cohorts: all contacts of a slider on its way, trial steps, and the steps taken.
+"""Cohorts: all contacts of a slider, trial steps, and the steps taken.
 
 With N(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
 born at s, number conservation says
@@ -6,13 +6,12 @@ born at s, number conservation says
     G_0(t) + integral of E(t, s) dN(s) + [B(t) - N(t)] = 1,        N(t) = B(t - delay).
 
 Contacts are independent: the survival of those born at one moment depends on the motion since and on nothing else. They
-are represented by a cohort born at the end of each step, and each cohort by one strand for each stretch at which
+are represented by a cohort born at the end of each step, and each cohort by one group for each stretch at which
 contacts form again. Within a step the rate of births is taken as constant: half of its births belong to the cohort at
 its begin, half to that at its end, of second order in the step.
 """
 
 from bisect import bisect_left
-from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import KroghInterpolator
@@ -20,87 +19,64 @@ from scipy.interpolate import KroghInterpolator
 from master.numerics.averages import StretchRule, stretch_rule
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import reforming_law
-from master.soft.in_time.memory import Leg, Memory
+from master.soft.in_time.groups import Groups, Trial, per_survival
+from master.soft.in_time.memory import Memory
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# Share of a strand that holds below which it is dropped.
+# Survival below which a group is dropped: its force is below round-off even if there are a thousand of them.
 DEAD = 1e-19
-# Most steps, and most operations in them, which take a minute or less.
-MOST_STEPS, MOST_WORK = 6e3, 1e9
-
-
-class Strands(NamedTuple):
-    """Contacts that began or were born together at one stretch; arrays of shape (n,), (n, width).
-
-    stretch, furthest : x and the largest |x| so far (lengths)
-    share : of all contacts, divided by the share that holds at birth
-    record : see Memory
-    """
-
-    stretch: Array
-    furthest: Array
-    share: Array
-    record: Array
-
-    def and_born(self, memory: Memory, born: StretchRule, share: float, speed: float) -> "Strands":
-        """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
-        x, record = born.stretch, memory.fresh(born.stretch, speed)
-        new = Strands(x, np.abs(x), share * born.weight, record)
-        return Strands(*(np.concatenate(both) for both in zip(self, new, strict=True)))
-
-
-class Trial(NamedTuple):
-    """A step that is not taken yet: its travel, its end in time, and the state it leads to.
-
-    strands : with a new cohort that has no births yet; `held_force` is what share_and_force says of them
-    force, holding : see Cohorts; breaks, births : per contact since t = 0 or a reset
-    """
-
-    travel: float
-    now: float
-    strands: Strands
-    held_force: Array
-    force: float
-    holding: float
-    breaks: float
-    births: float
+# Most steps, and most operations in them, which take a minute or less. A group costs as many operations in a step as
+# there are numbers in its record, and as many as FIXED_WORK numbers beside them.
+MOST_STEPS, MOST_WORK, FIXED_WORK = 6e3, 1e9, 60
+# An error estimate needs as many levels of halved steps, so that the coarser ones may take only a part of that.
+LEVELS = 3
+# Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
+UNRESOLVED = 0.5
+# By this part of the time since the beginning a delay is prolonged, so that births that are due at a moment do not come
+# before it by rounding.
+LATE = 1e-13
+# Nodes of the polynomial through past breaks, of a higher order than the steps, which are of second order.
+NODES = 4
 
 
 class Cohorts:
     """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
-    place, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the share that holds
+    `trial` says where any step would lead and changes nothing; `take` takes it. Which steps are taken, what force is
+    balanced and what a slip does is up to the caller: Cohorts know no spring.
+
+    position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
     unit, jumps : mean threshold (a length), and whether P_c may jump
-    pending : times at which the rate of births jumps, and the shares, possibly 0, born at once there
-    steps, work : number of steps taken so far, and of operations in them
-    unresolved : bound on the force (a length) of contacts whose share that holds steps do not resolve
+    pending : times at which the rate of births jumps, and the fractions, possibly 0, born at once there
+    level : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
+    unresolved : bound on the force (a length) of contacts whose survival steps do not resolve
     """
 
     def __init__(self, contacts: Contacts, memory: Memory, level: int, until: float) -> None:
         """All contacts at the beginning; `until` is a reading of time.monotonic() to stop at."""
         self.memory, self.delay, self._until = memory, contacts.waiting_time, until
         self.level, self.steps, self.work, self.unresolved = level, 0, 0.0, 0.0
-        self.place, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
+        self.position, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
         self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())
         start = stretch_rule(contacts.start, memory.largest_stretch, memory.starts)
         # births at many stretches have more nodes with each level
-        births = stretch_rule(reforming_law(contacts), memory.largest_stretch, 8 + 4 * level)
-        self._births = _over_held(memory, births)
-        self._begin(_over_held(memory, start), memory.start(start.stretch))
+        reformed = stretch_rule(reforming_law(contacts), memory.largest_stretch, 8 + 4 * level)
+        self._reformed = per_survival(memory, reformed)
+        self._begin(per_survival(memory, start), memory.start(start.stretch))
 
     def relax(self) -> None:
         """Replace all contacts, also those that are out, by those just formed again."""
-        self._begin(self._births, self.memory.fresh(self._births.stretch, 0.0))
+        self._begin(self._reformed, self.memory.fresh(self._reformed.stretch, 0.0))
 
     def _begin(self, start: StretchRule, record: Array) -> None:
-        x = start.stretch
-        strands = Strands(x, np.abs(x), start.weight, record)
-        held_force = self.memory.share_and_force(strands.record, x, strands.furthest)
-        self.holding, self.force = (held_force @ strands.share).tolist()
-        self._started = x.size
-        self.strands = strands.and_born(self.memory, self._births, 0.0, 0.0)
+        """Set these contacts in place of all others, as if no contact had broken before."""
+        groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
+        held = groups.survival_and_force(self.memory)
+        self.holding, self.force = (held @ groups.weight).tolist()
+        self._started = start.stretch.size
+        self.groups = groups.and_born(self.memory, self._reformed, 0.0, 0.0)
         # ends of steps with the breaks up to there, in smooth sections; and the births
         self._began, self._sections, self._born = self.now, [[(self.now, 0.0)]], 0.0
         self.pending: dict[float, float] = {}
@@ -111,102 +87,97 @@ class Cohorts:
         return self._sections[-1][-1][1]
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
-        """A trial step by `travel` until `now`."""
-        duration, born, many = now - self.now, self._born, self._births.stretch.size
-        stretch = self.strands.stretch + travel
-        furthest = np.maximum(self.strands.furthest, np.abs(stretch))
-        leg = Leg(self.strands.stretch, stretch, furthest, duration)
-        record = self.memory.advance(self.strands.record, leg)
+        """A trial step by `travel` until `now`; `without_births`, broken contacts stay out."""
+        duration, born, count = now - self.now, self._born, self._reformed.stretch.size
         speed = abs(travel) / duration if duration > 0.0 else np.inf
-        strands = Strands(stretch, furthest, self.strands.share, record)
-        strands = strands.and_born(self.memory, self._births, 0.0, speed)
-        held_force = self.memory.share_and_force(strands.record, strands.stretch, strands.furthest)
-        known, force = (held_force @ strands.share).tolist()
-        # those born in this step, per contact born
-        new = 0.5 * (held_force[:, -2 * many : -many] + held_force[:, -many:]) @ self._births.weight
-        last, newest_force = new.tolist()
-        without_births |= bool(self.delay) and now == self.now
-        slope, rest = (0.0, born) if without_births else self._births_at(now)
-        # known + last (N - N_before) + B - N = 1, N = slope B + rest
-        breaks = (1.0 - known + last * born + (1.0 - last) * rest) / (1.0 - (1.0 - last) * slope)
-        more = slope * breaks + rest - born
-        force, held = force + newest_force * more, known + last * more
-        return Trial(travel, now, strands, held_force, force, held, breaks, born + more)
+        groups = self.groups.moved(self.memory, travel, duration)
+        groups = groups.and_born(self.memory, self._reformed, 0.0, speed)
+        held = groups.survival_and_force(self.memory)
+        held_before, force_before = (held @ groups.weight).tolist()
+        # of those born in this step, per contact born: survival and force
+        both_ends = 0.5 * (held[:, -2 * count : -count] + held[:, -count:])
+        survival, force_of_new = (both_ends @ self._reformed.weight).tolist()
+        slope, rest = 0.0, born
+        if not (without_births or (self.delay and now == self.now)):
+            slope, rest = self._births_at(now)
+        # held_before + survival (N - born) + B - N = 1, N = slope B + rest, solved for B
+        out = 1.0 - held_before + survival * born + (1.0 - survival) * rest
+        breaks = out / (1.0 - (1.0 - survival) * slope)
+        new = slope * breaks + rest - born
+        force, holding = force_before + force_of_new * new, held_before + survival * new
+        return Trial(travel, now, groups, held, force, holding, breaks, born + new)
 
     def _births_at(self, now: float) -> tuple[float, float]:
-        """Births up to a later moment, as a linear function of the breaks B up to then: (slope, rest)."""
+        """Births up to a later moment, as a linear function of the breaks B up to then: slope and rest."""
         if not self.delay:
             return 1.0, 0.0
-        # the delay is prolonged by 1e-13 of the time, so that births at one moment do not come early
-        at, last = now - self.delay - 1e-13 * (now - self._began), self.now
+        at, last = now - self.delay - LATE * (now - self._began), self.now
         if at <= self._began:
             return 0.0, 0.0
-        if at <= last:
-            # a cubic through the nodes beside, within one section
-            nodes = next(part for part in self._sections if part[-1][0] >= at)
-            begin = max(min(bisect_left(nodes, (at,)) - 2, len(nodes) - 4), 0)
-            times, breaks = zip(*nodes[begin : begin + 4], strict=True)
-            return 0.0, float(KroghInterpolator(times, breaks)(at))
-        share = (at - last) / (now - last)
-        return share, (1.0 - share) * self.breaks
+        if at > last:  # within this step, along which breaks are a straight line
+            fraction = (at - last) / (now - last)
+            return fraction, (1.0 - fraction) * self.breaks
+        nodes = next(section for section in self._sections if section[-1][0] >= at)
+        first = max(min(bisect_left(nodes, (at,)) - NODES // 2, len(nodes) - NODES), 0)
+        times, breaks = zip(*nodes[first : first + NODES], strict=True)
+        return 0.0, float(KroghInterpolator(times, breaks)(at))
 
     def take(self, trial: Trial) -> None:
-        """Take the step."""
-        strands, held_force, many = trial.strands, trial.held_force, self._births.stretch.size
+        """Take the step; StoppedError where there are too many, or time is over."""
+        groups, held, count = trial.groups, trial.survival_and_force, self._reformed.stretch.size
         self.steps += 1
-        self.work += strands.share.size * (self.memory.width + 60)
-        # an error estimate needs three levels
-        share = 0.5 ** max(2 - self.level, 0)
-        if self.steps > MOST_STEPS * share or self.work > MOST_WORK * share**2:
+        self.work += groups.weight.size * (self.memory.width + FIXED_WORK)
+        self._stop_at_limits()
+        self.position, self.now = self.position + trial.travel, trial.now
+        self.force, self.holding = trial.force, trial.holding
+        half = 0.5 * (trial.births - self._born) * self._reformed.weight
+        groups.weight[-count:] = half
+        groups.weight[-2 * count : -count] += half
+        self._note_unresolved(groups, held)
+        # births go on between the last cohort and the next: these two stay, and all groups of a cohort go together
+        alive = held[0] > DEAD
+        cohorts = held[0, self._started :].reshape(-1, count)
+        alive[self._started :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
+        alive[-count:] = True
+        self._started = int(np.count_nonzero(alive[: self._started]))
+        self.groups = groups.pick(alive)
+        self._sections[-1].append((self.now, trial.breaks))
+        self._born = trial.births
+
+    def _stop_at_limits(self) -> None:
+        """Raise StoppedError after too many steps, too much work in them, or too much time."""
+        part = 0.5 ** max(LEVELS - 1 - self.level, 0)
+        if self.steps > MOST_STEPS * part or self.work > MOST_WORK * part**2:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise StoppedError(f"{done}, and more are not taken on")
         stop_after(self._until)
-        self.place, self.now = self.place + trial.travel, trial.now
-        self.force, self.holding = trial.force, trial.holding
-        half = 0.5 * (trial.births - self._born) * self._births.weight
-        strands.share[-many:] = half
-        strands.share[-2 * many : -many] += half
-        # a step is unresolved if the survival of its first births is less than half that of its
-        # last: then it is unknown how many of the births in between hold
-        held, pull = held_force[:, self._started :]
-        born = np.abs(strands.share[self._started :])
-        apart = np.where(held[:-many] < 0.5 * held[many:], 0.5, 0.0)
-        apart *= np.abs(pull[many:] - pull[:-many]) * np.sqrt(born[many:] * born[:-many])
-        self.unresolved = max(self.unresolved, float(apart.sum()))
-        # drop cohorts of which none hold; births go on between the last one and the next
-        alive = held_force[0] > DEAD
-        alive[self._started :] = np.repeat(held.reshape(-1, many).max(axis=1) > DEAD, many)
-        alive[-many:] = True
-        self._started = int(np.count_nonzero(alive[: self._started]))
-        self.strands = Strands(*(part[alive] for part in strands))
-        self._sections[-1].append((self.now, trial.breaks))
-        self._born = trial.births
+
+    def _note_unresolved(self, groups: Groups, held: Array) -> None:
+        """Bound the force of contacts born in steps of which it is unknown how many hold."""
+        count = self._reformed.stretch.size
+        survival, force = held[:, self._started :]
+        born = np.abs(groups.weight[self._started :])
+        unknown = np.where(survival[:-count] < UNRESOLVED * survival[count:], 0.5, 0.0)
+        unknown *= np.abs(force[count:] - force[:-count]) * np.sqrt(born[count:] * born[:-count])
+        self.unresolved = max(self.unresolved, float(unknown.sum()))
 
     def begin_section(self) -> None:
         """The speed and the rate of breaks may jump at this moment."""
         self._sections.append(self._sections[-1][-1:])
 
-    def repeat_later(self, at: float, weight: float = 0.0) -> None:
-        """Breaks jump by a share `weight`, or their rate jumps: births repeat it a delay later, and bend after two."""
-        for later, share in ((at + self.delay, weight), (at + 2.0 * self.delay, 0.0)):
-            self.pending[later] = self.pending.get(later, 0.0) + share
+    def repeat_later(self, at: float, fraction: float = 0.0) -> None:
+        """Breaks jump by a fraction of all contacts, or their rate jumps: births repeat it a delay later, and bend
+        after two."""
+        for later, born in ((at + self.delay, fraction), (at + 2.0 * self.delay, 0.0)):
+            self.pending[later] = self.pending.get(later, 0.0) + born
 
     def born_now(self) -> None:
         """Let all contacts that are due be born."""
-        weight = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
-        if weight > 0.0:
-            at = self.strands.share.size
-            self.strands = self.strands.and_born(self.memory, self._births, weight, 0.0)
-            new = Strands(*(part[at:] for part in self.strands))
-            held_force = self.memory.share_and_force(new.record, new.stretch, new.furthest)
-            held, force = (held_force @ new.share).tolist()
-            self.holding, self.force = self.holding + held, self.force + force
-            self._born += weight
-
-
-def _over_held(memory: Memory, rule: StretchRule) -> StretchRule:
-    """The rule with weights divided by the share that holds at birth."""
-    stretch = rule.stretch
-    whole = memory.share_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]
-    share = np.divide(rule.weight, whole, out=np.zeros(whole.size), where=whole > 0.0)
-    return StretchRule(stretch, share)
+        fraction = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
+        if fraction > 0.0:
+            first = self.groups.weight.size
+            self.groups = self.groups.and_born(self.memory, self._reformed, fraction, 0.0)
+            new = self.groups.pick(slice(first, None))
+            holding, force = (new.survival_and_force(self.memory) @ new.weight).tolist()
+            self.holding, self.force = self.holding + holding, self.force + force
+            self._born += fraction

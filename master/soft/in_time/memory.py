@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy.special import exp1
 
 from master.motion import Legs
@@ -19,17 +20,34 @@ from master.survival.life import TIE
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# Shares of the contacts below or above the ends of cells. On the coarsest level each cell is cut in 2; the parts are
-# halved with each level, from the fourth on with every second one.
+# Fractions of the contacts with thresholds below and above the ends of cells: some four a decade of weight where it
+# matters, tails down to round-off. On the coarsest level each cell is cut in 2; the parts are halved with each level,
+# from the fourth on with every second one.
 RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
-# The logarithms of the least and of the largest A that are told apart from 0 and infinity.
+# The logarithms of the least and of the largest A that are told apart from 0 and infinity: e^-A is 1, or 0, to
+# round-off.
 LEAST_LOG, MOST_LOG = -700.0, 6.5
+# Fraction of fresh contacts, the weakest, whose rate of breaking steps need not resolve: they break soon, with little
+# effect on the others.
+WEAK = 0.3
+# Survival, of contacts that never were stretched, beyond which no threshold is looked for: below round-off.
+STRONGEST = 1e-18
+# Least threshold that is told apart from 0, in mean or largest thresholds.
+NO_THRESHOLD = 1e-12
+# Nodes for a start with a width on the coarsest level, and those more on each one after it: with heat or with
+# thresholds that change each node has a record of its own; without they cost little, and a start may be wide.
+WARM_NODES, MORE_WARM_NODES, COLD_NODES, MOST_DOUBLINGS = 24, 8, 100, 3
+# Width of a cell, in the square of the largest threshold, below which it is that of an exact threshold.
+EXACT_CELL = 1e-9
+# Difference of e^-A between the ends of a cell below which its mean is that of the ends, with an error of the third
+# power.
+FLAT = 1e-4
 
 
 class Scales(NamedTuple):
     """The scales that the steps of a slider have to resolve.
 
-    length : travel over which shares and births change (a length)
+    length : travel over which survivals and births change (a length)
     time : the shortest time over which they change in a hold; inf where nothing changes then
     rate : at which fresh contacts break (per time), 0 where steps need not resolve it
     """
@@ -42,22 +60,25 @@ class Scales(NamedTuple):
 class Leg(NamedTuple):
     """A straight move of contacts at one speed.
 
-    begin, end, furthest : arrays of shape (n,), stretches (lengths), and the largest |x| after it
+    begin, end, largest : arrays of shape (n,), stretches (lengths), and the largest |x| after it
     duration : time
     """
 
     begin: Array
     end: Array
-    furthest: Array
+    largest: Array
     duration: float
 
 
 class Memory:
     """The history of contacts with thresholds that stay, which break there or by heat.
 
-    error : of the survival that `share_and_force` returns, however fine cells and steps are
+    A memory for another law of contacts offers the attributes below, `start`, `fresh`, `advance` and
+    `survival_and_force`.
+
+    error : of the survival that `survival_and_force` returns, however fine cells and steps are
     largest_stretch : stretch at t = 0 or at birth beyond which no contact holds (a length)
-    width : length of a strand's record, of which all but the first `others` numbers are A
+    width : length of a group's record, of which all but the first `others` numbers are A
     starts : most nodes for a start with a width; they differ from level to level, so that their error shows
     finer_before_slips : whether steps become finer towards a slip
     exact : whether there are exact thresholds
@@ -70,17 +91,15 @@ class Memory:
         law = self._law = contacts.thresholds
         self._hot, self._contacts = contacts.thermal is not None, contacts
         self.exact = bool(law.atoms[0].size)
-        self.starts = 24 + 8 * level if self._hot else 100 * 2 ** min(level, 3)
-        self.largest_stretch = max(
-            [min(float(law.support()[1]), float(law.isf(1e-18))), *law.atoms[0]]
-        )
+        self.starts = warm_nodes(level) if self._hot else cold_nodes(level)
+        strongest = min(float(law.support()[1]), float(law.isf(STRONGEST)))
+        self.largest_stretch = max([strongest, *law.atoms[0]])
         # births change over the width of the sharpest tenth of P_c
         self.scales = Scales(min(narrowest(law), contacts.mean_threshold))
         if contacts.thermal is not None:
             rates = contacts.thermal.rates
-            # steps need not resolve the rate of the weakest 30 % of fresh contacts: these break soon,
-            # with little effect on the others
-            weak = np.maximum(np.array([float(law.ppf(0.3))]), 1e-12 * contacts.mean_threshold)
+            least = NO_THRESHOLD * contacts.mean_threshold
+            weak = np.maximum(np.array([float(law.ppf(WEAK))]), least)
             fresh_rate = float(rates.rate(0.0, weak, contacts.relative_stiffness(weak))[0])
             self.scales = self.scales._replace(time=1.0 / rates.scale, rate=fresh_rate)
         ends = np.concatenate(
@@ -88,17 +107,14 @@ class Memory:
         )
         # a very narrow cell for each exact threshold
         atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
-        ends = np.unique(
-            np.clip(
-                np.concatenate([ends, *atoms]), 1e-12 * self.largest_stretch, self.largest_stretch
-            )
-        )
+        ends = np.concatenate([ends, *atoms])
+        ends = np.clip(ends, NO_THRESHOLD * self.largest_stretch, self.largest_stretch)
         cells = 2 ** min(level + 1, level // 2 + 3)
-        edges = np.unique([np.linspace(*two, cells + 1) for two in pairwise(ends)])
+        edges = np.unique([np.linspace(*two, cells + 1) for two in pairwise(np.unique(ends))])
         self._set_cells(edges, law.sf(edges))
 
     def _set_cells(self, edges: Array, beyond: Array) -> None:
-        """Set the places between which ln A is linear, and the shares with thresholds beyond them."""
+        """Set the thresholds between which ln A is linear, and the fractions of contacts beyond them."""
         self._edges, self._beyond = edges, beyond
         self.width = self.others + edges.size * self._hot
 
@@ -118,78 +134,93 @@ class Memory:
 
     def _rate_integral(self, leg: Leg, thresholds: Array) -> Array:
         """A of one leg at thresholds (k,) or (n, k)."""
-        way, count = leg.end - leg.begin, leg.end.size
-        speed, duration = float(way[0]) / leg.duration, np.full((count, 1), leg.duration)
-        legs = Legs(np.stack([np.zeros(count), way], axis=-1), duration, np.array([speed]))
+        travel, count = leg.end - leg.begin, leg.end.size
+        speed, duration = float(travel[0]) / leg.duration, np.full((count, 1), leg.duration)
+        legs = Legs(np.stack([np.zeros(count), travel], axis=-1), duration, np.array([speed]))
         replay = Replay(self._contacts, leg.begin, legs)
-        above = np.maximum(thresholds, leg.furthest[:, None])
+        above = np.maximum(thresholds, leg.largest[:, None])
         return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
 
-    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
-        """Share that holds and its force, the sum of k x/<k> (lengths), shape (2, n). Both are multiplied by the
-        share that holds at birth; `furthest` is the largest |x| so far."""
-        unmet = np.asarray(self._law.sf(furthest * (1.0 + TIE)))
+    def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
+        """Survival and force, the mean of k x/<k> over all (lengths), shape (2, n). Both are multiplied by the
+        survival at birth; `largest` is the largest |x| so far."""
+        unmet = np.asarray(self._law.sf(largest * (1.0 + TIE)))
         if not self._hot and self._contacts.stiffness == "independent":
             return np.stack([unmet, stretch * unmet])
-        return self._summed(record, stretch, furthest, unmet)
+        return self._summed(record, stretch, largest, unmet)
 
-    def _summed(self, spent: Array, stretch: Array, least: Array, unmet: Array) -> Array:
-        """Share and force of the share `unmet`, whose thresholds lie beyond `least` among the edges."""
+    def _summed(self, integrals: Array, stretch: Array, least: Array, unmet: Array) -> Array:
+        """Survival and force of the fraction `unmet`, whose thresholds lie beyond `least`, from A at the edges."""
         edges, every = self._edges, np.arange(least.size)
         weight = np.maximum(np.minimum(unmet[:, None], self._beyond[:-1]) - self._beyond[1:], 0.0)
-        # of the cell in which the place lies, only the part beyond it counts
+        # of the cell in which the least threshold lies, only the part beyond it counts
         cut = np.clip(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
         low = np.clip(least, edges[cut], edges[cut + 1])
         if self._hot:
-            log = np.log(np.maximum(spent, np.exp(LEAST_LOG)))
-            near, far = log[every, cut + 1], log[every, cut + 2]
-            # there ln A is extrapolated, by the square of the threshold as barriers change; the
-            # narrow cell of an exact threshold has no slope
-            width = edges[cut + 2] ** 2 - edges[cut + 1] ** 2
-            apart = edges[cut + 1] ** 2 - low**2
-            apart /= np.where(width > 1e-9 * edges[-1] ** 2, width, np.inf)
-            log[every, cut] = near + apart * np.maximum(near - far, 0.0)
-            weight = weight * mean_share(log)
+            log = np.log(np.maximum(integrals, np.exp(LEAST_LOG)))
+            log[every, cut] = self._log_at(low, cut, log[every, cut + 1], log[every, cut + 2])
+            weight = weight * mean_survival(log)
         ends = np.tile(edges, (least.size, 1))
         ends[every, cut] = low
         middle = 0.5 * (ends[:, 1:] + ends[:, :-1])
-        borne = (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)
-        return np.stack([weight.sum(axis=1), stretch * borne])
+        stiffness = (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)
+        return np.stack([weight.sum(axis=1), stretch * stiffness])
+
+    def _log_at(self, low: Array, cut: npt.NDArray[np.intp], near: Array, far: Array) -> Array:
+        """ln A at thresholds `low` in the cells `cut`, from its values at the next two edges, by the square of the
+        threshold as barriers change; the narrow cell of an exact threshold has no slope."""
+        squares = self._edges**2
+        width = squares[cut + 2] - squares[cut + 1]
+        width = np.where(width > EXACT_CELL * squares[-1], width, np.inf)
+        return near + (squares[cut + 1] - low**2) / width * np.maximum(near - far, 0.0)
 
 
 class MeanRateMemory(Memory):
     """The paper's closure: all break at the mean rate H(x), and where |x| grows at their thresholds.
 
-    Kept are the share that holds, and |x| at birth. A contact forgets the thresholds that it has
+    Kept are the survival, and |x| at birth. A contact forgets the thresholds that it has
     survived: one that goes out again may break at all that it has passed before (App. C).
     """
 
     def __init__(self, contacts: Contacts, level: int) -> None:
         super().__init__(contacts, level)
         self._life = MeanRateLife(contacts)
-        self.width, self.starts, self.error = 2, 100 * 2 ** min(level, 3), self._life.error + 1e-12
+        # rounding in tables of H is some 1e-12
+        self.width, self.starts, self.error = 2, cold_nodes(level), self._life.error + 1e-12
         self.scales = self.scales._replace(rate=float(self._life.rate(np.zeros(1))[0]))
 
     def start(self, stretch: Array) -> Array:
         return np.stack([np.ones(stretch.size), np.abs(stretch)], axis=1)
 
     def advance(self, record: Array, leg: Leg) -> Array:
-        life, (share, born) = self._life, record.T
+        """See Memory; the mean of H over the move is that of Simpson's rule."""
+        life, (survival, born) = self._life, record.T
         ends, middle = np.abs([leg.begin, leg.end]), 0.5 * np.abs(leg.begin + leg.end)
         mean = (life.rate(ends).sum(axis=0) + 4.0 * life.rate(middle)) / 6.0
-        share = share * life.unmet(leg.begin, leg.end, born, leg.furthest)
-        return np.stack([share * np.exp(-mean * leg.duration), born], axis=1)
+        survival = survival * life.unmet(leg.begin, leg.end, born, leg.largest)
+        return np.stack([survival * np.exp(-mean * leg.duration), born], axis=1)
 
-    def share_and_force(self, record: Array, stretch: Array, furthest: Array) -> Array:
+    def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         return np.stack([record[:, 0], stretch * record[:, 0]])
 
 
-def mean_share(log: Array) -> Array:
+def warm_nodes(level: int) -> int:
+    """Nodes for a start with a width of contacts with a record of their own; they differ from level to level, so that
+    their error shows."""
+    return WARM_NODES + MORE_WARM_NODES * level
+
+
+def cold_nodes(level: int) -> int:
+    """The same of contacts without one."""
+    return int(COLD_NODES * 2 ** min(level, MOST_DOUBLINGS))
+
+
+def mean_survival(log: Array) -> Array:
     """Mean of e^-A over cells at whose ends ln A has the values (n, k + 1), shape (n, k)."""
-    share = np.exp(-np.exp(np.minimum(log, MOST_LOG)))
-    low, high = share[:, :-1], share[:, 1:]
+    survival = np.exp(-np.exp(np.minimum(log, MOST_LOG)))
+    low, high = survival[:, :-1], survival[:, 1:]
     mean = 0.5 * (low + high)
-    steep = np.abs(high - low) > 1e-4
+    steep = np.abs(high - low) > FLAT
     ends = log[:, :-1][steep], log[:, 1:][steep]
     # the integral of e^-A over ln A is -E_1(A)
     below, above = (exp1(np.exp(np.clip(end, LEAST_LOG, MOST_LOG))) for end in ends)

@@ -18,12 +18,30 @@ from master.outcome import Progress, StoppedError
 from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.memory import MeanRateMemory, Memory
-from master.soft.in_time.slider import Slider, read
+from master.soft.in_time.reading import read
+from master.soft.in_time.slider import Slider
 from master.soft.regime import Followed, slips_of
 from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
+
+# Levels that an error estimate takes: answers, their changes, and the change of the extrapolated ones.
+LEVELS = 3
+# Errors fall by 4 from level to level as the square of the steps: 1/3 of the last change is left, and is added.
+REST_OF_CHANGE = 1.0 / 3.0
+# Times the last change in the error estimate: changes fall irregularly where births jump or P_c bends, and by a half
+# where thresholds grow; once with ageing, where errors fall faster.
+SAFETY, SAFETY_OF_AGEING = 3.0, 1.0
+# Moments at which the error is looked for beside the points of the path: few points would hardly tell it.
+MOMENTS = 65
+# A drive that begins this near the balance, in mean thresholds, begins there: the difference is rounding.
+AT_BALANCE = 1e-12
+# Rounding of the force in one step, in mean thresholds.
+ROUNDING = 1e-13
+# The next level takes twice the steps, each of which has twice the groups; and errors below this many times that of the
+# memory are not made smaller by it.
+MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
 
 
 def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
@@ -41,8 +59,8 @@ def balance_of(contacts: Contacts, drive: Drive) -> float:
     """X_T = F(0)/K, where the drive begins (a length); refuses a path in time that begins elsewhere."""
     start = Cohorts(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
     balance = start.force / float(drive.spring or 0.0)
-    if abs(drive.path[0] - balance) <= 1e-12 * contacts.mean_threshold:
-        return float(drive.path[0])  # the difference is rounding
+    if abs(drive.path[0] - balance) <= AT_BALANCE * contacts.mean_threshold:
+        return float(drive.path[0])
     if drive.time is not None and drive.time[0] == 0.0:
         hint = f"at time 0 the drive stands where it balances the start, {balance:.9g}"
         refuse("path[0]", drive.path[0], hint)
@@ -85,9 +103,10 @@ def refined(
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
             best = found
-        # the next level takes twice the steps, each of which has twice the strands
-        too_many = 2.0 * cohorts.steps > MOST_STEPS or 4.0 * cohorts.work > MOST_WORK
-        if best.largest_error <= tolerance or found.largest_error < 2.0 * memory.error or too_many:
+        steps, work = MORE_STEPS * cohorts.steps, MORE_WORK * cohorts.work
+        as_good_as_memory = found.largest_error < NEAR_MEMORY_ERROR * memory.error
+        too_many = steps > MOST_STEPS or work > MOST_WORK
+        if best.largest_error <= tolerance or as_good_as_memory or too_many:
             return best
         level += 1
 
@@ -97,37 +116,39 @@ def extrapolated(
 ) -> Followed:
     """The answer at times (n,) of three levels with as many slips; of fewer, with an infinite error."""
     unit, spring, points = contacts.mean_threshold, float(drive.spring or 0.0), asked.size
-    cohorts, error, of_holding = levels[-1].contacts, np.inf, np.inf
+    cohorts, error, error_of_holding = levels[-1].contacts, np.inf, np.inf
+    # rows: time, K X_T, F before and after, see Slider
     slips = [np.array(one.slips).reshape(-1, 4).T for one in levels]
     moments = [rows[0] for rows in slips]
-    # a path of few points would hardly tell the error: 64 others tell it, too
-    asked = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), 65))
+    asked = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), MOMENTS))
     n = asked.size
-    read_out = [
+    # n forces, n holding fractions, and the three others for each slip; all without a unit
+    answers = [
         np.append(read(one.sections, asked) / [[unit], [1.0]], rows[1:] / unit)
         for one, rows in zip(levels, slips, strict=True)
     ]
-    answer = read_out[-1]
-    if len(levels) == 3:
-        before, last = np.diff(read_out, axis=0)
+    answer = answers[-1]
+    if len(levels) == LEVELS:
+        change_before, change = np.diff(answers, axis=0)
         # at times between two levels' slips F changes by its drop, which is no error; K X_T says how far F is off
         beside = np.any([_beside(asked, *pair) for pair in pairwise(moments)], axis=0)
-        counted = np.append(np.tile(~beside, 2), np.ones(last.size - 2 * n, dtype=bool))
-        changes = np.abs([last, last + (last - before) / 3.0]) * counted
-        # three times the last change, as changes fall irregularly where births jump or P_c bends, and
-        # by a half where thresholds grow; once with ageing, where errors fall faster
-        safety = 3.0 if contacts.ageing is None else 1.0
-        parts = np.delete(changes, np.s_[n : 2 * n], axis=1), changes[:, n : 2 * n]
-        error, of_holding = (safety * float(part.max(axis=1, initial=0.0).min()) for part in parts)
-        answer = answer + np.where(counted, last / 3.0, 0.0)
+        counted = np.append(np.tile(~beside, 2), np.ones(change.size - 2 * n, dtype=bool))
+        change_of_extrapolated = change + REST_OF_CHANGE * (change - change_before)
+        changes = np.abs([change, change_of_extrapolated]) * counted
+        safety = SAFETY if contacts.ageing is None else SAFETY_OF_AGEING
+        of_force, of_holding = np.delete(changes, np.s_[n : 2 * n], axis=1), changes[:, n : 2 * n]
+        error, error_of_holding = (
+            safety * float(part.max(axis=1, initial=0.0).min()) for part in (of_force, of_holding)
+        )
+        answer = answer + np.where(counted, REST_OF_CHANGE * change, 0.0)
         if beside.any():  # read F at a moment as long before or after the slip as it is from the extrapolated slip
-            shift = (moments[2] - moments[1]) / 3.0
-            nearest = np.abs(asked[beside, None] - moments[2] - shift).argmin(axis=1)
-            there = read(levels[2].sections, asked[beside] - shift[nearest])
+            later = REST_OF_CHANGE * (moments[2] - moments[1])
+            nearest = np.abs(asked[beside, None] - moments[2] - later).argmin(axis=1)
+            there = read(levels[2].sections, asked[beside] - later[nearest])
             answer[: 2 * n].reshape(2, n)[:, beside] = there / [[unit], [1.0]]
-    # round-off of the force grows with the number of steps
+    # round-off of the force grows with the number of steps, and where the slider slips with K, as K X_T does
     stiff = spring if slips[-1].size else min(spring, 1.0)
-    rounding = 1e-13 * (1.0 + cohorts.steps) * (1.0 + stiff)
+    rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)
     error = max(error + cohorts.memory.error + rounding, cohorts.unresolved / unit)
     force, holding = answer[: 2 * n].reshape(2, n)[:, :points]
     slips_at = answer[2 * n :].reshape(3, -1) * unit / [[spring], [1.0], [1.0]]
@@ -137,7 +158,7 @@ def extrapolated(
         holding=holding,
         slips=slips_of(slips_at, spring, error * unit / spring),
         error=error,
-        holding_error=of_holding,
+        holding_error=error_of_holding,
         nodes=cohorts.steps,
     )
 

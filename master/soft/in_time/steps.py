@@ -1,175 +1,233 @@
 """Steps: one step of a slider that a spring pulls, K (X_T - X) = F, and where a slip begins.
 
-This is pseudo-arclength continuation: the size of a step combines X and time, dX/length + d(steps of
-time, see StepCount), so that steps are even both where the slider creeps and just before a slip, where dX/dt
+This is pseudo-arclength continuation. The size of a step is its travel in units of `Steps.length` plus its steps of
+time (see StepCount), so that steps are even both where the slider creeps and just before a slip, where dX/dt
 diverges. A slip begins at a fold, where the time of balance, as a function of the size, is the latest.
+
+A slider whose balance has other terms, such as inertia, is a subclass of Steps with an `imbalance` of its own.
 """
 
 from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
-from scipy.special import wrightomega
 
 from master.motion import Motion
-from master.soft.in_time.cohorts import Cohorts, Trial
-
-# A step on the coarsest level, as a share of the length over which births change.
-COARSEST = 0.5
-# Weight of the drive's travel in the size of a step, relative to the slider's, which matters more.
-DRIVE_WEIGHT = 0.25
-# Accuracy of the beginning of a slip, where X_T is flat or has a kink, as a share of the step.
-CLOSE_TO_SLIP = 1e-9
-# Shares of a step that it may take in time, where a balance before exact thresholds is looked for.
-PROBES = np.array([1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03])
+from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.groups import Trial
+from master.soft.in_time.step_count import StepCount
 
 
-class StepCount:
-    """Count of steps: uniform in time, and where changes slow down, in its logarithm.
+class StepControl(NamedTuple):
+    """Numbers of the control of steps; none has a unit, as each is relative to a size, a length or another step.
 
-    begin, end : times between which a section of the motion is smooth
-    rate : uniform steps per time; 0 while the drive holds
-    first : the shortest time over which contacts change at its begin; inf where nothing changes then
+    coarsest : travel of the coarsest step of the size 1, in lengths over which births change. Errors fall with the
+        square of the steps, and three halvings from here are some 1e-3.
+    drive_weight : steps of time in which the slider, stuck to the drive, travels by one step. Below 1 as the slider's
+        travel matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
+    balance, balance_of_ageing : accuracy of a step's balance, in sizes: far below the errors of a step, which are
+        larger where thresholds age.
+    onset : accuracy of the begin of a slip, in sizes: X_T is flat there, or has a kink.
+    last_jump : accuracy of a size at which exact thresholds break, in sizes: F jumps there, so it is that of rounding.
+    beyond_jump : factor on the size of the step that looks beyond a jump of P_c, where F falls at once.
+    far_from_slip : steps of time, in those of a slider that is stuck to the drive, above which no slip is near.
+    before_fold : factor on the size of the step that tells on which side of a fold a step ends.
+    nearing, least_shrink : steps of contacts that age are at most this part of the way to where a slip is foreseen, but
+        not below this factor on their size, as a slip that is foreseen may not come.
     """
 
-    def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
-        self._begin, self._end, self._rate, self._first = begin, end, rate, min(first, end - begin)
-        # steps in which the time since the begin grows by a factor e: in a hold; in a move, beside those of the travel
-        self._per_e_fold = 2.0 if not rate else 0.4 if first < end - begin else 0.0
+    coarsest: float = 0.5
+    drive_weight: float = 0.25
+    balance: float = 1e-9
+    balance_of_ageing: float = 1e-7
+    onset: float = 1e-9
+    last_jump: float = 1e-14
+    beyond_jump: float = 1.01
+    far_from_slip: float = 0.3
+    before_fold: float = 0.99
+    nearing: float = 0.25
+    least_shrink: float = 0.03
 
-    def steps(self, time: float) -> float:
-        """Steps since the beginning."""
-        later = time - self._begin
-        return self._rate * later + self._per_e_fold * float(np.log1p(later / self._first))
 
-    def time(self, steps: float) -> float:
-        """The time after so many steps, at most the end."""
-        if not self._per_e_fold:
-            return min(self._begin + steps / self._rate, self._end)
-        # u = (time - begin) / first solves even u + log(1 + u) = e_folds, also for hardly any `even`
-        e_folds = steps / self._per_e_fold
-        even = max(self._rate * self._first / self._per_e_fold, 1e-200)
-        omega = float(wrightomega(e_folds + even + np.log(even)))
-        return min(self._begin + self._first * (omega / even - 1.0), self._end)
+CONTROL = StepControl()
+# Fractions of a step's size that may be steps of time, from the latest on: there a balance before exact thresholds
+# break is looked for, which a secant from one guess may miss.
+TIME_FRACTIONS = np.array(
+    [1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03]
+)
+# Most steps of the secant method: bisection alone would reach round-off from any bracket in 52.
+MOST_SECANTS = 40
+
+
+class BalancedStep(NamedTuple):
+    """A step at whose end the forces balance.
+
+    time_steps : how much of its size are steps of time. Below 0 if there is no balance from now on: then the step takes
+        no time, and this is how far back the balance would be.
+    trial : where it leads to
+    """
+
+    time_steps: float
+    trial: Trial
 
 
 class Steps:
     """Steps of contacts on one leg of the drive's motion X_T(t), as long as births are smooth.
 
-    spring : K/(N_c <k>)
+    It offers `begin` for each smooth section, `step` for a balanced step of a given size, `up_to_slip` to cut it where
+    a slip begins, and `size` and `imbalance` of any Trial of the contacts; taking a step is up to the caller.
+
     length : the travel of a step of the size 1 that takes no time (a length)
     sign : direction in which the spring pulls: travels and imbalances are counted along it
     shrink : factor on the next step's size: 1 far from slips
     """
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
+        """`spring` is K/(N_c <k>)."""
         self._contacts, self._spring, self._drive = contacts, spring, drive
-        self.length, self.sign = COARSEST * contacts.memory.scales.length, 1.0
-        # accuracy of a step's balance, as a share of the step; the errors of contacts that age are larger than 1e-7
-        self._close = 1e-7 if contacts.memory.finer_before_slips else 1e-9
-        # guess of how fast the imbalance grows with the steps of time
-        self._steep = (1.0 + spring) * (1.0 + 1.0 / DRIVE_WEIGHT) * self.length
+        self.length, self.sign = CONTROL.coarsest * contacts.memory.scales.length, 1.0
+        ageing = contacts.memory.finer_before_slips
+        self._accuracy = CONTROL.balance_of_ageing if ageing else CONTROL.balance
+        # first guess of how fast the imbalance grows with the steps of time (a length)
+        self._slope = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
 
     def begin(self, leg: int, end: float) -> None:
         """Begin steps on a leg of the drive's motion, smooth up to the time `end`."""
         scales, speed = self._contacts.memory.scales, float(self._drive.speeds[leg])
         self.sign = float(np.sign(speed) or np.sign(self._contacts.force) or 1.0)
-        # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
-        even = DRIVE_WEIGHT * abs(speed) * self._spring / (self.length * (1.0 + self._spring))
-        even = even + scales.rate / COARSEST if speed else 0.0
-        self._count, self._end = StepCount(self._contacts.now, end, even, scales.time), end
-        # share of the steps of time in the last step, and guess of it in the next one
-        self._share, self._guess, self.shrink = np.nan, 0.5, 1.0
+        uniform = 0.0
+        if speed:
+            # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
+            stuck = abs(speed) * self._spring / (1.0 + self._spring)
+            uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.coarsest
+        self._count, self._end = StepCount(self._contacts.now, end, uniform, scales.time), end
+        # the fraction of its size that the last step took in steps of time, and a guess of the next one's
+        self._time_fraction, self._guess, self.shrink = np.nan, 0.5, 1.0
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
-        takes = self._count.steps(trial.now) - self._count.steps(self._contacts.now)
-        return takes + self.sign * trial.travel / self.length
+        time_steps = self._count.steps(trial.now) - self._count.steps(self._contacts.now)
+        return time_steps + self._travelled(trial)
 
     def longest(self) -> float:
         """Twice the size of a step to the section's end if the slider moves as far as the drive; inf in a hold."""
         now, drive = self._contacts.now, self._drive
-        way = float(np.abs(np.diff(drive.at(np.array([now, self._end])))[0]))
-        takes = self._count.steps(self._end) - self._count.steps(now)
-        return 2.0 * (takes + way / self.length) if way else np.inf
+        travel = float(np.abs(np.diff(drive.at(np.array([now, self._end])))[0]))
+        time_steps = self._count.steps(self._end) - self._count.steps(now)
+        return 2.0 * (time_steps + travel / self.length) if travel else np.inf
 
     def imbalance(self, trial: Trial) -> float:
-        """The spring's force minus that of the contacts, along the motion."""
-        ahead = self._drive.at(np.array(trial.now)) - self._contacts.place - trial.travel
-        return float(self.sign * (self._spring * ahead - trial.force))
+        """The spring's force minus that of the contacts, along the motion (a length): above 0 the slider moves on."""
+        stretch = self._drive.at(np.array(trial.now)) - self._contacts.position - trial.travel
+        return float(self.sign * (self._spring * stretch - trial.force))
 
-    def step(self, size: float) -> tuple[float, Trial]:
-        """The steps of time that a balanced step of this size, or up to the end, takes; and it. If there
-        is no balance from now on, they are below 0, and the step takes no time."""
-        now, steep = self._contacts.now, self._steep
-        done = self._count.steps(now)
+    def step(self, size: float) -> BalancedStep:
+        """The balanced step of this size, or up to the section's end."""
+        now, slope = self._contacts.now, self._slope
+        done, tried = self._count.steps(now), list[Trial]()
 
-        def imbalance(steps: float) -> float:
-            later, back = max(steps, 0.0), min(steps, 0.0)
+        def imbalance(time_steps: float) -> float:
+            """The imbalance, continued to below 0 by a straight line, as time does not go back."""
+            later, back = max(time_steps, 0.0), min(time_steps, 0.0)
             time = max(self._count.time(done + later), now) if later else now
-            self._trial = self._contacts.trial(self.sign * self.length * (size - later), time)
-            return self.imbalance(self._trial) + steep * back
+            tried[:] = [self._contacts.trial(self.sign * self.length * (size - later), time)]
+            return self.imbalance(tried[0]) + slope * back
 
-        found, self._steep = secant(imbalance, self._guess * size, steep, self._close * size)
+        accuracy = self._accuracy * size
+        found, self._slope = secant(imbalance, self._guess * size, slope, accuracy)
         if found < 0.0 and self._contacts.memory.exact:
-            # a guess beyond an exact threshold misses the balance before it
-            steps = size * PROBES
-            ahead = next((k for k in range(1, steps.size) if imbalance(steps[k]) < 0.0), 0)
-            if ahead:
-                low, high = steps[ahead], steps[ahead - 1]
-                held = imbalance(high) <= 0.0
-                found = high if held else brentq(imbalance, low, high, xtol=self._close * size)
+            found = _before_exact(imbalance, size, accuracy, found)
             imbalance(found)
-        return found, self._trial
+        return BalancedStep(found, tried[0])
 
-    def up_to_slip(self, takes: float, trial: Trial, size: float) -> tuple[Trial, bool]:
-        """The step `trial`, which was asked for with this size and `takes` so many steps of time, as `step` returns
-        both, or that up to a slip that begins within it; and whether one does."""
-        size = min(size, self.size(trial)) if trial.now > self._contacts.now else size
-        longer = 1.01 * size if self._contacts.jumps and takes > 0.0 else size
-        if (
-            longer > size
-        ):  # where P_c jumps F falls at once: right behind, a longer step takes less time
-            sticks = self.step(longer)[0] >= size - self.sign * trial.travel / self.length
-        else:  # no slip is near while a step takes more than 0.3 DRIVE_WEIGHT of its size in time, as it does where
-            # the slider follows the drive, or while a shorter step would take less time
-            sticks = takes > 0.3 * DRIVE_WEIGHT * size or 0.0 < takes > self.step(0.99 * size)[0]
-        if sticks:
-            share = takes / size
-            change = float(np.nan_to_num(share - self._share))
-            self._share, self._guess = share, share + change
-            # A slip begins where this share falls to 0. Within four of the coarsest steps before it steps become finer:
-            # thresholds that age cross |x| step by step, and the slip would depend on where those steps end
-            nearing = self._contacts.memory.finer_before_slips and change < 0.0
-            self.shrink = min(max(0.25 * share * size / -change, 0.03), 1.0) if nearing else 1.0
-            return trial, False
-        options = {"xatol": CLOSE_TO_SLIP * size}
-        last = minimize_scalar(lambda x: -self.step(x)[0], bounds=(0.0, longer), options=options).x
-        trial = self.step(float(last))[1]
-        low, high = 0.0, longer if self._contacts.memory.exact else 0.0
-        while high - low > 1e-14 * size:  # the largest size before exact thresholds break
-            middle = 0.5 * (low + high)
-            takes = self.step(middle)[0]
-            low, high = (middle, high) if takes > 0.0 else (low, middle)
-            self._guess = takes / middle if takes > 0.0 else self._guess
-        trial = max(trial, self.step(low)[1] if low else trial, key=lambda each: each.now)
+    def up_to_slip(self, step: BalancedStep, size: float) -> tuple[Trial, bool]:
+        """The step that was asked for with this size, or that up to a slip that begins within it; and whether one
+        does."""
+        size = min(size, self.size(step.trial)) if step.trial.now > self._contacts.now else size
+        looks_beyond = self._contacts.jumps and step.time_steps > 0.0
+        longest = CONTROL.beyond_jump * size if looks_beyond else size
+        if self._sticks(step, size, longest):
+            self._foresee(step.time_steps / size, size)
+            return step.trial, False
+        trial = self._onset(size, longest)
         return trial, trial.now < self._end  # where the section ends, a slip may still be to come
+
+    def _travelled(self, trial: Trial) -> float:
+        """The part of a step's size that is travel."""
+        return self.sign * trial.travel / self.length
+
+    def _sticks(self, step: BalancedStep, size: float, longest: float) -> bool:
+        """Whether no slip begins before the end of the step."""
+        if (
+            longest > size
+        ):  # where P_c jumps F falls at once: right behind, longer steps take less time
+            return self.step(longest).time_steps >= size - self._travelled(step.trial)
+        # far from a slip the slider follows the drive; nearer, a slip is to come where a shorter step takes less time
+        least = CONTROL.far_from_slip * CONTROL.drive_weight * size
+        shorter = CONTROL.before_fold * size
+        return step.time_steps > least or 0.0 < step.time_steps > self.step(shorter).time_steps
+
+    def _foresee(self, time_fraction: float, size: float) -> None:
+        """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.
+
+        Steps become finer within four of the coarsest before a slip of contacts that age: their thresholds cross |x|
+        step by step, and the slip would depend on where those steps end.
+        """
+        change = float(np.nan_to_num(time_fraction - self._time_fraction))
+        self._time_fraction, self._guess, self.shrink = time_fraction, time_fraction + change, 1.0
+        if self._contacts.memory.finer_before_slips and change < 0.0:
+            to_slip = CONTROL.nearing * time_fraction * size / -change
+            self.shrink = min(max(to_slip, CONTROL.least_shrink), 1.0)
+
+    def _onset(self, size: float, longest: float) -> Trial:
+        """The step up to the slip: that which takes the most time, or the last before exact thresholds break."""
+        found = minimize_scalar(
+            lambda at: -self.step(at).time_steps,
+            bounds=(0.0, longest),
+            options={"xatol": CONTROL.onset * size},
+        )
+        trial = self.step(float(found.x)).trial
+        low, high = 0.0, longest if self._contacts.memory.exact else 0.0
+        while high - low > CONTROL.last_jump * size:
+            middle = 0.5 * (low + high)
+            time_steps = self.step(middle).time_steps
+            if time_steps > 0.0:
+                low, self._guess = middle, time_steps / middle
+            else:
+                high = middle
+        last = self.step(low).trial if low else trial
+        return max(trial, last, key=lambda each: each.now)
+
+
+def _before_exact(
+    imbalance: Callable[[float], float], size: float, accuracy: float, found: float
+) -> float:
+    """The steps of time at the last balance before exact thresholds break, in a step of this size; or else `found`."""
+    time_steps = size * TIME_FRACTIONS
+    for high, low in pairwise(time_steps.tolist()):
+        if imbalance(low) < 0.0:
+            held = imbalance(high) <= 0.0
+            return high if held else float(brentq(imbalance, low, high, xtol=accuracy))
+    return found
 
 
 def secant(
-    function: Callable[[float], float], guess: float, slope: float, close: float
+    function: Callable[[float], float], guess: float, slope: float, accuracy: float
 ) -> tuple[float, float]:
     """The root of an increasing function, where it is called last, and the slope there. Both are found from guesses by
     the secant method. A step that leaves the bracket of the root is replaced by bisection."""
     low, high, at, value = -np.inf, np.inf, guess, function(guess)
-    for _ in range(40):
+    for _ in range(MOST_SECANTS):
         low, high = (at, high) if value < 0.0 else (low, at)
         after = at - value / slope
-        if abs(after - at) <= close:
+        if abs(after - at) <= accuracy:
             break
         if not low < after < high and np.isfinite(high - low):
             after = 0.5 * (low + high)
-        before, at, value = (at, value), after, function(after)
-        rise = (value - before[1]) / (at - before[0])
+        last_at, last_value = at, value
+        at, value = after, function(after)
+        rise = (value - last_value) / (at - last_at)
         slope = rise if rise > 0.0 else slope
     return at, slope
