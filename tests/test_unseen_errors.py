@@ -13,7 +13,7 @@ from solving import gauss
 import master
 from master.outcome import unheard
 from master.rigid import solve_rigid
-from master.survival.life import ColdLife
+from master.survival.life import ColdLife, Survivors
 from origins import Contacts, Drive, gaussian, gaussian_start, rectangular
 from origins.start import Start
 
@@ -39,9 +39,9 @@ class Wrong(ColdLife):
         self.error = 1e-6 if says else 0.0
 
     def survival_and_force(self, born, history):
-        share, force = super().survival_and_force(born, history)
-        wrong = 1.0 + 4e-6 * (1.0 - share) if np.ndim(share) else 1.0
-        return np.stack([share * wrong, force * wrong])
+        share, force, error = super().survival_and_force(born, history)
+        wrong = 1.0 + 4e-6 * (1.0 - share)
+        return Survivors(share * wrong, force * wrong, error)
 
 
 def test_an_error_of_the_survival_is_in_the_error_of_the_force():
@@ -69,7 +69,9 @@ class FixedNodes(ColdLife):
         parts = [
             super(FixedNodes, self).survival_and_force(np.array([[r]]), history) for r in stretch
         ]
-        return np.tensordot(weight / weight.sum(), parts, 1)
+        weight /= weight.sum()
+        share, force = np.tensordot(weight, [(part.share, part.force) for part in parts], 1)
+        return Survivors(share, force, 0.0)
 
 
 def mean_over_starts(law, start, path, cuts):

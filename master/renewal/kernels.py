@@ -15,7 +15,7 @@ from master.numerics.polynomials import Pieces
 from master.numerics.table import Table
 from master.outcome import stop_after
 from master.renewal.births import Births, Nodes
-from master.survival.life import NONE_LEFT, TIE, Life
+from master.survival.life import NONE_LEFT, TIE, Life, Survivors
 from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -46,7 +46,8 @@ class Straight:
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
     typical : a lag, to a factor of 4, after which half of the contacts have broken
     scale : a length, of the stretches at a break
-    error : of the share that holds, as the table gives it; in addition to the life's own error
+    survival_error : of the share that holds, as the life gave it for the table; known when this is made
+    error : of a look-up: survival_error, and the table's own
 
     Raises InputError where contacts break within lags that underflow.
     """
@@ -62,12 +63,13 @@ class Straight:
         steady: bool = False,
     ) -> None:
         """Find the lags between which E and K are smooth, and tabulate both."""
-        self.life, self.born, self.longest, self.error = life, born, longest, 0.0
+        self.life, self.born, self.longest = life, born, longest
+        self.survival_error = self.error = life.error
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale, self._until = life.largest_stretch, until
         bends = self._bends(np.append(life.bends, life.largest_stretch))
         self._last = float(bends.max(initial=0.0)) or np.inf  # the lag of the last breaks
-        self._read: Callable[[Array], Array] = self.scaled
+        self._read: Callable[[Array], Survivors] = self.scaled
         if life.quick and born.is_single and not steady:  # the life is as quick as a table
             self._bounds = _edges(longest, bends)
             self.edges = np.union1d(self._bounds, _edges(longest, self._bends(life.marks)))
@@ -80,32 +82,41 @@ class Straight:
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
         shortest = NARROWEST_PANEL * min(self.typical, float(edges[1]))
-        self.table = Table(self.scaled, edges, accuracy, shortest, at_ends=AT_ENDS)
-        self._read = self.table
-        self.edges, self.error = self.table.edges, self.table.error
+        self.table = Table(self._for_table, edges, accuracy, shortest, at_ends=AT_ENDS)
+        self._read = self._from_table
+        self.edges, self.error = self.table.edges, self.survival_error + self.table.error
 
-    def scaled(self, lag: Array, born: Array | None = None) -> Array:
+    def _from_table(self, lag: Array) -> Survivors:
+        """As `scaled`, from the table."""
+        share, force = self.table(lag)
+        return Survivors(share, force, self.error)
+
+    def _for_table(self, lag: Array) -> Array:
+        """As `scaled`, shape (2, rows, columns), while the table is made, which counts the errors of all its values."""
+        found = self.scaled(lag)
+        self.survival_error = max(self.survival_error, found.error)
+        return found.both
+
+    def scaled(self, lag: Array, born: Array | None = None) -> Survivors:
         """E and K/`scale` after lags of shape (rows, columns), from the life itself; `born` as in
         Life.survival_and_force."""
         stop_after(self._until)
         if not lag.size:
-            return np.zeros((2, *lag.shape))
+            return Survivors(np.zeros(lag.shape), np.zeros(lag.shape), 0.0)
         far = max(float(lag.max()), self.longest) / self._per_time
         motion = Motion(np.array([0.0, far]), np.array([0.0, far * self._speed]))
         history = motion.history(lag / self._per_time, np.zeros((1, 1)))
         found = self.life.survival_and_force(self.born if born is None else born, history)
-        found[1] /= self.scale
-        return found
+        return found._replace(force=found.force / self.scale)
 
-    def look_up(self, lag: Array) -> Array:
+    def look_up(self, lag: Array) -> Survivors:
         """E and K after lags in rows, from a table if there is one; the middle column tells the side of a threshold."""
         ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         holds = (middle < self._last) | (lag < self._last * (1.0 - TIE))
         lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
-        found = self._read(lag) * holds
-        found[1] *= self.scale
-        return found
+        found = self._read(lag)
+        return Survivors(found.share * holds, found.force * holds * self.scale, found.error)
 
     def _bends(self, marks: Array) -> Array:
         """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
@@ -118,19 +129,19 @@ class Straight:
     def _ladder(self, longest: float, steady: bool) -> tuple[Array, Array]:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
         lags = np.array([longest])
-        held = self.scaled(lags[:, None])[0, :, 0]
+        held = self._for_table(lags[:, None])[0, :, 0]
         while held[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
             if lags[0] < 1e-150 * longest:
                 told = "contacts break before they have moved a length that is a number"
                 refuse("velocity", abs(self._speed), f"{told}; slide faster")
             lower = lags[0] * RATIO ** -np.arange(LAGS_TOGETHER, 0.0, -1.0)
-            lags, held = np.append(lower, lags), np.append(self.scaled(lower[:, None])[0], held)
+            lags, held = np.append(lower, lags), np.append(self._for_table(lower[:, None])[0], held)
         self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
         # not even the heaviest tail is followed beyond 1e120 times the reach
         end = 1e120 * longest if steady else longest
         while held[-1] * (lags[-1] / self.typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
             lags = np.append(lags, 2.0 * lags[-1])
-            held = np.append(held, self.scaled(lags[-1:, None])[0])
+            held = np.append(held, self._for_table(lags[-1:, None])[0])
         over = held < NONE_LEFT
         count = lags.size if steady or not over.any() else int(np.argmax(over)) + 1
         return lags[:count], held[:count]
@@ -160,17 +171,15 @@ class Run(NamedTuple):
 
 
 class Kernels:
-    """Kernels and sums for the legs of a motion, each table computed when it is first needed."""
+    """Kernels and sums for the legs of a motion, each table computed when it is first needed.
+
+    error : estimate from above of the error of the survivals so far, the largest of all look-ups
+    """
 
     def __init__(self, births: Births) -> None:
-        self._births = births
+        self._births, self.error = births, births.life.error
         self._cache: dict[tuple[float, float], Kernel] = {}
         self._table: dict[float, Straight] = {}
-
-    @property
-    def error(self) -> float:
-        """Largest error of the survivals in the tables."""
-        return max((straight.error for straight in self._table.values()), default=0.0)
 
     def straight(self, speed: float) -> Straight:
         """Survival and force of contacts born on a leg of this speed."""
@@ -181,10 +190,16 @@ class Kernels:
             if not (life.timeless and speed):
                 longest = min(longest, float(np.diff(motion.times)[motion.speeds == speed].max()))
             # a table finer than 1e-13, or than the error of a cheap survival, would follow its rounding
-            finest = life.error if life.pair_work == 1 else np.inf
+            finest = self.error if life.pair_work == 1 else np.inf
             accuracy = max(1e-13, min(0.1 * births.accuracy, finest))
             self._table[speed] = Straight(life, births.law, speed, longest, accuracy, births.until)
         return self._table[speed]
+
+    def look_up(self, speed: float, lag: Array) -> Array:
+        """Share and force, shape (2, rows, columns), after lags in rows; see Straight.look_up."""
+        found = self.straight(speed).look_up(lag)
+        self.error = max(self.error, found.error)
+        return found.both
 
     def on(self, speed: float, width: float, panels: int) -> Kernel:
         """Kernel for panels at most `panels` apart, or fewer where all births break before."""
@@ -228,7 +243,7 @@ class Kernels:
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
         nodes = Nodes.of(ends, Pieces.between(np.clip(cuts, begin, end)))
         self._births.work += nodes.target.size
-        return nodes, nodes.weight * straight.look_up(t[nodes.target, None] - nodes.time)
+        return nodes, nodes.weight * self.look_up(speed, t[nodes.target, None] - nodes.time)
 
 
 def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:

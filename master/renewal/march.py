@@ -68,8 +68,9 @@ class March:
 
     @property
     def life_error(self) -> float:
-        """Error of the survival itself, to which the residuals of the panels are blind."""
-        return self.life.error + self.kernels.error + self._past.error
+        """Error of the survivals themselves, to which the residuals of the panels are blind: of each contact that of
+        births on the present leg or that of earlier births, plus that of the sums over earlier births."""
+        return max(self.kernels.error, self._past.survival_error) + self._past.error
 
     @property
     def reached(self) -> float:
@@ -202,7 +203,7 @@ class March:
         looked_up = not leg and self._as_births
         out, t, delay = self._past.at(grid, self.lumps[looked_up:]), grid.ravel(), self.births.delay
         if looked_up:
-            out += self.kernels.straight(float(self.motion.speeds[leg])).look_up(grid)
+            out += self.kernels.look_up(float(self.motion.speeds[leg]), grid)
         oldest = leg_begin + t.min() - self._memory(leg)
         first = max(int(np.searchsorted(self.begin, oldest, "right")) - 1, 0)
         on_it = self.panels(max(first, self._past.first), last)
@@ -249,6 +250,8 @@ class March:
         motion that is the same up to t, of the same life, which is timeless."""
         other, births.work = copy(self), self.births.work
         other.births, other.motion, other._past = births, births.motion, Past(births)
+        # the panels so far were solved with these survivals
+        other._past.survival_error = self._past.survival_error
         other.widest = min(self.widest, self.guess)
         begun = int(np.searchsorted(self.begin, t - 1e-9 * self.guess))
         for name in self.STORED:

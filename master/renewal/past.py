@@ -35,7 +35,8 @@ class Past:
     """Births on the legs before one leg of the motion.
 
     leg, began, first : the leg, when it begins, and the first panel whose births are on it
-    error : estimate from above of the error of the number, the largest of all legs so far
+    error : estimate from above of the error of the number by the sums over births, the largest of all legs so far
+    survival_error : the largest error of a survival so far, as the life returned it
     """
 
     def __init__(self, births: Births) -> None:
@@ -45,6 +46,7 @@ class Past:
         # many legs may be left out: each may miss a thousandth of that
         self._negligible = max(1e-3 * self._accuracy, 1e-18)
         self.leg, self.first, self.error = -1, 0, 0.0
+        self.survival_error = births.life.error
         # legs of whose births hardly any hold: left out, and to be left out from the next leg on
         self._dropped, self._dropped_next = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
@@ -123,10 +125,16 @@ class Past:
             lump, row = np.nonzero(felt & (s <= middle))
             if row.size:
                 births.add_work(row.size)
-                held = self._life.survival_and_force(law, motion.history(grid[row], s[lump]))
+                held = self._survivors(law, motion.history(grid[row], s[lump]))
                 for sums, added in zip(out, weight[lump, None] * held, strict=True):
                     np.add.at(sums, row, added)
         return out
+
+    def _survivors(self, law: Start, history: History) -> Array:
+        """Share and force of contacts born at stretches of a law, shape (2, rows, columns); their error is kept."""
+        found = self._life.survival_and_force(law, history)
+        self.survival_error = max(self.survival_error, found.error)
+        return found.both
 
     def _hold(self, law: Start, history: History) -> npt.NDArray[np.bool_]:
         """Whether any contacts born at stretches of a law, with the moves of a row, hold; shape (rows,)."""
@@ -143,6 +151,8 @@ class Past:
         alive = [each.seen_from(self._motion, self._negligible) for each in self._strands]
         self._strands = [each for each, holds in zip(self._strands, alive, strict=True) if holds]
         self.error = max(self.error, sum(each.missed for each in self._strands))
+        survivals = (each.survival_error for each in self._strands)
+        self.survival_error = max(self.survival_error, *survivals, 0.0)
 
     def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
         """Pieces of the births as seen from times t, halved until the survival is a polynomial on each; their number,
@@ -160,9 +170,7 @@ class Past:
             few = nodes(size)
             place = low[:, None] + (high - low)[:, None] * few.nodes
             births.add_work(owner.size * size // polynomials.PANEL_NODES)
-            held = self._life.survival_and_force(
-                births.law, self._motion.history(t[owner, None], place)
-            )
+            held = self._survivors(births.law, self._motion.history(t[owner, None], place))
             born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
             # about the first coefficient c_n left out of number or force, by the decay of the last four
             last, fall = polynomials.last_and_fall(np.abs(held @ few.series[:, -4:]))

@@ -24,6 +24,7 @@ class StrandBirths:
     """The births of one finished leg, on panels that begin `since` its beginning, for contacts that age.
 
     missed : error of the number, as polynomials in the time of birth approximate the survival
+    survival_error : that of the survival at the strands
     """
 
     def __init__(self, births: Births, leg: int, since: Array, width: Array, breaks: Array) -> None:
@@ -40,7 +41,8 @@ class StrandBirths:
         fresh = life.begin(life.stretches(births.law))
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
-        self._legs = life.follow(self._strands, leg + 1)
+        self._life, self._legs = life, life.follow(self._strands, leg + 1)
+        self.survival_error = life.error
         births_on = legendre_births(ends, breaks @ polynomials.SLOPES.T, left, right, SIZE)
         self._weight = births_on @ basis.series.T  # of the pieces' nodes in a sum over all births
 
@@ -52,6 +54,7 @@ class StrandBirths:
             if not np.abs(self._weight).ravel() @ self._strands.surviving_shares()[0] > negligible:
                 return False
             times, left = next(self._legs)
+            self.survival_error = self._life.error
             told = left.reshape(*left.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(told[:, 0], self._weight).sum()))
             self._sums = over_root(times, np.einsum("jkpi,pi->jk", told, self._weight))

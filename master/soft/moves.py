@@ -49,7 +49,7 @@ class ColdContacts:
         """F/(N_c <k>) of contacts with these stretches (a length)."""
         still = np.zeros((1, 3))
         history = Motion.along(np.array([0.0, self.unit])).history(still, still)
-        return float(self.life.survival_and_force(start, history)[1, 0, 0])
+        return float(self.life.survival_and_force(start, history).force[0, 0])
 
 
 @dataclass(frozen=True)

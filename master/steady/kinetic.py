@@ -6,7 +6,6 @@ So points that differ only in the delay share one steady state.
 """
 
 import time
-from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -178,12 +177,12 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
         out[2:], area = summed(contacts, speeds)
         out[0] = area[0] / out[2]
         out[1] = (area[1] + out[0] * out[3]) / out[2]
-    # points not known well enough from these sums are solved individually, each with a copy of one life
+    # points not known well enough from these sums are solved individually, with one life
     rest = np.flatnonzero(~(out[1] < 1e-9 * out[0]))
     life = steady_life(contacts, 1.0) if rest.size and not laws & {"ageing", "grains"} else None
     solved = rest[:1] if life and life.timeless else rest  # at T = 0 the speed does not matter
     for i in solved:
-        state = state_at(contacts, float(speeds[i]), copy(life))
+        state = state_at(contacts, float(speeds[i]), life)
         out[:2, i] = np.array([state.force, state.force_error * unit]) / state.holding
         out[2:, i] = state.cycle_length, state.cycle_length_error * unit
     out[:, rest] = out[:, solved]

@@ -1,6 +1,7 @@
 """Smooth sliding: the state that no longer depends on X (paper Eqs. Q11a-Q11d)."""
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -79,6 +80,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
         life = life or steady_life(contacts, velocity)
         if contacts.reforming and not contacts.reforming.law.is_single:
             resolved = 1e-9 if life.quick else 1e-7  # the error of an average is about its square
+            life = copy(life)  # its owner may ask for more
             life.resolved = max(life.resolved, resolved)
         travel = Travel(contacts, life, velocity)
         if isinstance(life, ThermalLife) and contacts.reforming is None:
@@ -107,7 +109,7 @@ def _held(travel: Travel, x: Array) -> Array:
     life, births = travel.life, travel.born
     if births.is_single:
         way = x[:, None] - births.mean()
-        return np.asarray((way >= 0.0) * travel.scaled(np.maximum(way, 0.0))[0])[:, 0]
+        return np.asarray((way >= 0.0) * travel.scaled(np.maximum(way, 0.0)).share)[:, 0]
     low, high = np.clip(births.span, -life.largest_stretch, life.largest_stretch)
     # twelve panels, and edges where the survival bends
     even = np.linspace(low, high, 13)
@@ -116,5 +118,5 @@ def _held(travel: Travel, x: Array) -> Array:
     pieces = Pieces.between(np.clip(cuts, low, np.clip(x, low, high)[:, None]))
     born, weights = gauss(pieces.low, pieces.high)
     weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
-    held = travel.scaled(x[pieces.owner, None] - born, born)[0]
+    held = travel.scaled(x[pieces.owner, None] - born, born).share
     return np.asarray(np.bincount(pieces.owner, (weights * held).sum(axis=1), x.size), float)

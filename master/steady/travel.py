@@ -75,7 +75,7 @@ class Travel(Straight):
         # the error of E itself is relative where few contacts hold
         felt = np.minimum(held / FEW, 1.0)
         weights = 0.5 * (felt[1:] + felt[:-1]) * table.widths
-        own = life.error * np.array([weights.sum(), weights @ table.end / self.scale])
+        own = self.survival_error * np.array([weights.sum(), weights @ table.end / self.scale])
         off = table.missed() + own
         if isinstance(life, ThermalLife):
             off += life.rounded_away(velocity) / units

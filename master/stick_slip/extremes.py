@@ -83,7 +83,7 @@ def forward_march(travel: Travel, horizon: float, tolerance: float, until: float
     # with heat contacts break long before they reach the longest stretch; a limit below a tenth of the mean
     # threshold would make the march's tolerance finer than rounding
     most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
-    known = life.error + (0.0 if life.quick else float(travel.table.tails.max()))
+    known = travel.survival_error + (0.0 if life.quick else float(travel.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
     finest = max(
         SMALLEST_TOLERANCE, 10.0 * known, 0.1 * np.spacing(horizon) / travel.resolution_length

@@ -79,7 +79,7 @@ class Transform:
         life, edges = travel.life, travel.table.edges
         for _ in range(40):  # doublings of the way
             edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
-            held = travel.scaled(edges[:, None] * (1.0 - 1e-12))[0, :, 0]
+            held = travel.scaled(edges[:, None] * (1.0 - 1e-12)).share[:, 0]
             felt = _count_felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
             if felt < edges.size:
                 break
@@ -89,16 +89,23 @@ class Transform:
         short = life.quick or (travel.born.is_single and life.pair_work < 100)
         accuracy = 1e-13 if short else max(travel.accuracy, 1e-9)
 
+        self._survival_error = travel.survival_error
+
+        def for_table(way: Array) -> Array:
+            found = travel.scaled(way)
+            self._survival_error = max(self._survival_error, found.error)
+            return found.both
+
         def sizes(values: Array, _: Array) -> Array:
             """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
             held = np.abs(values[0])
             held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
-            known = held * life.error / np.maximum(held, FEW) + life.left_out
+            known = held * self._survival_error / np.maximum(held, FEW) + life.left_out
             return np.maximum(held, np.stack([known, known + life.kernel_error]) / accuracy)
 
         shortest = NARROWEST_PANEL * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
-        self.table = Table(travel.scaled, edges, accuracy, shortest, looser=sizes, rounding=1e2)
+        self.table = Table(for_table, edges, accuracy, shortest, looser=sizes, rounding=1e2)
 
     def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
         """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
@@ -113,7 +120,9 @@ class Transform:
         held, force = values = table(way)
         # where few contacts hold, the error of E is relative to their share, but for those left out; shares
         # below 1e-120 are of contacts that nobody has: no wave may hang on them
-        share = np.where(held < 1e-120, 1.0, life.error / np.maximum(held, FEW) + SUM_ROUNDING)
+        share = np.where(
+            held < 1e-120, 1.0, self._survival_error / np.maximum(held, FEW) + SUM_ROUNDING
+        )
         errors = np.abs(values) * share
         errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
@@ -157,7 +166,7 @@ def crowding(travel: Travel) -> float:
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     # the share that breaks at each is that just before less that just after it
     sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], ways)
-    before, after = travel.scaled(sides.reshape(-1, 1))[0].reshape(sides.shape)
+    before, after = travel.scaled(sides.reshape(-1, 1)).share.reshape(sides.shape)
     ways, shares = ways[before > after] + travel.wait, (before - after)[before > after]
     if not ways.size or shares.sum() > 1.0 - 1e-14:
         return 0.0 if ways.size else np.inf

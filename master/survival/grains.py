@@ -15,12 +15,14 @@ With heat a contact whose quantile has the hazard η, and so the threshold x_s(�
 A(η) being the integral over time of the rate h(|x|; x_s).
 """
 
+from copy import copy
+
 import numpy as np
 
 from master.motion import History
 from master.numerics.averages import integrals_above
 from master.numerics.polynomials import Rows
-from master.survival.life import MARGIN, Life
+from master.survival.life import MARGIN, Life, Survivors
 from origins import Contacts, GrainContact
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -58,12 +60,13 @@ class GrainLife(Life):
             # with this `resolved` normal laws are summed to 1e-8
             self.pair_work, self.resolved = 1000, 1e-5
 
-    def survival_and_force(self, born: Start | Array, history: History) -> Array:
+    def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """See Life."""
-        self._of_start = born is self.start if isinstance(born, Start) else bool(np.any(born))
-        return super().survival_and_force(born, history)
+        life = copy(self)
+        life._of_start = born is self.start if isinstance(born, Start) else bool(np.any(born))
+        return super(GrainLife, life).survival_and_force(born, history)
 
-    def survivors(self, born: Array, side: Array, history: History) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
         displacement, lived, speed = history.legs()
         stretch = born[:, None] + displacement
@@ -77,25 +80,31 @@ class GrainLife(Life):
             worst = np.maximum(worst, lost[birth])
         # contacts with |x| above the largest threshold at t = 0 never hold
         share = np.exp(np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf) - worst)
+        error = self.error
         if self._thermal is not None:
             alive = share > 0.0
-            share[alive] *= self._unbroken(stretch[alive], since[alive], worst[alive])
-        return np.stack([share, share * stretch[:, -1]])
+            unbroken, of_heat = self._unbroken(stretch[alive], since[alive], worst[alive])
+            share[alive] *= unbroken
+            error += of_heat
+        return Survivors(share, share * stretch[:, -1], error)
 
-    def _unbroken(self, stretch: Array, since: Array, worst: Array) -> Array:
-        """Share that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,), by
-        stretches and times since pinning at both ends of one leg, (n, 2)."""
+    def _unbroken(self, stretch: Array, since: Array, worst: Array) -> tuple[Array, float]:
+        """Share that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,), by stretches and
+        times since pinning at both ends of one leg, (n, 2); and its error."""
+        of_spent = [0.0]
 
         def held(row: Rows, hazard: Array) -> Array:
-            spent = self._spent(hazard, stretch[row], since[row])
+            spent, missed = self._spent(hazard, stretch[row], since[row])
+            of_spent.append(missed)
             return np.exp(worst[row, None] - hazard - spent)[None]
 
         found = integrals_above(held, worst, worst[:, None] + HAZARDS, True, RESOLVED)
-        self.error = max(self.error, MARGIN * float(found.missed[0].max(initial=0.0)))
-        return found.value[0]
+        of_sums = MARGIN * float(found.missed[0].max(initial=0.0))
+        return found.value[0], of_sums + max(of_spent)
 
-    def _spent(self, hazard: Array, stretch: Array, since: Array) -> Array:
-        """A of contacts whose quantiles have these hazards (n, k), with moves (n, 2); shape (n, k)."""
+    def _spent(self, hazard: Array, stretch: Array, since: Array) -> tuple[Array, float]:
+        """A of contacts whose quantiles have these hazards (n, k), with moves (n, 2), shape (n, k); and the error of
+        e^-A."""
         assert self._thermal is not None
         law, count, (first, last) = self._thermal.rates, hazard.shape[1], stretch.T
         begin, end = since.T
@@ -120,5 +129,4 @@ class GrainLife(Life):
         span = log_times[:, -1] - log_times[:, 0]
         found = integrals_above(rate, np.zeros(hazard.size), earlier, True, RESOLVED, relative=True)
         spent, missed = found.value[0], found.missed[0] / np.maximum(found.value[1], 1.0)
-        self.error = max(self.error, MARGIN * float(missed.max(initial=0.0)))
-        return spent.reshape(hazard.shape)
+        return spent.reshape(hazard.shape), MARGIN * float(missed.max(initial=0.0))

@@ -10,7 +10,7 @@ from master.motion import History, Legs
 from master.numerics.averages import CHECKED, Integrals, integrals_above
 from master.numerics.polynomials import Rows
 from master.numerics.table import Table
-from master.survival.life import MARGIN, SMALLEST, TIE, LawLife
+from master.survival.life import MARGIN, SMALLEST, TIE, LawLife, Survivors
 from origins import Contacts
 from origins.laws.rate_law import LARGEST_EXPONENT
 from origins.thresholds.law import Array
@@ -59,17 +59,19 @@ class ThermalLife(LawLife):
         at = np.fmin(at, x)  # nan where barriers overflow
         return np.array([lost @ at, lost @ (stiff * at**2)])
 
-    def survivors(self, born: Array, side: Array, history: History) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
-        out = np.zeros((2, born.size))
+        out, error = np.zeros((2, born.size)), self.error
         for some, moves in history.by_birth():
             replay = Replay(self._contacts, born[some], moves.legs())
-            out[:, some] = self._held(replay, 1.0 / self.law.sf(np.abs(born[some])), side[some])
-        return np.stack([np.minimum(out[0], 1.0), out[1] * (born + history.now)])
+            weight = 1.0 / self.law.sf(np.abs(born[some]))
+            out[:, some], of_sums = self._held(replay, weight, side[some])
+            error = max(error, of_sums)
+        return Survivors(np.minimum(out[0], 1.0), out[1] * (born + history.now), error)
 
-    def _held(self, replay: "Replay", weight: Array, side: Array) -> Array:
-        """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked; shape (1 or 2, n). The
-        weight, shape (n,), is the factor on P_c: 1/(the survival at birth)."""
+    def _held(self, replay: "Replay", weight: Array, side: Array) -> tuple[Array, float]:
+        """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked, shape (1 or 2, n); and the error.
+        The weight, shape (n,), is the factor on P_c: 1/(the survival at birth)."""
         every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"
 
         def held(contact: Rows, threshold: Array) -> Array:
@@ -91,11 +93,10 @@ class ThermalLife(LawLife):
         # the error of a sum is about the square of this; a larger one would show as roughness in tables
         accuracy = max(0.1 * self.resolved, 2e-12) * few
         out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)
-        self.error = max(self.error, MARGIN * float(missed.max(initial=0.0)))
         for position, share in zip(self.atoms, self.atom_weights, strict=True):
             each = held(every, np.full((every.size, 1), position))[..., 0]
             out += share * each * (side < position * (1.0 - TIE))
-        return out
+        return out, MARGIN * float(missed.max(initial=0.0))
 
 
 class Replay:
@@ -239,9 +240,9 @@ class MeanRateLife(LawLife):
         )
         return np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
 
-    def survivors(self, born: Array, side: Array, history: History) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
-        share = np.zeros(born.size)
+        share, error = np.zeros(born.size), self.error
         for some, moves in history.by_birth():
             displacement, duration, speeds = moves.legs()
             x, rests = born[some, None] + displacement, speeds == 0.0
@@ -252,5 +253,5 @@ class MeanRateLife(LawLife):
             rounded = (_EPSILON * np.abs(grown[:, 1:]) / speeds * (duration > 0.0)).sum(axis=1)
             unmet = self.unmet(x[:, :-1], x[:, 1:], np.abs(born[some, None]), side[some, None])
             share[some] = np.minimum(unmet.prod(axis=1), 1.0) * np.exp(-spent.sum(axis=1))
-            self.error = max(self.error, float((share[some] * rounded).max(initial=0.0)))
-        return np.stack([share, share * (born + history.now)])
+            error = max(error, float((share[some] * rounded).max(initial=0.0)))
+        return Survivors(share, share * (born + history.now), error)

@@ -1,5 +1,7 @@
 """Life: what the master equation uses of the laws of contacts; and that of contacts without heat."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from master.motion import History
@@ -24,6 +26,28 @@ SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
 LOWEST = 1e-290
 
 
+class Survivors(NamedTuple):
+    """What is left of contacts that were born together; share and force are arrays of one shape.
+
+    share : E, the share that still holds, between 0 and 1
+    force : K, their mean force per contact born, in units of <k>: a length
+    error : estimate from above of the largest error of these shares, which finer panels do not reduce
+    """
+
+    share: Array
+    force: Array
+    error: float
+
+    @property
+    def both(self) -> Array:
+        """Share and force as one array, whose first axis has the length 2."""
+        return np.stack([self.share, self.force])
+
+    def reshape(self, *shape: int) -> "Survivors":
+        """The same in arrays of another shape."""
+        return Survivors(self.share.reshape(shape), self.force.reshape(shape), self.error)
+
+
 class Life:
     """Survival and force, after any motion of the slider, of contacts that were born together.
 
@@ -44,8 +68,8 @@ class Life:
     quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
     pair_work : work of `survival_and_force` for one birth at one moment, in look-ups in a table
     timeless : whether the survival depends only on the way, and not on the time that it took
-    error : estimate from above of the error of the share that `survival_and_force` returns, which finer
-        panels do not reduce
+    error : the least error of a share that `survival_and_force` can return, known when the life is made; no query
+        changes it, as each returns its own error
     left_out : share of the contacts that the survival may leave out: its error is never below that
     kernel_error : further error of K, in units of the stretches at a break; only transforms need it
     resolved : last coefficients, on a piece of the stretches at birth, below which it is not halved
@@ -72,33 +96,32 @@ class Life:
         """Upper bound of the share of contacts born at a stretch that have the exact threshold `atom`."""
         return 0.0
 
-    def survival_and_force(self, born: Start | Array, history: History) -> Array:
-        """Share of contacts that still hold, and their mean force per contact born.
+    def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
+        """Share of contacts that still hold, their mean force per contact born, and the error of the share.
 
         born : the law of the stretches at birth, or an array of single stretches that broadcasts
             with the history; thresholds follow P_c conditional on x_s > |stretch|
         history : of shape (rows, columns); each row lies within one smooth piece, and its middle
             column decides on which side of an exact threshold it is
 
-        Returns an array of shape (2, rows, columns): the share, between 0 and 1, and the force in
-        units of <k>, a length.
+        Returns arrays of shape (rows, columns).
         """
         shape = history.now.shape
         if isinstance(born, Start) and not born.is_single:
-            return self._averaged(born, history.pick(slice(None))).reshape(2, *shape)
+            return self._averaged(born, history.pick(slice(None))).reshape(*shape)
         single = born.mean() if isinstance(born, Start) else born
         stretch, moves = np.broadcast_to(single, shape).ravel(), history.pick(slice(None))
         side = np.repeat(moves.largest(stretch).reshape(shape)[:, shape[1] // 2], shape[1])
-        return self.survivors(stretch, side, moves).reshape(2, *shape)
+        return self.survivors(stretch, side, moves).reshape(*shape)
 
-    def survivors(self, born: Array, side: Array, history: History) -> Array:
-        """Share and force of contacts with these moves (n,), born at these stretches (n,); shape (2, n). The largest
-        |x| `side`, shape (n,), decides which exact thresholds are passed."""
+    def survivors(self, born: Array, side: Array, history: History) -> Survivors:
+        """Those of contacts with these moves (n,), born at these stretches (n,). The largest |x| `side`, shape (n,),
+        decides which exact thresholds are passed."""
         raise NotImplementedError
 
-    def _averaged(self, law: Start, history: History) -> Array:
-        """Share and force averaged over the law's stretches, of moves of shape (n,); shape (2, n). Pieces of the law
-        end where x is 0, and where the largest |x| changes sides or meets a bend."""
+    def _averaged(self, law: Start, history: History) -> Survivors:
+        """Survivors averaged over the law's stretches, of moves of shape (n,). Pieces of the law end where x is 0, and
+        where the largest |x| changes sides or meets a bend."""
         first, last = np.clip(law.span, -self.largest_birth_stretch, self.largest_birth_stretch)
         furthest = self.largest_stretch if max(-first, last) <= self.largest_stretch else np.inf
         bends = np.append(self.bends, furthest)
@@ -111,18 +134,22 @@ class Life:
         pieces = pieces.pick(history.pick(pieces.owner).largest(middle) < furthest)
         kept = law.cdf(self.largest_birth_stretch) - law.cdf(-self.largest_birth_stretch)
 
+        of_shares = [self.error]
+
         def weighed(row: Rows, born: Array) -> Array:
             nodes = born.shape[1]
             side = history.pick(row).largest(born[:, nodes // 2])
             moves = history.pick(np.repeat(row, nodes))
             found = self.survivors(born.ravel(), np.repeat(side, nodes), moves)
-            return found.reshape(2, *born.shape) * (finite_density(law, born) / kept)
+            of_shares.append(found.error)
+            return found.both.reshape(2, *born.shape) * (finite_density(law, born) / kept)
 
         # densities of a law far narrower than its distance from 0 are rounded
         rounding = 100.0 * np.finfo(float).eps * max(abs(first), abs(last)) / (last - first)
         found = integrals(weighed, pieces, now.size, max(self.resolved, rounding))
-        self.error = max(self.error, MARGIN * float(found.missed[0].max(initial=0.0)))
-        return found.value
+        of_average = MARGIN * float(found.missed[0].max(initial=0.0))
+        share, force = found.value
+        return Survivors(share, force, max(of_shares) + of_average)
 
 
 class LawLife(Life):
@@ -213,7 +240,7 @@ class ColdLife(LawLife):
         )
         return np.asarray((m * held + np.clip(beyond, 0.0, most)) / self._mean)
 
-    def survivors(self, born: Array, side: Array, history: History) -> Array:
+    def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
         first, m = np.abs(born), history.largest(born)
         whole, held = np.ones((2, *m.shape))
@@ -222,4 +249,5 @@ class ColdLife(LawLife):
             some = x > self.safe_stretch * (1.0 - 2.0 * TIE)
             share[some] = self.threshold_survival(x[some], edge[some])
         out = np.stack([held, self._borne(m, held) * (born + history.now)])
-        return np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)
+        share, force = np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)
+        return Survivors(share, force, self.error)

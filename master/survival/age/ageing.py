@@ -20,7 +20,7 @@ from master.survival.age.cells import TRAVEL_STEP, Cells, highest, narrowest
 from master.survival.age.passage import Passage
 from master.survival.age.passages import Passages
 from master.survival.age.strands import Strands, over_root, survival_at
-from master.survival.life import Life
+from master.survival.life import Life, Survivors
 from origins import Contacts
 from origins.start import SingleStart, Start
 from origins.thresholds.law import Array
@@ -84,26 +84,28 @@ class AgeingLife(Life):
         self._errors[source] = max(self._errors.get(source, 0.0), error)
         self.error = self.left_out = sum(self._errors.values()) + 1e-13
 
-    def survival_and_force(self, born: Start | Array, history: History) -> Array:
-        """Share of contacts that hold, and their force per contact born; see Life.survival_and_force."""
+    def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
+        """Those of contacts at any stretch; see Life.survival_and_force."""
         motion = history.motion
         leg = motion.leg_of_all(history.t)
         # on a motion of one leg, as that of a kernels.Straight, contacts of the start are looked up as births
         if born is self.contacts.start and not motion.one_leg:
             now = self._start[leg](history.t - motion.times[leg])
-            return np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
+            share, force = np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
+            return Survivors(share, force, self.error)
         if isinstance(born, Start):
             rule = self.stretches(born)
             each = [
                 self.survival_and_force(np.full((1, 1), stretch), history)
                 for stretch in rule.stretch
             ]
-            return np.asarray(np.tensordot(rule.weight, each, 1))
+            share, force = np.tensordot(rule.weight, [found.both for found in each], 1)
+            return Survivors(share, force, self.error)
         # the speed of Straight's own motion is rounded; by the speed of this one its table is found again
         speed = float((motion if self.has_strands else self.motion).speeds[leg])
         lag = np.maximum(history.t - history.s, 0.0)
         share = self._held(speed, born, lag)
-        return np.stack([share, share * (born + speed * lag)])
+        return Survivors(share, share * (born + speed * lag), self.error)
 
     def _held(self, speed: float, born: Array, lag: Array) -> Array:
         """Share that holds of contacts born at these stretches; many are told by a polynomial on either side of 0."""
