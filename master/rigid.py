@@ -9,8 +9,10 @@ from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import Progress, outcome
 from master.renewal.births import Births, reforming_law
+from master.renewal.budget import ErrorBudget
 from master.renewal.edges import ROUNDED, SAME_TIME, edges
-from master.renewal.march import WIDE, March
+from master.renewal.march import March
+from master.renewal.panel_width import first_width
 from master.solution import Solution
 from master.survival.life import Life
 from origins import Contacts, Drive, InputError
@@ -24,8 +26,11 @@ FURTHEST = 1e100
 FURTHEST_TURN, MOST_LIVES_TURN = 1e6, 1e7
 # Longest time before a move by a mean threshold, in units of the time that this takes: later its times keep few digits.
 LONGEST_BEFORE = 1e11
-# Smallest tolerance of a panel: conservation is rounded at 1e-15, the survival of a law of scipy at some 1e-14.
-SMALLEST_TOLERANCE = 3e-14
+# Before a jump of P_c heat breaks contacts in a thin layer, from where the integral A of their rate is e^-25: a hundred
+# times the rounding of a survival. Layers that begin below this part of the jump's place are wide enough for panels.
+LOG_OF_LAYER, THIN_LAYER = -25.0, 0.8
+# Least of the longest stretch, in mean thresholds: the tolerance of the number stays finite where contacts hardly move.
+LEAST_STRETCH = 1e-3
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 
@@ -132,36 +137,31 @@ def march_of(
 ) -> March:
     """The march along a motion, with panels that end where the number of breaks may bend; `most` is the
     largest force of a contact born, divided by <k> (a length), where the caller knows it."""
-    again, mean = reforming_law(contacts), contacts.mean_threshold
+    reforming, mean = reforming_law(contacts), contacts.mean_threshold
     moving = np.abs(motion.speeds[motion.speeds != 0.0])
     if contacts.thermal is not None and life.bends.size and moving.size:
-        # before a jump of P_c heat breaks contacts in a thin layer, from where A = e^-25 on; later F and F' show it
+        # later F and F' show the layer
         given = 0.0, life.bends, contacts.relative_stiffness(life.bends)
-        layers = contacts.thermal.rates.reached(np.log(moving.min()) - 25.0, *given)
+        layers = contacts.thermal.rates.reached(np.log(moving.min()) + LOG_OF_LAYER, *given)
         life = copy(life)
-        life.bends = np.union1d(life.bends, layers[layers > 0.8 * life.bends])
+        life.bends = np.union1d(life.bends, layers[layers > THIN_LAYER * life.bends])
     stretch = min(longest_stretch(contacts, motion, life), most)
-    # panels get the part of the tolerance that rounding and the life's own error leave
-    taken = round_off(motion, mean) + life.error * stretch / mean
-    of_panels = max(tolerance - taken, 0.4 * tolerance) * (1.0 if life.quick else 0.8)
-    # survivals that are more than a look-up are rounded by some 1e-13
-    allowed = max(of_panels * mean / stretch, SMALLEST_TOLERANCE * (1.0 if life.quick else 15.0))
-    accuracy = max(3e-3 * allowed, 1e-15)  # a panel sums some hundred integrals over births
-    births = Births(life, again, motion, contacts.waiting_time, accuracy, until)
-    plan = edges(births, contacts.start, allowed)
+    budget = ErrorBudget.divide(tolerance, life, round_off(motion, mean), stretch / mean)
+    births = Births(life, reforming, motion, contacts.waiting_time, budget.births, until)
+    plan = edges(births, contacts.start, budget.panels)
     if plan.too_many_jumps:
         fault = "exact values break together more often on this path than can be followed"
         hint = "give them a width, as in gaussian(mean, std), or shorten the path"
         raise InputError(f"thresholds: {fault}; {hint}")
-    first = WIDE * life.resolution_length * (allowed / 1e-8) ** (1.0 / polynomials.DEGREE)
-    return March(births, contacts.start, plan.times, allowed, first, stretch)
+    guess = first_width(life, budget.panels)
+    return March(births, contacts.start, plan.times, budget.panels, guess, stretch)
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:
     """The longest |x| that a contact may have: turns an error of the number into one of the force."""
     ends = [*contacts.start.span, *reforming_law(contacts).span]
     most = max(abs(end) for end in ends) + float(np.ptp(motion.positions))
-    return max(min(life.largest_stretch, most), 1e-3 * contacts.mean_threshold)
+    return max(min(life.largest_stretch, most), LEAST_STRETCH * contacts.mean_threshold)
 
 
 def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> float:

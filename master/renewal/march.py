@@ -19,13 +19,22 @@ from master.numerics import polynomials
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import MOST_WORK, Births, Lump, Panels
 from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
+from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
 from master.survival.life import NONE_LEFT
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# First guess of a panel's width at a tolerance of 1e-8, in grains of the life; Gaussian ones then have errors of 1e-10.
-WIDE = 6.0
+# Breaks count as steady where their rates agree over MEMORIES times the longest life, a tenth more than one against the
+# rounding of times, to ALIKE of the tolerance: the changes that may follow are added to the error, and panels keep most
+# of the tolerance. A march ends early only where MEMORIES_AHEAD longest lives lie ahead: to test it costs a few panels.
+MEMORIES, ALIKE, MEMORIES_AHEAD = 1.1, 0.25, 8.0
+# About the work of solving a panel, in pieces of integrals over births.
+WORK_OF_PANEL = 100
+# In a hold the first panel is this part of it: contacts break by heat at rates that no length tells.
+OF_HOLD = 0.25
+# Share of the contacts that break at an edge together, below which they are the rounding of conservation.
+LEAST_LUMP = 1e-15
 
 
 class March:
@@ -84,7 +93,7 @@ class March:
                 if self.motion.one_leg and self._steady():
                     # later changes are at most those that `_steady` allows, an error; going on would cost digits
                     self.steady_since = self.reached - 0.5 * self.width[-1]
-                    self.error[-1] += 0.25 * self.tolerance
+                    self.error[-1] += ALIKE * self.tolerance
                     break
         except StoppedError:
             self.unfinished = True
@@ -98,55 +107,35 @@ class March:
             self._break_lumps(begin, end)
             if leg != before and (before >= 0 or self.widest == np.inf):
                 moving = bool(self.motion.speeds[leg])
-                self.widest = self._duration(self.guess, leg) if moving else 0.25 * (end - begin)
+                self.widest = self._duration(self.guess, leg) if moving else OF_HOLD * (end - begin)
             before, leg_begin = leg, self.motion.times[leg]
             yield from self._segment(begin - leg_begin, end - leg_begin, leg)
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
-        """Solve from one edge to the next, both counted from the leg's beginning: a run of equal panels that are
-        all good makes the next longer, and its panels wider if errors are far below the tolerance."""
-        t, width, count, easy, tried_width, tried_missed = begin, 0.0, 16, 0, 0.0, 0.0
-        quick, first = self.life.quick, self._duration(self.guess, leg)
-        # halving stops here, beside a point that no panel resolves; heat may break contacts at any rate
-        narrowest = min(first, end - begin) * (1e-10 if quick else 1e-18)
-        while end - t > 1e-9 * min(self.widest, end - begin):
+        """Solve from one edge to the next, both counted from the leg's beginning, yielding after each good run."""
+        first, most = (
+            self._duration(length, leg) for length in (self.guess, self.life.largest_stretch)
+        )
+        tolerance, quick = self.tolerance, self.life.quick
+        widths, t = PanelWidth(end - begin, self.widest, first, most, tolerance, quick), begin
+        while not widths.reached(end - t):
             stop_after(self.births.until)
-            ahead = max(1, int(np.ceil((end - t) / self.widest * (1.0 - 1e-9))))
-            if abs((end - t) / ahead - width) > 1e-9 * width:
-                width = (end - t) / ahead
-            run = self._run(t, width, min(count, ahead), leg)
-            bad = np.flatnonzero(run.error > self.tolerance)
+            proposal = widths.propose(end - t)
+            run = self._run(t, proposal.width, proposal.panels, leg)
             # beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error
-            hurried = self.births.work > MOST_WORK or width < max(narrowest, 1e-13 * t)
-            bad = bad[:0] if hurried else bad
-            good = int(bad[0]) if bad.size else run.error.size
-            self.keep(self.motion.times[leg] + t, width, run, good, t)
-            t = t + good * width if good < ahead else end
-            if bad.size:
-                missed = float(run.error[good]) / self.tolerance
-                part = 0.25 if missed > 100.0 else 0.5
-                if not good and missed < 0.5 * tried_missed:
-                    # where B begins as a power of t, the error is a power of the width: two widths give its exponent
-                    power = np.log(tried_missed / missed) / np.log(tried_width / width)
-                    part = min(part, (0.5 / missed) ** (1.0 / power))
-                tried_width, tried_missed = width, missed
-                self.widest, count, easy = part * width, 2, 0
-                continue
-            tried_missed = 0.0
-            # the error grows as the width to the power DEGREE; where contacts break at rates of all
-            # sizes, and behind a point that no polynomial resolves, wider panels soon suffice
-            calm = np.abs(run.breaks[:, -1]).max() < 1e-3 * self.tolerance  # hardly any breaks
-            widens_soon = calm or not quick or width <= 0.5 * first
-            spare = max(self.tolerance * (1e-2 if widens_soon else 0.5**polynomials.DEGREE), 1e-14)
-            easy = easy + good if run.error.max() < spare else 0
-            # each width needs its own kernel: wide panels are widened only if that serves many, or hardly any break
-            needed = 0 if calm or width <= 0.5 * first else 32
-            count = min(2 * count, 256)
-            if hurried or (easy > needed and ahead - good >= needed and width > 0.6 * self.widest):
-                wide = (8.0 if calm else 4.0 if run.error.max() < 1e-4 * spare else 2.0) * width
-                self.widest = min(wide, self._duration(self.life.largest_stretch, leg))
-                count, easy = 1 if widens_soon else max(1, count // 4), 0
-            yield
+            keep_all = self.births.work > MOST_WORK or widths.too_narrow(t)
+            bad = np.flatnonzero(run.error > tolerance)
+            good = int(bad[0]) if bad.size and not keep_all else run.error.size
+            self.keep(self.motion.times[leg] + t, proposal.width, run, good, t)
+            t = t + good * proposal.width if good < proposal.ahead else end
+            if good < run.error.size:
+                widths.narrow(good, float(run.error[good]))
+                self.widest = widths.widest
+            else:
+                broken = float(np.abs(run.breaks[:, -1]).max())
+                widths.widen(proposal, run.error, broken, in_any_case=keep_all)
+                self.widest = widths.widest
+                yield
 
     def _duration(self, length: float, leg: int) -> float:
         """The time that the slider takes for a length; inf in a hold."""
@@ -160,17 +149,18 @@ class March:
     def _steady(self) -> bool:
         """Whether breaks have been steady for longer than any life. Each rate of breaks is a mean of those before, to
         the longest life (renewal equation); where these agree to the tolerance, so do all that follow."""
-        memory, speed = 1.1 * self._memory(0), self.motion.speeds[0]
+        memory, speed = MEMORIES * self._memory(0), self.motion.speeds[0]
         since = self.reached - self.lumps[-1].time
-        if not speed or since < memory or self.edges[-1] - self.reached < 8.0 * memory:
+        if not speed or since < memory or self.edges[-1] - self.reached < MEMORIES_AHEAD * memory:
             return False
         first = max(int(np.searchsorted(self.begin, self.reached - memory, "right")) - 1, 0)
         slopes = self.breaks[first:] @ polynomials.SLOPES.T / self.width[first:, None]
         rates = (
             slopes @ polynomials.legendre_values(polynomials.gauss(polynomials.PANEL_NODES).nodes).T
         )
-        alike = np.ptp(rates) < 0.25 * self.tolerance * rates.mean()
-        return bool(alike and np.ptp(self.force[first:]) < 0.25 * self.tolerance * self.stretch)
+        alike = np.ptp(rates) < ALIKE * self.tolerance * rates.mean()
+        change = float(np.ptp(self.force[first:]))
+        return bool(alike and change < ALIKE * self.tolerance * self.stretch)
 
     def keep(self, t: float, width: float, run: Run, good: int, since: float) -> None:
         """Append the first `good` panels of a run that begins at t, `since` from its leg's beginning."""
@@ -181,7 +171,7 @@ class March:
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
-        self.births.work += 100 * count  # about the cost of solving a panel, in pieces of integrals
+        self.births.work += WORK_OF_PANEL * count
         # the last panels of this width, of those whose births are felt
         felt = self.reached - self._memory(leg) - 2.0 * width
         first = np.searchsorted(self.begin, max(felt, self.motion.times[leg] - 1e-9 * width))
@@ -242,7 +232,7 @@ class March:
         rows = np.split(sides, 1 if t < self.motion.times[leg + 1] else 2)
         number = np.concatenate([self.known(row, leg=leg)[0] for row in rows])
         broken = float(number[0, 2] - number[1, 0])
-        if broken > 1e-15:  # the rounding of conservation
+        if broken > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
     def cut(self, t: float, births: Births) -> "March":

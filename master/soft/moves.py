@@ -14,7 +14,8 @@ from master.outcome import StoppedError
 from master.renewal.births import MOST_WORK, Births, reforming_law
 from master.renewal.edges import SMOOTHER, Moment, edges
 from master.renewal.kernels import TARGETS, Run
-from master.renewal.march import WIDE, March
+from master.renewal.march import March
+from master.renewal.panel_width import WIDE
 from master.soft.curve import LoadCurve, SlipBegin
 from master.survival.life import ColdLife
 from origins import Contacts

@@ -7,8 +7,10 @@ from numpy.polynomial import legendre
 
 from master.motion import Motion
 from master.numerics import polynomials
-from master.renewal.march import WIDE, March
-from master.rigid import ROUND_OFF, SMALLEST_TOLERANCE, longest_stretch, march_of
+from master.renewal.budget import SMALLEST_TOLERANCE
+from master.renewal.march import March
+from master.renewal.panel_width import WIDE
+from master.rigid import ROUND_OFF, longest_stretch, march_of
 from master.steady.travel import Travel
 from master.survival.make import steady_life
 from origins import Contacts

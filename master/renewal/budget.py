@@ -1,0 +1,55 @@
+"""The error budget: how the tolerance of `solve` is divided among panels, births, survivals and round-off."""
+
+from dataclasses import dataclass
+
+from master.survival.life import Life
+
+# Part of the tolerance that panels keep where survivals and round-off take more. The tolerance is missed there, which
+# force_error says; panels without any part would only be halved for nothing.
+LEAST_FOR_PANELS = 0.4
+# Part of the panels' share that is kept back where a survival is a sum: its error is known only when it is returned.
+FOR_SUMS = 0.2
+# Smallest tolerance of a panel, a share of the contacts. Conservation is rounded at 1e-15, the survival of a law of
+# scipy at some 1e-14; survivals that are sums are rounded by some 1e-13, the second.
+SMALLEST_TOLERANCE, SMALLEST_OF_SUMS = 3e-14, 4.5e-13
+# Tolerance of the births on one leg, in that of a panel, which sums some hundred integrals over births; and the
+# smallest, the rounding of conservation.
+FOR_BIRTHS, SMALLEST_FOR_BIRTHS = 3e-3, 1e-15
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """The parts of a tolerance, which add up to it as `solve_rigid` adds up force_error:
+
+        force_error = (worst panel + survivals + births) * stretch/mean + round_off <= tolerance.
+
+    An error of the number of contacts that hold counts as one of the force by the longest stretch that a contact can
+    have. Errors of panels are not summed along the path: conservation fixes the number on each anew. The start is one
+    of the survivals, and has no part of its own. Survivals known before are taken off first, with round-off; panels get
+    the rest, less FOR_SUMS of it for survivals that tell their error later; births get FOR_BIRTHS of a panel's part,
+    for which panels leave room, as each is halved until its error is below its part, and mostly far below.
+
+    panels : largest error of the number of breaks on a panel, a share of the contacts
+    births : largest error of the number that the births on one leg contribute, a share of the contacts
+    survivals : error of a survival that is known before, a share of the contacts
+    round_off : of the force, in mean thresholds
+    """
+
+    panels: float
+    births: float
+    survivals: float
+    round_off: float
+
+    @classmethod
+    def divide(
+        cls, tolerance: float, life: Life, round_off: float, per_number: float
+    ) -> "ErrorBudget":
+        """Divide a tolerance of the force, in mean thresholds; per_number: the force, in mean thresholds, of a number
+        1 of contacts, the longest stretch."""
+        known = round_off + life.error * per_number
+        part = max(tolerance - known, LEAST_FOR_PANELS * tolerance)
+        if not life.quick:
+            part *= 1.0 - FOR_SUMS
+        smallest = SMALLEST_TOLERANCE if life.quick else SMALLEST_OF_SUMS
+        panels = max(part / per_number, smallest)
+        return cls(panels, max(FOR_BIRTHS * panels, SMALLEST_FOR_BIRTHS), life.error, round_off)

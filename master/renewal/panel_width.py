@@ -1,0 +1,167 @@
+"""Panel width: the step-size controller of the march. It proposes widths and learns from the errors of solved panels.
+
+From one edge to the next panels have equal widths as long as they are good. A panel whose error is above the tolerance
+ends its run: the next panels are narrower. Panels whose errors are far below the tolerance make the next ones wider.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from master.numerics import polynomials
+from master.survival.life import Life
+from origins.thresholds.law import Array
+
+# First guess of a panel's width at a tolerance of 1e-8, in resolution lengths of the life; with Gaussian thresholds
+# panels of this width then have errors of 1e-10.
+WIDE = 6.0
+
+
+@dataclass(frozen=True)
+class WidthRules:
+    """The numbers of the controller; none changes what a panel's error means, only how many panels are tried.
+
+    first_run, longest_run : panels solved together at an edge, and at most. A run costs one evaluation of earlier
+        births; later panels are lost where an early one is bad, so that runs grow by `run_growth` as they are good
+    run_after_narrowing : panels of the next run after a bad one: the new width may be too large, too
+    narrowing, far_narrowing : factor on the width after a bad panel, and where its error is `far_off` times the
+        tolerance: two halvings of a polynomial of degree 16 reduce it 1e9 times, but behind a root of t only twice
+    aim : of the tolerance, the error at which the width aims where two bad widths show by what power of it errors fall
+    progress : part of the former error below which a bad error must be for this power to be trusted
+    spare_soon, spare_late : part of the tolerance below which errors let panels widen: soon, where few panels may have
+        their width; late, by what one doubling costs: the error grows as the width to the power of the degree
+    rounding : residual of conservation, in contacts, which no width reduces: errors below it let panels widen, too
+    patience : good panels of one width before the next are widened: each width needs a kernel of its own, which costs
+        as much as solving some 30 panels
+    widening, far_widening, calm_widening : factor on the width; where errors are `far_below` the spare ones; and where
+        hardly any contact breaks
+    calm : part of the tolerance below which breaks on a panel are hardly any: polynomials of all widths fit them
+    fills : part of the widest width that panels must have to tell whether it may grow; they are narrower where few
+        of them fill the way to the edge
+    least_quick, least : narrowest width, in that of the first guess: beside a point that no panel resolves halving
+        stops there; heat breaks contacts at rates of all sizes, of which the fastest need the narrowest panels
+    least_of_time : narrowest width, in the time since the leg began, of which it keeps three digits
+    same : relative difference below which two widths are the same but for rounding, as is an edge reached
+    """
+
+    first_run: int = 16
+    longest_run: int = 256
+    run_growth: int = 2
+    run_after_narrowing: int = 2
+    narrowing: float = 0.5
+    far_narrowing: float = 0.25
+    far_off: float = 100.0
+    aim: float = 0.5
+    progress: float = 0.5
+    spare_soon: float = 1e-2
+    spare_late: float = 0.5**polynomials.DEGREE
+    rounding: float = 1e-14
+    patience: int = 32
+    widening: float = 2.0
+    far_widening: float = 4.0
+    far_below: float = 1e-4
+    calm_widening: float = 8.0
+    calm: float = 1e-3
+    fills: float = 0.6
+    least_quick: float = 1e-10
+    least: float = 1e-18
+    least_of_time: float = 1e-13
+    same: float = 1e-9
+
+
+RULES = WidthRules()
+
+
+class Proposal(NamedTuple):
+    """Panels to solve next: their width, their number, and how many of this width lie before the edge."""
+
+    width: float
+    panels: int
+    ahead: int
+
+
+class PanelWidth:
+    """The widths of the panels from one edge to the next.
+
+    length : from edge to edge, a time
+    widest : largest width of the next panels; the controller changes it, and the next edge takes it over
+    first, most : width of the first guess, and the largest that is of use: that of a whole life
+    tolerance : largest error of a good panel; quick : whether a look-up gives the survival (Life.quick)
+    """
+
+    def __init__(
+        self,
+        length: float,
+        widest: float,
+        first: float,
+        most: float,
+        tolerance: float,
+        quick: bool,
+        rules: WidthRules = RULES,
+    ) -> None:
+        """Begin at an edge, with panels as wide as those before it."""
+        self.length, self.widest, self.tolerance, self.rules = length, widest, tolerance, rules
+        self._first, self._most, self._quick = first, most, quick
+        self._narrowest = min(first, length) * (rules.least_quick if quick else rules.least)
+        self._width, self._run = 0.0, rules.first_run
+        self._good_panels = 0  # in a row, with errors that let panels widen
+        self._bad_width = self._bad_error = 0.0  # of the last attempt, 0 if that was good
+
+    def reached(self, left: float) -> bool:
+        """Whether the way `left` to the edge is none but for rounding."""
+        return left <= self.rules.same * min(self.widest, self.length)
+
+    def propose(self, left: float) -> Proposal:
+        """Equal panels that fill the way `left` to the edge, none wider than the widest, and how many to solve now."""
+        rules = self.rules
+        ahead = max(1, int(np.ceil(left / self.widest * (1.0 - rules.same))))
+        # the same width, to the last bit, finds its kernel again
+        if abs(left / ahead - self._width) > rules.same * self._width:
+            self._width = left / ahead
+        return Proposal(self._width, min(self._run, ahead), ahead)
+
+    def too_narrow(self, t: float) -> bool:
+        """Whether panels at t, counted from the leg's beginning, are so narrow that halving resolves only rounding."""
+        return self._width < max(self._narrowest, self.rules.least_of_time * t)
+
+    def narrow(self, good: int, error: float) -> None:
+        """Learn that a run of panels had `good` ones, and then one with an error above the tolerance."""
+        rules, error = self.rules, error / self.tolerance
+        factor = rules.far_narrowing if error > rules.far_off else rules.narrowing
+        if not good and error < rules.progress * self._bad_error:
+            # where B begins as a power of t, the error is a power of the width: two widths give its exponent
+            power = np.log(self._bad_error / error) / np.log(self._bad_width / self._width)
+            factor = min(factor, (rules.aim / error) ** (1.0 / power))
+        self._bad_width, self._bad_error = self._width, error
+        self.widest = factor * self._width
+        self._run, self._good_panels = rules.run_after_narrowing, 0
+
+    def widen(self, proposal: Proposal, errors: Array, broken: float, in_any_case: bool) -> None:
+        """Learn that all panels of a proposal were kept, with these errors, and at most a share `broken` of the
+        contacts broke on each; the next ones are widened if that is of use, or in any case."""
+        rules, width, largest = self.rules, proposal.width, float(errors.max())
+        self._bad_error = 0.0
+        calm = broken < rules.calm * self.tolerance
+        narrow = width <= 0.5 * self._first
+        # where contacts break at rates of all sizes, and behind a point that no polynomial resolves, wider panels soon
+        # suffice
+        soon = calm or narrow or not self._quick
+        spare = self.tolerance * (rules.spare_soon if soon else rules.spare_late)
+        spare = max(spare, rules.rounding)
+        self._good_panels = self._good_panels + errors.size if largest < spare else 0
+        self._run = min(rules.run_growth * self._run, rules.longest_run)
+        # a new width pays at once where panels are narrow or hardly any contact breaks, else if it serves many panels
+        patience = 0 if calm or narrow else rules.patience
+        easy = self._good_panels > patience and proposal.ahead - errors.size >= patience
+        if not (in_any_case or (easy and width > rules.fills * self.widest)):
+            return
+        factor = rules.far_widening if largest < rules.far_below * spare else rules.widening
+        self.widest = min((rules.calm_widening if calm else factor) * width, self._most)
+        self._run = 1 if soon else max(1, self._run // 4)
+        self._good_panels = 0
+
+
+def first_width(life: Life, tolerance: float) -> float:
+    """First guess of a panel's width, a length; the tolerance is that of the number of breaks on a panel."""
+    return WIDE * life.resolution_length * float((tolerance / 1e-8) ** (1.0 / polynomials.DEGREE))
