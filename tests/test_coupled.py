@@ -25,6 +25,7 @@ CONTACTS = {
     "exponential": origins.Contacts(scipy.stats.expon()),
     "heavy tail": origins.Contacts(scipy.stats.lognorm(1.0)),
     "held back": origins.Contacts(NARROW, start=-0.9),
+    "breaks while pushed": origins.Contacts(NARROW, start=scipy.stats.beta(0.3, 1.0, -0.9, 1.7)),
     "delayed": origins.Contacts(NARROW, delay=origins.Delay(0.3)),
 }
 HOLDS = {
@@ -43,7 +44,9 @@ def pulled(contacts, path, spring=0.7, slip="reset", n=300, replicas=1, seed=3, 
 def test_every_break_is_that_of_plain_python(name, slip):
     """Positions are whole numbers of 2^-28 mean thresholds here, floats there."""
     mean = CONTACTS[name].mean_threshold
-    drives = [{"path": mean * np.linspace(0.8, 9.0, 300)}] + ([HOLDS] if name == "delayed" else [])
+    begin = -0.6 if name == "breaks while pushed" else 0.8  # contacts break there while F < 0
+    drives = [{"path": mean * np.linspace(begin, 9.0, 300)}]
+    drives += [HOLDS] if name == "delayed" else []
     for number, drive in enumerate(drives):
         found = pulled(CONTACTS[name], **drive, slip=slip, replicas=number + 1, slip_fraction=0.03)
         asked = origins.Drive(**drive, spring=0.7, slip=slip)
@@ -119,6 +122,7 @@ SLIPS = {  # contacts, and a spring below 0.7 K*
     "gaussian": (origins.Contacts(origins.gaussian(1.0, 0.05)), 1.0),
     "linked": (origins.Contacts(origins.gaussian(1.0, 0.1), stiffness="linked"), 0.7),
     "delayed": (origins.Contacts(origins.gaussian(1.0, 0.1), delay=origins.Delay(0.2)), 0.7),
+    "machine": (origins.Contacts(origins.gaussian(1.0, 0.1)), 1e-6),
 }
 
 
@@ -149,7 +153,8 @@ def extrapolated(means, errors) -> Extrapolated:
 
 
 def slips(name, rule, number, contacts_each, seed=1):
-    """The first slips of the master equation, and X_T of those of ensembles of each size, extrapolated."""
+    """The first slips of the master equation, and X_T of those of ensembles of each size, extrapolated; K X_T where
+    K is below 1."""
     contacts, spring = SLIPS[name]
     path = [0.0, 1.1 * number * (1.0 + 1.0 / spring)]
     tolerance = 1e-8 if contacts.delay is None else 1e-5
@@ -158,9 +163,11 @@ def slips(name, rule, number, contacts_each, seed=1):
     assert solved.success and exact.size == number
     asked = {"spring": spring, "slip": rule, "seed": seed}
     sizes = [{"n_contacts": int(n), "n_replicas": contacts_each // int(n)} for n in SIZES]
-    runs = [eq_model.simulate(contacts, [exact[-1] + 0.3], **asked, **size).slips for size in sizes]
-    tables = [np.array([run.mean("drive", k) for run in runs]) for k in range(number)]
-    return exact, [extrapolated(table[:, 0], table[:, 1]) for table in tables]
+    scale = min(spring, 1.0)
+    end = [exact[-1] + 0.3 / scale]  # by which all replicas have slipped
+    runs = [eq_model.simulate(contacts, end, **asked, **size).slips for size in sizes]
+    tables = [scale * np.array([run.mean("drive", k) for run in runs]) for k in range(number)]
+    return scale * exact, [extrapolated(table[:, 0], table[:, 1]) for table in tables]
 
 
 @pytest.mark.parametrize(
@@ -168,6 +175,7 @@ def slips(name, rule, number, contacts_each, seed=1):
     [
         *(("gaussian", rule) for rule in ("instant", "reform-after", "reset")),
         ("linked", "reform-after"),
+        ("machine", "reset"),
         pytest.param("delayed", "reform-after", marks=pytest.mark.slow),
     ],
 )

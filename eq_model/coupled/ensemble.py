@@ -12,6 +12,8 @@ from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse
 from origins.thresholds.law import Array
 
+LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers of 64 bits
+
 
 class Replicas:
     """Follows replicas, a block each, on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
@@ -29,7 +31,7 @@ class Replicas:
         slip_fraction: float | None,
     ) -> None:
         """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
-        from eq_model.coupled.queue_kernel import bucket_bits
+        from eq_model.coupled.queue_kernel import bucket_bits, ring_bits
         from eq_model.draws.births import births_of
 
         check_coupled(contacts, drive)
@@ -44,12 +46,12 @@ class Replicas:
         self._births = births_of(contacts, self._unit)
         law, mean = contacts.thresholds, contacts.mean_threshold
         self._shift = bucket_bits(n, mean / self._unit, lambda width: float(law.cdf(width * mean)))
-        # contacts that pull forward take the slider beyond the drive, at most by their largest stretch
-        way = drive.path[-1] + Reach(contacts, drive).furthest
-        self._buckets = (int(max(way, 0.0) / self._unit) >> self._shift) + 2
-        if self._buckets > 1 << 25:  # which take 270 MB
-            most = 2.0 ** (25 + self._shift) * self._unit
-            refuse("path[-1]", drive.path[-1], f"must be below {most:.3g} for {n} coupled contacts")
+        # one contact in a thousand breaks beyond
+        span = min(float(law.isf(2.0**-10)), Reach(contacts, drive).largest)
+        self._ring_bits = ring_bits(n, self._shift, mean / self._unit, span / self._unit)
+        if drive.path[-1] > LARGEST * self._unit:
+            hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
+            refuse("path[-1]", drive.path[-1], hint)
 
     def fields(self, state: State) -> dict[str, Any]:
         """Fields of the result."""
@@ -93,9 +95,9 @@ class Replicas:
         stream = make_stream(self._seed, replica)
         mean = contacts.mean_threshold / unit if contacts.stiffness == "linked" else 0.0
         first, later = (kernel.make_supply(births, stream, mean) for births in self._births)
-        queue, slider = make_queue(n, self._shift, self._buckets), np.zeros(1, kernel.SLIDER)
+        queue, slider = make_queue(n, self._shift, self._ring_bits), np.zeros(1, kernel.SLIDER)
         s, slips = slider[0], list[Array]()
-        s["back"] = -(1 << 62)  # never
+        s["back"], s["pulled"] = -(1 << 62), -np.inf  # never, and nowhere
         kernel.form_all(slider, queue, first, n)
         pull, each = self._pull(s), unit / n
         while (why := kernel.slide(slider, queue, later, pull)) != kernel.PATH_DONE:
@@ -109,8 +111,11 @@ class Replicas:
         x, force, held = pull.at_points
         numbers = replica, s["breaks"], pull.clock_drive[0] * unit
         row = np.r_[numbers, pull.avalanches, x * unit, force * each, held / n]
-        scales = [1.0, 1.0, unit / pull.spring, unit, unit, each, each, 1.0]
-        table = np.reshape(slips, (-1, 8)) * scales
+        # a slip's X_T in two parts: K (X_T - base), and the base
+        scales = [1.0, 1.0, unit / pull.spring, unit, unit, unit, each, each, 1.0]
+        table = np.reshape(slips, (-1, 9)) * scales
+        table[:, 2] += table[:, 3]
+        table = np.delete(table, 3, axis=1)
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
 
     def _pull(self, s: np.void) -> Any:
@@ -136,7 +141,7 @@ class Replicas:
         return Pull(
             n=n,
             spring=spring,
-            path=spring * path,
+            path=path,
             time=time,
             clock=clock[moves],
             clock_drive=places[moves],
@@ -144,7 +149,9 @@ class Replicas:
             slip=max(int(np.ceil(self.slip_fraction * n)), 1),
             at_once=drive.slip == "instant" and delay is None,
             resets=drive.slip == "reset",
-            avalanche=np.empty(6),
+            furthest=int((max(drive.path[-1], 0.0) + Reach(self._contacts, drive).furthest) / unit)
+            + 1,
+            avalanche=np.empty(7),
             at_points=np.zeros((3, path.size)),
             avalanches=np.zeros(SIZES, np.int64),
             due=np.empty(waits),

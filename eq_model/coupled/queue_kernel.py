@@ -1,9 +1,13 @@
-"""Future breaks in the order of the slider's positions at which they happen: a calendar of buckets.
+"""Future breaks in the order of the slider's positions at which they happen: a calendar of buckets in a ring.
 
 A future break is one 64-bit key: the high bits are its place in its bucket, the low bits its
 threshold. This identifies a contact well enough, as contacts of one threshold that break at one
 place are alike. A bucket is sorted by place when the slider reaches it, in the order of arrival
 where places are equal. Positions and thresholds are whole multiples of a unit.
+
+All breaks lie ahead of the slider, most of them within a few mean thresholds. So buckets stand in a ring, and one that
+the slider has left is used again for positions one turn of the ring ahead: their number does not depend on the
+path. Breaks beyond the ring, of the few very large thresholds, wait in a list, which is looked through every half turn.
 """
 
 from collections.abc import Callable
@@ -16,22 +20,27 @@ from eq_model.compiling import bare, inlined, unsigned
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
 CHUNK = 128  # keys in one piece of memory
-NEXT, END, BUCKET = range(3)  # in Queue.at: the next open key, their end, and the bucket
+# In Queue.at: the next open key and their end; the number of the open bucket; how many breaks wait in the ring, and
+# beyond it; the bucket of the nearest of these; and the bucket at which the list of these is looked through next.
+NEXT, END, BUCKET, WAITING, BEYOND, NEAREST, LOOK = range(7)
+NOTHING, BUCKET_END, BREAK = range(3)  # what the slider meets next; see `next_event`
 
 
 class Queue(NamedTuple):
-    """Buckets as chains of chunks of keys."""
+    """Buckets as chains of chunks of keys. Bucket k begins at the position k << shift; its slot is k & (slots - 1)."""
 
     shift: np.int64  # bits of a bucket's width
-    many: npt.NDArray[np.int32]  # number of breaks of each bucket
-    last: npt.NDArray[np.int32]  # the chunk of each bucket that is being filled
+    many: npt.NDArray[np.int32]  # number of breaks of each slot
+    last: npt.NDArray[np.int32]  # the chunk of each slot that is being filled
     before: npt.NDArray[np.int32]  # the chunk before each chunk in its chain
     free: npt.NDArray[np.int32]  # free[0] is the number of free chunks, which follow it
     keys: npt.NDArray[np.uint64]  # (chunks, CHUNK)
     open: npt.NDArray[np.uint64]  # sorted keys of the open bucket, that of the slider
     spare: npt.NDArray[np.uint64]  # scratch memory to sort them
     counts: npt.NDArray[np.int64]  # of the 256 values of a digit, to sort them
-    at: npt.NDArray[np.int64]  # (3,), see NEXT
+    far: npt.NDArray[np.int64]  # positions of the breaks beyond the ring
+    far_threshold: npt.NDArray[np.int64]
+    at: npt.NDArray[np.int64]  # (7,), see NEXT
 
 
 def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> int:
@@ -47,20 +56,34 @@ def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> i
     return min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
 
 
-def make_queue(n: int, shift: int, buckets: int) -> Queue:
-    """A queue for n contacts, with this many buckets; clear it first. Memory is used as it fills."""
-    chunks = n // CHUNK + min(buckets, n) + 1
+def ring_bits(n: int, shift: int, mean: float, span: float) -> int:
+    """Bits of the number of buckets of width 2^shift for n contacts of `mean` threshold (units).
+
+    span : (units) most contacts break within it from their birth.
+    """
+    # With four means a contact that waits in the list is looked at less often than contacts break; more buckets than
+    # contacts would take more memory than these.
+    width = max(min(span, n * 2.0**shift), 4.0 * mean)
+    return max(int(np.ceil(np.log2(width))) + 1 - shift, 6)
+
+
+def make_queue(n: int, shift: int, bits: int) -> Queue:
+    """A queue for n contacts, with 2^bits buckets; clear it first. Memory is used as it fills."""
+    slots = 1 << bits
+    chunks = n // CHUNK + min(slots, n) + 1
     return Queue(
         shift=np.int64(shift),
-        many=np.zeros(buckets, np.int32),
-        last=np.zeros(buckets, np.int32),
+        many=np.zeros(slots, np.int32),
+        last=np.zeros(slots, np.int32),
         before=np.empty(chunks, np.int32),
         free=np.empty(chunks + 1, np.int32),
         keys=np.empty((chunks, CHUNK), np.uint64),
         open=np.empty(n + 1, np.uint64),
         spare=np.empty(n + 1, np.uint64),
         counts=np.empty(256, np.int64),
-        at=np.zeros(3, np.int64),
+        far=np.empty(n, np.int64),
+        far_threshold=np.empty(n, np.int64),
+        at=np.zeros(7, np.int64),
     )
 
 
@@ -71,17 +94,24 @@ def clear(queue, position):  # type: ignore[no-untyped-def]
     queue.free[0] = queue.free.size - 1
     for i in range(1, queue.free.size):
         queue.free[i] = queue.free.size - 1 - i
-    queue.at[NEXT], queue.at[END], queue.at[BUCKET] = 0, 0, (position >> queue.shift) - 1
+    queue.at[:] = 0
+    queue.at[BUCKET] = (position >> queue.shift) - 1
+    queue.at[LOOK] = queue.at[BUCKET] + queue.many.size // 2
 
 
 @inlined
-def next_break(queue):  # type: ignore[no-untyped-def]
-    """Whether the open bucket has a break, and the position of the first; else that of the bucket's end."""
-    low = queue.at[BUCKET] << queue.shift
+def next_event(queue):  # type: ignore[no-untyped-def]
+    """What the slider meets next as it moves on, and where: a break, the end of buckets in which no more wait, or,
+    where no contact holds, nothing."""
+    low, width = queue.at[BUCKET] << queue.shift, np.int64(1) << queue.shift
     if queue.at[NEXT] < queue.at[END]:
         key = queue.open[unsigned(queue.at[NEXT])]
-        return True, low + np.int64(key >> unsigned(THRESHOLD_BITS))
-    return False, low + (np.int64(1) << queue.shift)
+        return BREAK, low + np.int64(key >> unsigned(THRESHOLD_BITS))
+    if queue.at[WAITING] > 0:
+        return BUCKET_END, low + width
+    if queue.at[BEYOND] > 0:
+        return BUCKET_END, queue.at[NEAREST] << queue.shift
+    return NOTHING, low + width
 
 
 @inlined
@@ -93,24 +123,57 @@ def take_next(queue):  # type: ignore[no-untyped-def]
 
 @inlined
 def add_break(queue, b, x):  # type: ignore[no-untyped-def]
-    """Add a break at position b, of threshold x; b lies in the open bucket or beyond.
+    """Add a break at position b, of threshold x; b lies in the open bucket or beyond."""
+    ahead = (b >> queue.shift) - queue.at[BUCKET]
+    if ahead <= 0:
+        _insert(queue, _key(queue, b, x))
+    elif ahead <= queue.many.size:  # the open bucket's slot is free again
+        _wait_in_ring(queue, b, x)
+    else:
+        _wait_beyond(queue, b, x)
 
-    A break beyond all buckets lies beyond the drive's end and is dropped.
-    """
-    k = b >> queue.shift
+
+@inlined
+def _key(queue, b, x):  # type: ignore[no-untyped-def]
     place = unsigned(b & ((np.int64(1) << queue.shift) - np.int64(1)))
-    key = (place << unsigned(THRESHOLD_BITS)) | unsigned(x)
-    if k <= queue.at[BUCKET]:
-        _insert(queue, key)
-    elif k < queue.many.size:
-        slot = unsigned(queue.many[unsigned(k)]) & unsigned(CHUNK - 1)
-        if slot == unsigned(0):
-            chunk = queue.free[queue.free[0]]
-            queue.free[0] -= 1
-            queue.before[chunk] = queue.last[unsigned(k)]
-            queue.last[unsigned(k)] = chunk
-        queue.keys[unsigned(queue.last[unsigned(k)]), slot] = key
-        queue.many[unsigned(k)] += 1
+    return (place << unsigned(THRESHOLD_BITS)) | unsigned(x)
+
+
+@inlined
+def _wait_in_ring(queue, b, x):  # type: ignore[no-untyped-def]
+    """Append a break to the chain of its bucket."""
+    slot = unsigned((b >> queue.shift) & np.int64(queue.many.size - 1))
+    place = unsigned(queue.many[slot]) & unsigned(CHUNK - 1)
+    if place == unsigned(0):
+        chunk = queue.free[queue.free[0]]
+        queue.free[0] -= 1
+        queue.before[chunk] = queue.last[slot]
+        queue.last[slot] = chunk
+    queue.keys[unsigned(queue.last[slot]), place] = _key(queue, b, x)
+    queue.many[slot] += 1
+    queue.at[WAITING] += 1
+
+
+@bare
+def _wait_beyond(queue, b, x):  # type: ignore[no-untyped-def]
+    """Append a break to the list of those beyond the ring."""
+    k, many = b >> queue.shift, queue.at[BEYOND]
+    queue.far[many], queue.far_threshold[many] = b, x
+    queue.at[NEAREST] = k if many == 0 else min(k, queue.at[NEAREST])
+    queue.at[BEYOND] = many + 1
+
+
+@bare
+def _look_beyond(queue, k):  # type: ignore[no-untyped-def]
+    """Move breaks of the list that lie within the ring from bucket k on to their buckets."""
+    many = queue.at[BEYOND]
+    queue.at[BEYOND], queue.at[LOOK] = 0, k + queue.many.size // 2
+    for i in range(many):
+        b, x = queue.far[i], queue.far_threshold[i]
+        if (b >> queue.shift) - k < queue.many.size:
+            _wait_in_ring(queue, b, x)
+        else:
+            _wait_beyond(queue, b, x)
 
 
 @bare
@@ -130,13 +193,21 @@ def _insert(queue, key):  # type: ignore[no-untyped-def]
     queue.at[END] += 1
 
 
+@inlined
+def settle(queue, position):  # type: ignore[no-untyped-def]
+    """The slider stops at `position`: if it has passed buckets in which no break waits, that before its own is open."""
+    queue.at[BUCKET] = max(queue.at[BUCKET], (position >> queue.shift) - 1)
+
+
 @bare
-def open_next(queue):  # type: ignore[no-untyped-def]
-    """Open the next bucket and sort its breaks by place, then by arrival; False if there is none."""
-    k = queue.at[BUCKET] + 1
-    if k == queue.many.size:
-        return False
-    n, m, chunk = np.int64(queue.many[k]), np.int64(0), np.int64(queue.last[k])
+def open_bucket(queue, position):  # type: ignore[no-untyped-def]
+    """Open the bucket that begins at `position`, as `next_event` gives it, and sort its breaks by place, then by
+    arrival."""
+    k = position >> queue.shift
+    if k >= queue.at[LOOK]:
+        _look_beyond(queue, k)
+    slot = unsigned(k & np.int64(queue.many.size - 1))
+    n, m, chunk = np.int64(queue.many[slot]), np.int64(0), np.int64(queue.last[slot])
     passes = (queue.shift + 7) // 8
     old, new = (queue.spare, queue.open) if passes % 2 else (queue.open, queue.spare)
     while m < n:  # the last chunk is filled in part
@@ -159,5 +230,5 @@ def open_next(queue):  # type: ignore[no-untyped-def]
             new[unsigned(counts[digit])] = old[i]
             counts[digit] += 1
         old, new = new, old
-    queue.many[k], queue.at[NEXT], queue.at[END], queue.at[BUCKET] = 0, 0, n, k
-    return True
+    queue.many[slot], queue.at[WAITING] = 0, queue.at[WAITING] - n
+    queue.at[NEXT], queue.at[END], queue.at[BUCKET] = 0, n, k

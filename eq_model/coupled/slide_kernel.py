@@ -2,7 +2,11 @@
 
 Between two breaks dF/dX is the stiffness k of the contacts that hold, so that K (X_T - X) = F gives
 dX_T/dX = (K + k)/K. While the slider sticks, X_T rises to the next break. In an avalanche X_T is fixed,
-and the slider moves to where K (X_T - X) = F again, or to the next break if that comes first.
+and the slider moves to where K (X_T - X) = F again, or to the next break if that comes first. Where no
+contact holds any more it moves to X = X_T, however far that is.
+
+On a soft spring X and X_T get large beside a threshold, and a slip is long. Positions are whole numbers, and
+forces are formed from X and X_T relative to a base near the slider, so that F and K (X_T - X) keep their digits.
 """
 
 from math import frexp
@@ -12,23 +16,35 @@ import numpy as np
 
 from eq_model.blocks import Whole
 from eq_model.compiling import bare, entry, inlined
-from eq_model.coupled.queue_kernel import add_break, clear, next_break, open_next, take_next
+from eq_model.coupled.queue_kernel import (
+    BREAK,
+    NOTHING,
+    add_break,
+    clear,
+    next_event,
+    open_bucket,
+    settle,
+    take_next,
+)
 from eq_model.draws.births import Births, Scratch, draw_stretches, draw_thresholds, make_scratch
 from eq_model.draws.streams import LANES, Stream
 from origins.thresholds.law import Array
 
 PATH_DONE, SLIP_ENDED, OVERTAKEN, GOING_ON = range(4)
-PULLED, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS = range(6)  # in Pull.avalanche
+PULLED, BASE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS = range(7)  # in Pull.avalanche
+# The largest distance from the base, 2^-9 units of which a float resolves; on shorter paths the base is 0.
+FAR_FROM_BASE = 1 << 44
 
 # Positions are whole units; forces and stiffnesses are sums of k_i x_i and k_i in units of <k>.
 SLIDER = np.dtype(
     [
         ("at", np.int64),  # X at the last event
+        ("base", np.int64),  # the position from which forces count X and X_T
         ("force", np.float64),  # F there
         ("stiffness", np.float64),  # of the contacts that hold
         ("back", np.int64),  # X at which the first contact would break if the slider moved back
         ("held", np.int64),  # number of contacts that hold
-        ("pulled", np.float64),  # K X_T of the last break that began an avalanche
+        ("pulled", np.float64),  # K (X_T - base) of the last break that began an avalanche
         ("out", np.int64),  # contacts that broke in this avalanche and have not re-formed
         ("broken", np.int64),  # number of breaks in this avalanche; 0: the slider sticks
         ("breaks", np.int64),  # number of all breaks
@@ -55,7 +71,7 @@ class Pull(NamedTuple):
 
     n: int
     spring: float  # K in <k>
-    path: Array  # K X_T of the points
+    path: Array  # X_T of the points
     time: Array  # times at which the drive reaches them
     clock: Array  # times between which the drive's speed is constant
     clock_drive: Array  # X_T at these times
@@ -63,7 +79,8 @@ class Pull(NamedTuple):
     slip: int  # fewest breaks of an avalanche that is a slip
     at_once: bool  # whether broken contacts re-form at once
     resets: bool  # whether a slip replaces all contacts
-    avalanche: Array  # (6,), the last one; PULLED: K X_T
+    furthest: int  # X beyond which contacts that re-form stretched take the slider without end
+    avalanche: Array  # (7,), the last one; PULLED: K (X_T - BASE)
     at_points: Array  # (3, points): X, F and the number of contacts that hold
     avalanches: Whole  # numbers of those below a slip that broke 1, 2-3, 4-7, ... contacts
     due: Array  # ring buffer of the times at which contacts re-form
@@ -101,6 +118,15 @@ def _move(s, b):  # type: ignore[no-untyped-def]
     """Move the slider to b, without breaks."""
     s.force += s.stiffness * np.float64(b - s.at)
     s.at = b
+
+
+@inlined
+def _rebase(s, pull):  # type: ignore[no-untyped-def]
+    """Take the slider's X as the new base if the old one is far away."""
+    moved = s.at - s.base
+    if moved > FAR_FROM_BASE:
+        s.base = s.at
+        s.pulled -= pull.spring * np.float64(moved)
 
 
 @inlined
@@ -143,24 +169,26 @@ def _straight(x, places, values):  # type: ignore[no-untyped-def]
 def _store_points(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
     """Store X and F at the points that the drive passes before K X_T = level, or there before `time`.
 
-    load : F + K X at b if nothing breaks before.
+    b : a position relative to the base; load : F + K X there if nothing breaks before.
     """
-    while s.point < pull.path.size and (
-        pull.path[s.point] < level or (pull.path[s.point] == level and pull.time[s.point] < time)
-    ):
-        x = b - (load - pull.path[s.point]) / (pull.spring + s.stiffness)
-        pull.at_points[0, s.point] = x
-        pull.at_points[1, s.point] = pull.path[s.point] - pull.spring * x
+    base = np.float64(s.base)
+    while s.point < pull.path.size:
+        reached = pull.spring * (pull.path[s.point] - base)
+        if reached > level or (reached == level and pull.time[s.point] >= time):
+            return
+        x = b - (load - reached) / (pull.spring + s.stiffness)
+        pull.at_points[0, s.point] = base + x
+        pull.at_points[1, s.point] = reached - pull.spring * x
         pull.at_points[2, s.point] = s.held
         s.point += 1
 
 
 @inlined
 def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
-    """End an avalanche with the slider at `after`, where the spring balances; returns its number of breaks."""
+    """End an avalanche with the slider at base + `after`, where the spring balances; returns its number of breaks."""
     size, last = s.broken, pull.avalanche
-    last[PULLED], last[X_AFTER], last[F_AFTER] = s.pulled, after, s.pulled - pull.spring * after
-    last[BREAKS], s.broken = size, 0
+    last[PULLED], last[BASE], last[X_AFTER] = s.pulled, s.base, np.float64(s.base) + after
+    last[F_AFTER], last[BREAKS], s.broken = s.pulled - pull.spring * after, size, 0
     if size < pull.slip:
         pull.avalanches[frexp(size)[1] - 1] += 1  # by the number of its bits
     return size
@@ -171,48 +199,59 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
     """Follow the slider until a slip has ended, or another reason to stop, which is returned."""
     s, passed = slider[0], 0
     while True:
-        is_break, b = next_break(queue)
+        event, b = next_event(queue)
+        if event == NOTHING:
+            b = s.at
         force = s.force + s.stiffness * np.float64(b - s.at)
-        load = force + pull.spring * np.float64(b)
+        ahead = np.float64(b - s.base)
+        load = force + pull.spring * ahead
+        first = np.inf if event == NOTHING else load  # F + K X where something happens
         both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
         comes_back = False  # whether contacts re-form before b
         if s.broken == 0:  # the slider sticks
-            level, time = load, -np.inf
+            level, time = first, -np.inf
             if s.returning < s.returns:
                 due = pull.due[s.returning % pull.due.size]
-                comes = pull.spring * _straight(due, pull.clock, pull.clock_drive)
+                drive = _straight(due, pull.clock, pull.clock_drive)
+                comes = pull.spring * (drive - np.float64(s.base))
                 if comes < level:
                     comes_back, level, time = True, comes, due
-            _store_points(s, pull, b, load, level, time)
+            _store_points(s, pull, ahead, load, level, time)
             if s.point == pull.path.size:
                 return PATH_DONE
             if not comes_back:
                 s.pulled = max(s.pulled, level)
                 pull.avalanche[X_BEFORE], pull.avalanche[F_BEFORE] = np.float64(b), force
         if comes_back:
-            _move(s, min(max(np.int64(np.rint(b - (load - level) / both)), s.at), b))
+            after = s.base + np.int64(np.rint(ahead - (load - level) / both))
+            _move(s, max(after, s.at) if event == NOTHING else min(max(after, s.at), b))
+            settle(queue, s.at)
+            _rebase(s, pull)
             forming = pull.many[s.returning % pull.due.size]
             s.returning += 1
-        elif s.broken > 0 and load > s.pulled:  # the avalanche ends before b
-            after = b - (load - s.pulled) / both
+        elif s.broken > 0 and first > s.pulled:  # the avalanche ends before b
+            after = ahead - (load - s.pulled) / both
             if _end_avalanche(s, pull, after) >= pull.slip:
                 why = SLIP_ENDED
-            _move(s, max(np.int64(np.rint(after)), s.at))
+            _move(s, max(s.base + np.int64(np.rint(after)), s.at))
+            settle(queue, s.at)
             if pull.wait >= 0.0:
                 last = s.returns % pull.due.size
-                now = _straight(s.pulled / pull.spring, pull.clock_drive, pull.clock)
+                drive = np.float64(s.base) + s.pulled / pull.spring
+                now = _straight(drive, pull.clock_drive, pull.clock)
                 pull.due[last], pull.many[last] = now + pull.wait, s.out
                 s.returns += 1
             else:
                 forming = s.out
             s.out = 0
-        elif is_break:
+            _rebase(s, pull)
+        elif event == BREAK:
             _move(s, b)
             x = take_next(queue)
             k = _stiffness(x, supply)
-            s.force -= k * np.float64(x)
-            s.stiffness -= k
             s.held -= 1
+            s.force = s.force - k * np.float64(x) if s.held > 0 else 0.0
+            s.stiffness = s.stiffness - k if s.held > 0 else 0.0
             s.broken += 1
             s.breaks += 1
             forming = np.int64(pull.at_once)
@@ -220,14 +259,17 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
             if pull.resets and s.broken >= pull.slip:
                 # a reset: all contacts are dropped, also those due to return, and X = X_T
                 drive = s.pulled / pull.spring
-                s.at, s.returning = np.int64(np.rint(drive)), s.returns
+                s.at, s.returning = s.base + np.int64(np.rint(drive)), s.returns
                 _end_avalanche(s, pull, drive)
                 form_all(slider, queue, supply, pull.n)
+                _rebase(s, pull)
                 return SLIP_ENDED
         else:
             _move(s, b)
             passed += 1
-            if not open_next(queue):
+            open_bucket(queue, b)
+            _rebase(s, pull)
+            if b > pull.furthest:
                 return OVERTAKEN
             if passed == 64:  # so that Python can handle an interrupt
                 return GOING_ON
