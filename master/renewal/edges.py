@@ -1,4 +1,8 @@
-"""Edges: the times at which the number of breaks may jump or bend, so that panels end there."""
+"""Edges: the times at which the number of breaks may jump or bend, so that panels end there.
+
+These are the moments at which the slider turns or changes its speed, at which contacts of the start reach a bend of P_c
+(a jump or an exact threshold), and at which contacts born at an earlier such moment do.
+"""
 
 import heapq
 from collections.abc import Iterator, Sequence
@@ -12,11 +16,14 @@ from master.renewal.births import Births
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Births that jump or bend make later breaks bend where these contacts meet a bend of P_c, each time one order smoother;
-# the effect of the bend on a panel of 17 nodes is then about this times as large.
+# Births that jump or bend make later breaks bend where these contacts meet a bend of P_c, each time one order smoother:
+# a jump gives a bend, a bend a jump of the second derivative. Each order makes the effect on a panel of 17 nodes about
+# this times as large.
 SMOOTHER = 1e-2
 # Most edges, as halving resolves further bends; and most where breaks jump, at exact thresholds, which it does not.
 MOST_EDGES, MOST_JUMPS = 400, 4000
+# Thresholds are alike where the least is above this part of the largest.
+ALIKE = 0.9
 # Two edges nearer than this share of the time since their leg began, and ROUNDED of all the time, count as equal, and a
 # point nearer than this before an edge counts as after it: times are rounded.
 SAME_TIME, ROUNDED = 1e-12, 2e-15
@@ -47,54 +54,96 @@ def edges(
     tolerance : of the number of breaks; the panels' own errors count moments of a size below SMOOTHER times this
     since, known : for a march that is continued, the time that it has reached, and the moments that it has met
     """
-    motion, life, again, delay = births.motion, births.life, births.law, births.delay
-    end, fastest = float(motion.times[-1]), float(np.abs(motion.speeds).max())
-    resolution = life.resolution_length / fastest if fastest else 0.0
-    # contacts born alike break together where thresholds are alike, to a tenth: panels end there, or miss a narrow peak
-    alike = life.safe_stretch > 0.9 * life.largest_stretch
-    bends = np.union1d(life.bends, [life.safe_stretch, life.largest_stretch] if alike else [])
+    chain = _Moments(births, since)
+    first = [*known, *chain.of_start(start), *chain.of_knots()]
+    most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
+    # where there are too many, the smallest are left to the panels' own errors
+    while len(met := list(islice(chain.following(first, least), most + 1))) > most:
+        least *= 10.0
+    too_many = bool(births.life.atoms.size) and least > 1e3 * tolerance
+    end = float(births.motion.times[-1])
+    times = np.array([since, *(moment.time for moment in met), end])
+    return Edges(times, too_many, [*known, *met])
 
-    def break_moments(birth: float, size: float, law: Start) -> Iterator[Moment]:
-        """When births with a jump or bend of this size make breaks jump or bend. At a jump of P_c breaks are one order
-        smoother; at an exact threshold they are as sharp, times the share of the contacts that have it."""
-        ends = law.span if np.ptp(law.span) < 0.1 * life.largest_stretch else []
-        for stretch in np.union1d(law.breakpoints, ends).tolist():
-            for t, bend in passings(motion, birth, stretch, bends):
-                if t > since + same_time(motion, t) + SAME_TIME * resolution:
-                    yield Moment(t, size * (life.atom_share(bend, stretch) or SMOOTHER))
 
-    first = [*known, *break_moments(0.0, 1.0, start)]
-    for time, speed in zip(motion.times[1:-1].tolist(), motion.speeds.tolist(), strict=False):
-        first.append(Moment(time, SMOOTHER))
-        # breaks one delay before a knot are born at it; contacts born in one hold share one stretch
-        together = speed == 0.0 and not life.timeless and again.is_single
-        if delay > 0.0 or together:
-            first.append(Moment(time - delay, 1.0 if together else SMOOTHER**2))
-    # contacts of the start may break at once; births begin one delay later
-    first += [Moment(0.0, SMOOTHER), Moment(delay, SMOOTHER)]
+class _Moments:
+    """Moments along a motion, and those that follow from each.
 
-    def following(least: float) -> Iterator[Moment]:
-        """All moments after `since` of a size above the least, in the order of time."""
+    A moment at which breaks jump or bend is, one delay later, one at which births do. Contacts born then meet the bends
+    of P_c together, so that later breaks jump or bend, too, less sharply each time. So moments form a chain.
+    """
+
+    def __init__(self, births: Births, since: float) -> None:
+        """For moments after the time `since`."""
+        self.births, self.motion, self.life = births, births.motion, births.life
+        self.since = since
+        fastest = float(np.abs(self.motion.speeds).max())
+        resolution = self.life.resolution_length / fastest if fastest else 0.0
+        self._rounded = SAME_TIME * resolution
+        # contacts born alike break together where thresholds are alike, to a tenth: without edges there panels miss a
+        # narrow peak of breaks
+        near, far = self.life.safe_stretch, self.life.largest_stretch
+        self._bends = np.union1d(self.life.bends, [near, far] if near > ALIKE * far else [])
+
+    def of_start(self, start: Start) -> list[Moment]:
+        """Moments that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
+        beginnings = [Moment(0.0, SMOOTHER), Moment(self.births.delay, SMOOTHER)]
+        return [*self.broken(0.0, 1.0, start), *beginnings]
+
+    def of_knots(self) -> list[Moment]:
+        """Moments at which the slider turns, or changes its speed: there breaks bend."""
+        found, delay = [], self.births.delay
+        one_stretch = self.births.law.is_single and not self.life.timeless
+        knots = self.motion.times[1:-1].tolist()
+        for time, speed_before in zip(knots, self.motion.speeds[:-1].tolist(), strict=True):
+            found.append(Moment(time, SMOOTHER))
+            # contacts born in one hold share one stretch, and later break together: a jump
+            in_hold = one_stretch and speed_before == 0.0
+            if in_hold:
+                found.append(Moment(time - delay, 1.0))
+            elif delay > 0.0:
+                # breaks one delay before a knot are born at it, where X(s) bends: twice as smooth as a jump of births
+                found.append(Moment(time - delay, SMOOTHER * SMOOTHER))
+        return found
+
+    def broken(self, birth: float, size: float, law: Start) -> Iterator[Moment]:
+        """Moments at which contacts meet bends, if their births at the time `birth` have a jump or bend of this size.
+        At a jump of P_c breaks are one order smoother; at an exact threshold they are as sharp, times the share of the
+        contacts that have it."""
+        # the ends of a narrow law are like a jump
+        is_narrow = np.ptp(law.span) < (1.0 - ALIKE) * self.life.largest_stretch
+        for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
+            for time, bend in passings(self.motion, birth, stretch, self._bends):
+                if time > self.since + self._close(time):
+                    yield Moment(time, size * (self.life.atom_share(bend, stretch) or SMOOTHER))
+
+    def following(self, first: Sequence[Moment], least: float) -> Iterator[Moment]:
+        """All moments, in the order of time, of a size above the least: the first ones, and those that follow.
+
+        Moments still to come wait in a heap. The next one is taken out, together with all at the same time; if it is
+        large enough, what follows from it is put in.
+        """
+        end, delay = float(self.motion.times[-1]), self.births.delay
         coming = list(first)
         heapq.heapify(coming)
         while coming:
             time, size = heapq.heappop(coming)
-            close = same_time(motion, time) + SAME_TIME * resolution
+            close = self._close(time)
             while coming and coming[0].time <= time + close:
                 size = min(size + heapq.heappop(coming).size, 1.0)
-            if size > least and time < end - close:
-                if time > since + close:
-                    yield Moment(time, size)
-                for moment in break_moments(time + delay, size, again):
-                    heapq.heappush(coming, moment)
-                if delay > 0.0:
-                    heapq.heappush(coming, Moment(time + delay, SMOOTHER * size))
+            if size <= least or time >= end - close:
+                continue
+            if time > self.since + close:
+                yield Moment(time, size)
+            for moment in self.broken(time + delay, size, self.births.law):
+                heapq.heappush(coming, moment)
+            if delay > 0.0:
+                # at this moment the number of those that are out bends
+                heapq.heappush(coming, Moment(time + delay, SMOOTHER * size))
 
-    most, least = MOST_JUMPS if life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
-    while len(met := list(islice(following(least), most + 1))) > most:
-        least *= 10.0
-    too_many = bool(life.atoms.size) and least > 1e3 * tolerance
-    return Edges(np.array([since, *(moment.time for moment in met), end]), too_many, [*known, *met])
+    def _close(self, time: float) -> float:
+        """Time within which moments count as equal to this one."""
+        return same_time(self.motion, time) + self._rounded
 
 
 def same_time(motion: Motion, time: float) -> float:
