@@ -181,6 +181,7 @@ STRUCTS = {
     "[master]": tables.MasterTable,
     "[eq]": tables.EqTable,
     "[sweep]": tables.SweepTable,
+    "[verdict]": tables.VerdictTable,
     "[sweep.velocity]": tables.RangeTable,
 }
 OF_KINDS = {

@@ -15,6 +15,7 @@ COMMANDS = {
     "run": "solve a scene: F(X) with its error and run time, result files and a picture",
     "thresholds": "picture and table of a scene's P_c(x)",
     "compare": "how prone to stick-slip each of several scenes is: one table, one picture",
+    "verdict": "does this interface, on this machine, stick and slip? one page, one picture, in SI units",
     "precision": "what precision costs: true error against run time of each solver, of a scene",
     "scenes": "list the scenes that are shipped",
 }

@@ -25,7 +25,7 @@ from toolkit.scene.interfaces import Number, foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
-ON_ONE_RANK = ("precision", "scenes")  # the other ranks wait
+ON_ONE_RANK = ("precision", "scenes", "verdict")  # the other ranks wait
 _APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
 
@@ -181,6 +181,22 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     on_root(comm, lambda: _write(folder, "compare", draw, lines, numbers))
     print("\n".join([*lines, f"written to {folder}"]))
     return 0 if all(one.result.success and one.found.success for one in verdicts) else 1
+
+
+def verdict(arguments: argparse.Namespace) -> int:
+    """Whether the scene's interface sticks and slips on its machine: one page, a picture, tables; returns 1 where a
+    solver missed its tolerance."""
+    from toolkit.verdict.files import save_verdict
+    from toolkit.verdict.judge import verdict as judged
+    from toolkit.verdict.words import page
+
+    scene = load_scene(arguments.scene, solved=False)
+    folder = arguments.out or f"{scene.name}-output"
+    check_folder(folder)  # before the work, not after it
+    found = judged(scene, say)
+    save_verdict(found, folder)
+    print("\n".join([*page(found), f"written to {folder}"]))
+    return 0 if found.success else 1
 
 
 def precision(arguments: argparse.Namespace) -> int:

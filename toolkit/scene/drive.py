@@ -40,9 +40,14 @@ def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
     if interface is not None and given is not None and not unit:
         hint = f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m²'
         refuse("drive.spring", given, f'{hint}, or spring = "{given:g} N_c<k>"')
-    if table.area is not None:
+    if table.area is not None and interface is None:
         refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
     return given
+
+
+def has_path(table: DriveTable) -> bool:
+    """Whether the table says where the drive goes; without it describes a machine, whose path a verdict finds."""
+    return table.to is not None or table.turns is not None
 
 
 def make_drive(table: DriveTable, spring: float | None = None) -> Drive:

@@ -18,7 +18,7 @@ from origins.drive import Drive
 from origins.errors import InputError, refuse, shown
 from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
-from toolkit.scene.drive import histogram_points, make_drive, sliding_speed, spring_number
+from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed, spring_number
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
 
@@ -32,7 +32,8 @@ class Scene:
     `text` is its TOML text, its file names are relative to `folder`; `drive.path` are positions of the
     slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `given_drive`,
     `master`, `eq` and `sweep` are None where the scene has no such table. `wall_time`: seconds for all of them
-    together, None for no limit; `tolerance_given`: whether the scene names master.tolerance; `area`: drive.area.
+    together, None for no limit; `tolerance_given`: whether the scene names master.tolerance; `area`: drive.area;
+    `drive_table`, `verdict`: the tables [drive] and [verdict] as they are given.
     """
 
     name: str
@@ -47,6 +48,8 @@ class Scene:
     wall_time: float | None = None
     tolerance_given: bool = True
     area: float | None = None
+    drive_table: tables.DriveTable | None = None
+    verdict: tables.VerdictTable | None = None
 
     @property
     def drive(self) -> Drive:
@@ -67,6 +70,8 @@ class Scene:
     def sliding(self) -> float:
         """The speed for F_k and other quantities that depend on it."""
         swept = None if self.sweep is None else self.sweep.at["velocity"]
+        if self.given_drive is None and swept is None and self.drive_table is not None:
+            return float(self.drive_table.velocity)  # of a machine without a path
         return sliding_speed(self.given_drive, swept)
 
     def histogram_points(self) -> npt.NDArray[np.intp]:
@@ -145,9 +150,9 @@ def _checked(
         refuse("scene", name, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
         raise InputError("scene: has neither [master] nor [eq] nor [sweep]; add one of them")
-    contacts = _contacts(table.contacts, folder, comm)
+    contacts = make_contacts(table.contacts, folder, comm)
     drive = sweep = None
-    if table.drive is not None:
+    if table.drive is not None and (solved or has_path(table.drive)):
         drive = make_drive(table.drive, spring_number(table.drive, contacts))
     if table.sweep is not None:
         sweep = make_sweep(table.sweep, contacts, sliding_speed(drive))
@@ -156,6 +161,8 @@ def _checked(
         wall_time=table.wall_time,
         tolerance_given="tolerance" in given.get("master", {}),
         area=None if table.drive is None else table.drive.area,
+        drive_table=table.drive,
+        verdict=table.verdict,
     )
     if solved and table.master is not None:
         _ = scene.drive  # which it needs
@@ -171,7 +178,7 @@ def _checked(
     return scene
 
 
-def _contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
+def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
     """The contacts with the laws that the table names, and no other."""
     thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
     made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}

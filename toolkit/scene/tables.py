@@ -34,7 +34,7 @@ class ContactsTable(Table, frozen=True):
 
 
 class DriveTable(Table, frozen=True):
-    points: Annotated[int, Meta(ge=2, le=10_000_000)]
+    points: Annotated[int, Meta(ge=2, le=10_000_000)] = 501
     to: Positive | None = None
     begin: Finite | None = msgspec.field(default=None, name="from")
     turns: list[Finite] | None = None
@@ -80,6 +80,12 @@ class SweepTable(Table, frozen=True):
     critical_spring: bool = False
 
 
+class VerdictTable(Table, frozen=True):
+    readings: Annotated[list[str], Meta(min_length=1, max_length=20)] | None = None
+    steps: Annotated[list[Count], Meta(min_length=1, max_length=10)] | None = None
+    rules: Annotated[list[str], Meta(min_length=1, max_length=3)] | None = None
+
+
 class SceneTable(Table, frozen=True):
     contacts: ContactsTable
     drive: DriveTable | None = None
@@ -87,11 +93,12 @@ class SceneTable(Table, frozen=True):
     master: MasterTable | None = None
     eq: EqTable | None = None
     sweep: SweepTable | None = None
+    verdict: VerdictTable | None = None
     wall_time: Positive | None = None
 
 
 _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}
-_TABLES |= {"master": MasterTable, "sweep": SweepTable}
+_TABLES |= {"master": MasterTable, "sweep": SweepTable, "verdict": VerdictTable}
 _COUNTS = ("points", "contacts", "replicas", "seed", "samples")
 
 

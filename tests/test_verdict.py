@@ -1,0 +1,145 @@
+"""`mesofriction verdict`: the sentence, the table and the files hold what closed forms and the solvers say."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import master
+from origins import Contacts, gaussian
+from tests.scenes import CONSTANTS, ROUGH, said, write
+from toolkit.scene.scene import load_scene
+from toolkit.verdict.scale import scale_of, written
+
+MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
+RESET = {"rules": ["reset"]}
+
+
+@pytest.fixture(autouse=True)
+def _in_tmp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def judged(capsys: Any, **tables: Any) -> tuple[int, str, dict[str, Any]]:
+    """Status, page and verdict.json of the command for a scene of these tables."""
+    status, out, _ = said(capsys, "verdict", write(master=None, **tables))
+    return status, "\n".join(out), json.loads(Path("mine-output/verdict.json").read_text())
+
+
+def test_stick_slip_in_newtons(capsys: Any) -> None:
+    """From relaxed contacts a reset slips where the load F + K X of a rigid slider's F first falls, and the period is
+    X + F/K there."""
+    thresholds = ROUGH | {"model": "persson", "law": "paper", "patch_area": 1e-14}
+    thresholds["material"] = CONSTANTS | {"force_coefficient": 2.42e10}
+    verdict = RESET | {"readings": ["persson/paper"]}
+    status, page, found = judged(capsys, thresholds=thresholds, drive=MACHINE, verdict=verdict)
+    contacts = load_scene("mine.toml", solved=False).contacts
+    surface, mean = contacts.interface, contacts.mean_threshold
+    assert surface is not None
+    together = surface.contact_density * 1e-6 * surface.mean_stiffness
+    spring = 1e6 / together
+    x = np.linspace(0.0, 1.5 * mean, 20_001)
+    force = master.solve(contacts, x, 1e-10).force
+    first = int(np.argmax(np.diff(force + spring * x) < 0.0))
+    slips = found["readings"][0]["behaviours"][0]
+    assert status == 0 and slips["kind"] == "stick-slip" and slips["slips"] >= 5
+    assert slips["before"] == pytest.approx(force[first] * together, rel=1e-6)
+    assert slips["period"] == pytest.approx(x[first] + force[first] / spring, rel=1e-6)
+    assert page.splitlines()[2].startswith(
+        f"stick-slip: {written(slips['before'], 'N')} down to 0 N"
+    )
+
+
+def test_smooth_on_a_stiff_spring(capsys: Any) -> None:
+    """Above K* the slider ends at the kinetic force <x²>/2<x>."""
+    drive = {"spring": 5.0}
+    wide = {"kind": "gaussian", "mean": 1.0, "std": 0.3}
+    status, page, found = judged(capsys, thresholds=wide, drive=drive)
+    law = gaussian(1.0, 0.3)
+    assert status == 0 and "smooth at" in page and "all rules agree" in page
+    for one in found["readings"][0]["behaviours"]:
+        assert one["after"] == pytest.approx(law.moment(2) / (2.0 * law.mean()), abs=2e-3)
+
+
+def test_without_a_spring_it_says_below_which_one_the_interface_slips(capsys: Any) -> None:
+    verdict = {"readings": ["gw/amontons", "persson/amontons", "gw/paper"]}
+    tables = {"thresholds": ROUGH, "drive": {"area": 1e-6}, "verdict": verdict}
+    status, page, found = judged(capsys, **tables)
+    contacts = load_scene("mine.toml", solved=False).contacts
+    scale = scale_of(contacts, 1e-6)
+    own = master.propensity(contacts).critical_spring * scale.spring
+    assert status == 0 and f"slips on a spring softer than K* = {written(own, 'N/m')}" in page
+    assert found["readings"][0]["critical_spring"]["value"] == pytest.approx(own, rel=1e-5)
+    # the material lacks the constant of the paper's law, and the page says so
+    assert len(found["readings"]) == 2 and "force_coefficient" in found["left_out"]["gw/paper"]
+    assert not Path("mine-output/friction.csv").exists()
+
+
+def test_slips_stand_in_the_trace_at_their_own_places(capsys: Any) -> None:
+    tables = {"drive": {"spring": 0.5}, "verdict": RESET}
+    judged(capsys, **tables)
+    with Path("mine-output/friction.csv").open(encoding="utf-8") as stream:
+        head, *rows = list(csv.reader(stream))
+    assert head == ["slip rule", "drive (length)", "spring force (N_c<k> length)"]
+    drive, force = np.array([[float(word) for word in row[1:]] for row in rows]).T
+    steps = np.diff(force)
+    slips = np.flatnonzero(steps < -0.1)
+    assert slips.size >= 5 and np.all(np.diff(drive)[slips] == 0.0)
+
+
+def test_samples_have_a_sampling_error_near_that_of_their_mean(capsys: Any) -> None:
+    """F_k = <x²>/2<x> of n samples of a narrow law scatters as half their mean, std/(2 n^(1/2))."""
+    samples = np.random.default_rng(1).normal(1.0, 0.1, 300).tolist()
+    tables = {"thresholds": {"kind": "from-samples", "x_s": samples}, "drive": {"spring": 0.5}}
+    _, page, found = judged(capsys, verdict=RESET, **tables)
+    kinetic = found["readings"][0]["kinetic"]
+    expected = 0.1 / (2.0 * 300**0.5)
+    assert 0.4 * expected < kinetic["sampling"] < 2.5 * expected and "±" in page
+
+
+def test_digits_are_those_that_the_uncertainty_leaves() -> None:
+    assert written(0.254779, "N", 0.01) == "250 mN"
+    assert written(0.254779, "N") == "255 mN"
+    assert written(45297237.6, "N/m") == "45.3 MN/m"
+    assert written(5098.65, "s") == "5,100 s"
+    assert written(0.0, "N") == "0 N" and written(np.inf, "N/m") == "inf N/m"
+
+
+def test_units_follow_what_is_known() -> None:
+    plain = scale_of(Contacts(gaussian(1.0, 0.1)), None)
+    assert (plain.force_unit, plain.spring_unit, plain.load) == ("N_c<k> length", "N_c<k>", None)
+    tables = {"thresholds": ROUGH, "drive": {"area": 1e-6}, "master": None}
+    contacts = load_scene(write(**tables), solved=False).contacts
+    per_area, pad = scale_of(contacts, None), scale_of(contacts, 2e-6)
+    assert per_area.force_unit == "Pa" and pad.force == pytest.approx(2e-6 * per_area.force)
+    assert pad.load == pytest.approx(2.0) and per_area.load == pytest.approx(1e6)
+
+
+REFUSED = {
+    "turns": ({"drive": {"spring": 1.0, "turns": [1.0, 0.0]}}, "drive.turns"),
+    "rules": ({"drive": {"spring": 1.0}, "verdict": {"rules": ["best"]}}, "verdict.rules = 'best'"),
+    "reading": (
+        {"thresholds": ROUGH, "verdict": {"readings": ["hertz/amontons"]}},
+        "verdict.readings = 'hertz/amontons'",
+    ),
+    "not a surface": ({"verdict": {"readings": ["gw/paper"]}}, "verdict.readings"),
+    "steps": ({"thresholds": ROUGH, "verdict": {"steps": [2]}}, "verdict.steps = 2"),
+    "area": ({"thresholds": ROUGH, "drive": {"spring": "50 N/m"}}, "drive.spring"),
+    "own": (
+        {"thresholds": ROUGH | {"law": "strength", "material": CONSTANTS}},
+        "material.shear_strength",
+    ),
+}
+
+
+@pytest.mark.parametrize(("tables", "named"), REFUSED.values(), ids=REFUSED)
+def test_bad_input_is_one_line_and_writes_nothing(
+    capsys: Any, tables: dict[str, Any], named: str
+) -> None:
+    tables = {"drive": {"velocity": 1.0}, "master": None} | tables
+    status, out, err = said(capsys, "verdict", write(**tables))
+    assert status == 2 and not out and named in err[-1]
+    assert not Path("mine-output").exists()

@@ -1,0 +1,125 @@
+"""What one slider does under one slip rule: the drive goes on until it has slipped often enough, or slides."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from origins.contacts import Contacts
+from origins.errors import InputError
+from origins.thresholds.law import Array
+from toolkit.scene.tables import DriveTable
+
+# slips after which stick-slip is believed, and points of a path
+ENOUGH_SLIPS, POINTS = 5, 600
+# lengths of the drive's path in loadings, from no force to the static one: tried one after the other
+LOADINGS = (6.5, 20.0, 60.0)
+# of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
+TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """What a slider does under one rule; forces F/(N_c <k>) and distances are lengths.
+
+    rule : "reset", "reform-after" or "instant"
+    kind : "stick-slip", "smooth", or "undecided"
+    before, after : spring force before and after a slip, the last one; both the sliding force where it is smooth
+    period : of the drive, between the last two slips; slips : how many there were
+    slip_time, top_speed : of the last slip; None where slips take no time
+    error : of the force, estimated from above, in mean thresholds
+    drive, force : the trace, with each slip at its own place
+    """
+
+    rule: str
+    kind: str
+    before: float
+    after: float
+    period: float | None
+    slips: int
+    error: float
+    success: bool
+    message: str
+    run_time: float
+    slip_time: float | None = None
+    top_speed: float | None = None
+    drive: Array = field(default_factory=lambda: np.empty(0))
+    force: Array = field(default_factory=lambda: np.empty(0))
+
+
+def follow(
+    table: DriveTable, contacts: Contacts, spring: float, rule: str, static: float, wall_time: float
+) -> Behaviour:
+    """Pull the slider until it has slipped five times or slides steadily.
+
+    spring : K/(N_c <k>); static : about the largest force, F_s/(N_c <k>) (a length); wall_time : s
+    A combination that the solver does not take is "undecided", and its message says why.
+    """
+    import master
+
+    loading = static / spring + contacts.mean_threshold
+    begin = contacts.start.mean() / spring
+    in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
+    tolerance = TOLERANCE_IN_TIME if in_time else TOLERANCE
+    found = _refused(rule, "not followed")
+    for loadings in LOADINGS:
+        path = begin + np.linspace(0.0, loadings * loading, POINTS)
+        given: dict[str, Any] = {"velocity": table.velocity, "spring": spring, "slip": rule}
+        try:
+            solved: Any = master.solve(contacts, path, tolerance, wall_time=wall_time, **given)
+        except InputError as error:
+            return _refused(rule, str(error))
+        found = _behaviour(rule, solved)
+        if found.kind != "undecided" or not solved.success:
+            break
+    return found
+
+
+def _refused(rule: str, why: str) -> Behaviour:
+    """A behaviour that could not be found, and why."""
+    nan = float("nan")
+    return Behaviour(rule, "undecided", nan, nan, None, 0, float("inf"), False, why, 0.0)
+
+
+def _behaviour(rule: str, solved: Any) -> Behaviour:
+    """What the solution of a soft slider says."""
+    slips, verdict = solved.slips, solved.regime.verdict
+    kind = {"decaying transient": "smooth"}.get(verdict, verdict)
+    last = float(solved.force[-1]) if solved.force.size else float("nan")
+    before, after = last, last
+    if kind == "stick-slip":
+        before, after = float(slips.force_before[-1]), float(slips.force_after[-1])
+    drive, force = with_slips(solved)
+    return Behaviour(
+        rule=rule,
+        kind=kind,
+        before=before,
+        after=after,
+        period=solved.period,
+        slips=slips.drive.size,
+        error=solved.force_error,
+        success=solved.success,
+        message=solved.message if not solved.success else solved.regime.reason,
+        run_time=solved.run_time,
+        slip_time=_last(slips, "duration"),
+        top_speed=_last(slips, "top_speed"),
+        drive=drive,
+        force=force,
+    )
+
+
+def _last(slips: Any, name: str) -> float | None:
+    """A property of the last slip, where the solution has it: slips without mass take no time."""
+    values = getattr(slips, name, None)
+    return None if values is None or not len(values) else float(values[-1])
+
+
+def with_slips(solved: Any) -> tuple[Array, Array]:
+    """Drive and force at the path's points, and before and after each slip, so that no slip is drawn aslant."""
+    slips = solved.slips
+    drive = np.concatenate([solved.path, slips.drive, slips.drive])
+    force = np.concatenate([solved.force, slips.force_before, slips.force_after])
+    # at one place of the drive: the points before the slip, its begin, its end
+    rank = np.repeat([0, 1, 2], [solved.path.size, slips.drive.size, slips.drive.size])
+    order = np.lexsort((rank, drive))
+    return drive[order], force[order]

@@ -1,0 +1,172 @@
+"""The verdict of one scene: every reading and every slip rule, and what their answers have in common."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origins.contacts import Contacts
+from origins.errors import InputError, refuse
+from origins.samples.from_samples import bootstrap_laws, sampled_parts
+from toolkit.scene.drive import spring_number
+from toolkit.scene.scene import Scene
+from toolkit.scene.tables import DriveTable
+from toolkit.verdict.follow import Behaviour, follow
+from toolkit.verdict.readings import readings_of
+from toolkit.verdict.scale import Scale, scale_of
+
+RULES = ("reset", "reform-after", "instant")
+# s for all readings and rules together, and the least for a single solve
+WALL_TIME, LEAST = 60.0, 2.0
+# of K* and F_s of readings other than the scene's own; resampled laws of samples, and the tolerance for these
+TOLERANCE, RESAMPLES, RESAMPLED_TOLERANCE = 1e-6, 10, 1e-3
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of one reading: `value`, its numerical error, and the scatter that other samples would give (None: not
+    known, as of a single scan)."""
+
+    value: float
+    error: float
+    sampling: float | None = None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one reading says. Forces F/(N_c <k>) are lengths, springs are per N_c<k>.
+
+    spring : of the machine; None where the scene has none
+    behaviours : of the machine's slider, one for each rule
+    """
+
+    name: str
+    contacts: Contacts
+    scale: Scale
+    kinetic: Quantity
+    static: Quantity
+    critical_spring: Quantity
+    spring: float | None
+    behaviours: tuple[Behaviour, ...]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answers of all readings, the scene's own first.
+
+    velocity : of the drive; run_time : s
+    left_out : readings without an answer, and why
+    """
+
+    name: str
+    title: str
+    velocity: float
+    answers: tuple[Answer, ...]
+    left_out: dict[str, str]
+    run_time: float
+
+    @property
+    def own(self) -> Answer:
+        """What the scene's own reading says."""
+        return self.answers[0]
+
+    @property
+    def success(self) -> bool:
+        """Whether all solves of the own reading met their tolerance."""
+        return all(behaviour.success for behaviour in self.own.behaviours)
+
+
+def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -> Verdict:
+    """Whether the scene's interface sticks and slips on its machine, for each reading and each slip rule.
+
+    `progress` is called with a word on what begins. Raises InputError for a scene without an answer under its own
+    reading, for a drive that turns or keeps times, and for unknown readings or rules.
+    """
+    began = time.monotonic()
+    table = scene.drive_table or DriveTable()
+    if table.turns is not None or table.times is not None:
+        name = "turns" if table.turns is not None else "times"
+        refuse(f"drive.{name}", getattr(table, name), "a verdict drives one way; leave it out")
+    readings, rules = readings_of(scene), _rules(scene, table)
+    deadline, answers = began + (scene.wall_time or WALL_TIME), list[Answer]()
+    left_out = dict[str, str]()
+    for number, reading in enumerate(readings):
+        progress(f"reading {number + 1} of {len(readings)}: {reading.name}")
+        left = max(deadline - time.monotonic(), 0.0) / (len(readings) - number)
+        try:
+            if reading.contacts is None:
+                left_out[reading.name] = reading.refused
+            else:
+                answers.append(_answer(table, reading.name, reading.contacts, rules, left))
+        except InputError as error:
+            if reading.own:
+                raise
+            left_out[reading.name] = str(error)
+    took = time.monotonic() - began
+    title = scene.title or scene.name
+    return Verdict(scene.name, title, table.velocity, tuple(answers), left_out, took)
+
+
+def _rules(scene: Scene, table: DriveTable) -> tuple[str, ...]:
+    """The slip rules to compare: those of [verdict], else all, that of [drive] first."""
+    if scene.verdict is not None and scene.verdict.rules is not None:
+        for rule in scene.verdict.rules:
+            if rule not in RULES:
+                refuse("verdict.rules", rule, f"must be among {', '.join(RULES)}")
+        return tuple(dict.fromkeys(scene.verdict.rules))
+    return tuple(dict.fromkeys([table.slip or RULES[0], *RULES]))
+
+
+def _answer(
+    table: DriveTable, name: str, contacts: Contacts, rules: tuple[str, ...], seconds: float
+) -> Answer:
+    """The answer of one reading, within about so many seconds."""
+    import master
+
+    velocity = table.velocity
+    steady = master.steady_state(contacts, velocity=velocity)
+    found = master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
+    kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
+    ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
+    static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
+    critical = Quantity(found.critical_spring, found.critical_spring_error)
+    if sampled_parts(contacts.thresholds):
+        kinetic, static, critical = _with_sampling(contacts, velocity, [kinetic, static, critical])
+    spring, behaviours = spring_number(table, contacts), list[Behaviour]()
+    for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
+        if spring is None:
+            break
+        began, share = time.monotonic(), max(seconds / left, LEAST)
+        behaviours.append(follow(table, contacts, spring, rule, static.value, share))
+        seconds = max(seconds - (time.monotonic() - began), 0.0)
+    return Answer(
+        name,
+        contacts,
+        scale=scale_of(contacts, table.area),
+        kinetic=kinetic,
+        static=static,
+        critical_spring=critical,
+        spring=spring,
+        behaviours=tuple(behaviours),
+    )
+
+
+def _with_sampling(
+    contacts: Contacts, velocity: float, known: list[Quantity]
+) -> tuple[Quantity, Quantity, Quantity]:
+    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error."""
+    import master
+
+    rows = []
+    for law in bootstrap_laws(contacts.thresholds, RESAMPLES):
+        other = Contacts(law, start=contacts.start)
+        kinetic = master.steady_state(other, velocity=velocity).force
+        found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
+        rows.append([kinetic, found.static_to_kinetic * kinetic, found.critical_spring])
+    scatter = np.std(rows, axis=0, ddof=1)
+    first, second, third = (
+        replace(quantity, sampling=float(each))
+        for quantity, each in zip(known, scatter, strict=True)
+    )
+    return first, second, third

@@ -1,0 +1,109 @@
+"""Readings of one surface: the contact models, threshold laws and resolutions that a verdict is compared over."""
+
+import tomllib
+from collections.abc import Iterator
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+from origins.contacts import Contacts
+from origins.errors import InputError, refuse
+from toolkit.scene.scene import Scene, make_contacts
+from toolkit.scene.tables import read_table
+
+# contact model / threshold law; a third word names the regime of the summits, as in "gw/amontons/mixed"
+READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "persson/paper")
+STEPS = (1, 2)  # of the scan's points: twice the distance shows what the resolution decides
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One set of assumptions about the surface, and the contacts that follow from it.
+
+    name : such as "gw/amontons, step 2"; own : whether it is what the scene itself says
+    contacts : None where these assumptions cannot be made; refused : why
+    """
+
+    name: str
+    own: bool
+    contacts: Contacts | None
+    refused: str = ""
+
+
+def readings_of(scene: Scene) -> list[Reading]:
+    """The scene's own reading first, then those of its [verdict] table, or the usual ones of a surface.
+
+    Thresholds that are no surface's have one reading. A reading for which the material lacks a constant is kept with
+    the reason. Raises InputError for readings that are none.
+    """
+    given = tomllib.loads(scene.text)
+    asked, table = scene.verdict, given["contacts"]["thresholds"]
+    if table.get("kind") != "from-topography":
+        if asked is not None and (asked.readings or asked.steps):
+            refuse("verdict.readings", asked.readings, "are of a surface; leave them out")
+        return [Reading(str(table.get("kind")), True, scene.contacts)]
+    # a surface given by its moments has no points, so no distance of points
+    has_heights = table["surface"].get("kind") in ("scan", "self-affine")
+    own_step = table.get("step", 1) if has_heights else 1
+    words = [table["model"], table["law"], table.get("regime", "elastic")]
+    own = ("/".join(words).removesuffix("/elastic"), own_step)
+    names = list(READINGS) if asked is None or asked.readings is None else asked.readings
+    steps = sorted({own_step * k for k in STEPS}) if has_heights else [1]
+    steps = steps if asked is None or asked.steps is None else asked.steps
+    each = [(name.removesuffix("/elastic"), step) for step in steps for name in names]
+    found = [Reading(_title(*own, steps), True, scene.contacts)]
+    for name, step in dict.fromkeys(each):
+        if (name, step) != own:
+            found.append(_read(scene, given, name, step, _title(name, step, steps)))
+    return found
+
+
+def _title(name: str, step: int, steps: list[int]) -> str:
+    return f"{name}, step {step}" if len(steps) > 1 else name
+
+
+def _read(scene: Scene, given: dict[str, Any], name: str, step: int, title: str) -> Reading:
+    """The contacts of the scene with another model, law and step of its surface."""
+    tables = deepcopy(given)
+    own = tables["contacts"]["thresholds"]
+    own |= dict(_parts(name))
+    if own["surface"].get("kind") in ("scan", "self-affine"):
+        own["step"] = step
+    elif step != 1:
+        refuse("verdict.steps", step, "is of a surface with heights; leave it out")
+    if own["model"] == "persson":
+        own.pop("regime", None)
+    try:
+        if own["model"] == "persson" and "patch_area" not in own:
+            # patches as large as the contacts that Greenwood and Williamson's summits make
+            own["patch_area"] = _mean_contact_area(scene, tables)
+        elif own["model"] == "gw":
+            own.pop("patch_area", None)
+        return Reading(title, False, _made(scene, tables))
+    except InputError as error:
+        return Reading(title, False, None, str(error))
+
+
+def _parts(name: str) -> Iterator[tuple[str, str]]:
+    """Model, law and regime of a reading's name; InputError for a name of another form."""
+    words = name.split("/")
+    if len(words) not in (2, 3) or words[0] not in ("gw", "persson"):
+        hint = (
+            'must be a model and a law, as "gw/amontons" or "persson/paper", or "gw/amontons/mixed"'
+        )
+        refuse("verdict.readings", name, hint)
+    yield from zip(("model", "law", "regime"), words, strict=False)
+    if len(words) == 2:
+        yield "regime", "elastic"
+
+
+def _mean_contact_area(scene: Scene, tables: dict[str, Any]) -> float:
+    """Mean area (m²) of a contact by Greenwood and Williamson, at the same pressure and resolution."""
+    other = deepcopy(tables)
+    other["contacts"]["thresholds"] |= {"model": "gw", "regime": "elastic"}
+    surface = _made(scene, other).interface
+    return float(surface.mean_area) if surface is not None else 0.0
+
+
+def _made(scene: Scene, tables: dict[str, Any]) -> Contacts:
+    return make_contacts(read_table(tables).contacts, scene.folder, None)
