@@ -10,9 +10,9 @@ from toolkit.verdict.scale import written
 
 # how the slip rules are named where a user reads of them
 NAMED = {
-    "reset": "all contacts renewed in a slip",
-    "reform-after": "contacts form after the slip",
-    "instant": "contacts form at once",
+    "reset": "a slip renews all contacts",
+    "reform-after": "contacts re-form after the slip",
+    "instant": "contacts re-form at once",
 }
 
 
@@ -62,7 +62,7 @@ def _told(verdict: Verdict, answer: Answer) -> str:
     for kind, alike in groups.items():
         said = _behaved(verdict, answer, kind, alike)
         if len(groups) > 1:
-            said += f" where {' or '.join(NAMED[one.rule] for one in alike)}"
+            said += f" if {' or '.join(NAMED[one.rule] for one in alike)}"
         parts.append(said)
     return "; ".join(parts)
 
@@ -71,7 +71,7 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     """One kind of behaviour with its numbers."""
     scale, last = answer.scale, alike[0]
     if kind == "undecided":
-        return f"undecided ({last.message})"
+        return f"not decided ({last.message})"
     if kind == "smooth":
         return f"smooth at {_range([one.after * scale.force for one in alike], scale.force_unit)}"
     high = _range([one.before * scale.force for one in alike], scale.force_unit)
@@ -100,7 +100,7 @@ def _others(verdict: Verdict) -> str:
     said = []
     for answer in verdict.answers[1:]:
         differs = [
-            f"{one.kind} where {NAMED[one.rule]}"
+            f"{one.kind} if {NAMED[one.rule]}"
             for one in answer.behaviours
             if one.kind not in ("undecided", own[one.rule])
         ]
@@ -192,7 +192,7 @@ def dependence(verdict: Verdict) -> list[str]:
     if len(own.behaviours) > 1:
         kinds = {one.rule: one.kind for one in own.behaviours}
         if len(set(kinds.values())) > 1:
-            each = ", ".join(f"{kind} where {NAMED[rule]}" for rule, kind in kinds.items())
+            each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
             lines.append(
                 f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: give drive.mass"
             )
