@@ -95,7 +95,7 @@ def drive_motion(drive: Drive, balance: float) -> Motion | None:
 
 
 class History:
-    """The slider's displacement X(t) - X(s) since contacts were born at s, and on the way there.
+    """The slider's displacement X(t) - X(s) since contacts were born at s, and in between.
 
     Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
     another leg begins. So the middle column determines on which side of such a point the whole row lies.

@@ -87,10 +87,10 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     away = np.abs(drive.path) / mean
     furthest, most = int(np.argmax(away)), FURTHEST if drive.forward else FURTHEST_TURN
     if not away[furthest] <= most:
-        place = -1 if furthest == away.size - 1 else furthest
+        point = -1 if furthest == away.size - 1 else furthest
         limit = "follow at most" if drive.forward else "a path may turn round within"
-        told = f"is {away[furthest]:.3g} mean thresholds; {limit} {most:.0e} of them"
-        refuse(f"path[{place}]", drive.path[furthest], told)
+        fault = f"is {away[furthest]:.3g} mean thresholds; {limit} {most:.0e} of them"
+        refuse(f"path[{point}]", drive.path[furthest], fault)
     moves = np.diff(drive.path, prepend=0.0)
     times = np.asarray(np.abs(moves).cumsum()) if timeless else drive.arrival_times()
     steps = np.diff(times, prepend=0.0)
@@ -123,8 +123,8 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
         many = f"contacts break some {moving / lasts:.0e} times on the way, of which {most:.0e}"
         refuse("attempt_frequency or scale", scale, f"{many} can be followed there; slide faster")
     if lasts < 1e-12 * contacts.waiting_time:  # lost in the rounding of the times of re-forming
-        told = f"contacts hold for {lasts:.0e}, too short to follow beside the delay"
-        refuse("delay", contacts.waiting_time, told)
+        fault = f"contacts hold for {lasts:.0e}, too short to follow beside the delay"
+        refuse("delay", contacts.waiting_time, fault)
 
 
 def march_of(
@@ -186,5 +186,5 @@ def _read(march: March, values: Array, t: Array) -> Array:
     panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
     leg_begin = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
-    share = np.clip((t - leg_begin - since[panel]) / width[panel], 0.0, 1.0)
-    return np.asarray(np.einsum("ij,ij->i", polynomials.values(share), values[panel]))
+    place = np.clip((t - leg_begin - since[panel]) / width[panel], 0.0, 1.0)
+    return np.asarray(np.einsum("ij,ij->i", polynomials.values(place), values[panel]))

@@ -54,8 +54,8 @@ class StretchDistribution:
             s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
             here = np.flatnonzero((s > first) & (s <= last))
             panel = np.maximum(np.searchsorted(march.begin, s[here] - delay) - 1, 0)
-            share = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
-            rate = polynomials.legendre_sum(slopes[panel], 2.0 * share[:, None] - 1.0)[:, 0]
+            place = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
+            rate = polynomials.legendre_sum(slopes[panel], 2.0 * place[:, None] - 1.0)[:, 0]
             history = motion.history(at, s[here, None])
             held = life.survival_and_force(law, history).share[:, 0]
             out[here] += held * rate / abs(speed)
@@ -131,13 +131,13 @@ class Solution:
         if leg is not None:
             legs = legs[legs == leg]
         if not legs.size:
-            told = f"the path, between {low.min():g} and {high.max():g}, does not come there"
+            fault = f"the path, between {low.min():g} and {high.max():g}, does not come there"
             if leg is not None:
-                refuse("leg", leg, f"{told}; {motion.speeds.size} legs are counted from 0")
-            refuse("where", position, told)
+                refuse("leg", leg, f"{fault}; {motion.speeds.size} legs are counted from 0")
+            refuse("where", position, fault)
         # a hold is passed as it begins
-        ways, speeds = position - motion.positions[legs], motion.speeds[legs]
-        lasting = np.divide(ways, speeds, out=np.zeros(legs.size), where=speeds != 0.0)
+        distances, speeds = position - motion.positions[legs], motion.speeds[legs]
+        lasting = np.divide(distances, speeds, out=np.zeros(legs.size), where=speeds != 0.0)
         times = np.clip(motion.times[legs] + lasting, motion.times[legs], motion.times[legs + 1])
         # a turning point ends one leg and begins the next
         apart = legs[np.append(True, np.diff(times) > 0.0)]

@@ -21,7 +21,7 @@ ENDS = 3.0
 # Most halvings of a piece; and the least length of a piece, relative to its position, at which its
 # nodes are still distinct in floating point.
 HALVINGS, NARROWEST = 40, 4e-15
-# One range in so many is summed again on halved pieces, to measure the error. A prime, so that all
+# One range in so many is summed once more on halved pieces, to measure the error. A prime, so that all
 # columns of a history are measured in turn.
 CHECKED = 17
 # Pieces evaluated together, so that their nodes stay in the processor's cache.
@@ -98,17 +98,17 @@ def integrals(
     pieces = Pieces(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
     if not checked:
         return Integrals(total, np.zeros(total.shape), pieces)
-    looked = np.arange(ranges) % checked == ranges // 2 % checked
-    halves = pieces.pick(looked[pieces.owner]).halves()
-    again = summed(halves.owner, _sums(halves, integrand)[0])
-    return Integrals(total, np.where(looked, np.abs(again - total), 0.0), pieces)
+    measured = np.arange(ranges) % checked == ranges // 2 % checked
+    halves = pieces.pick(measured[pieces.owner]).halves()
+    finer = summed(halves.owner, _sums(halves, integrand)[0])
+    return Integrals(total, np.where(measured, np.abs(finer - total), 0.0), pieces)
 
 
 def integrals_above(
     integrand: Integrand,
     least: Array,
     ends: Array,
-    felt: npt.NDArray[np.bool_] | bool,
+    counted: npt.NDArray[np.bool_] | bool,
     accuracy: Array | float,
     relative: bool = False,
     checked: int = CHECKED,
@@ -120,10 +120,10 @@ def integrals_above(
 
     least : array of shape (n,)
     ends : array of shape (k + 1,) or (n, k + 1), sorted, between which functions are smooth
-    felt : of shape (n, k), where they count
+    counted : of shape (n, k), where they count
     """
     roots = np.sqrt(np.maximum(ends, least[:, None]) - least[:, None])
-    row, piece = np.nonzero(felt & (np.diff(roots, axis=1) > 0.0))
+    row, piece = np.nonzero(counted & (np.diff(roots, axis=1) > 0.0))
 
     def of_root(row: Rows, root: Array) -> Array:
         values = 2.0 * integrand(row, least[row, None] + root * root)

@@ -1,7 +1,7 @@
 """Polynomials on one panel, the nodes at which number conservation is imposed, and pieces of ranges.
 
-A panel is an interval [a, a + w] of t; a share is (t - a)/w. The number of breaks since the panel's
-beginning is a polynomial of degree DEGREE, known by its values at share 0 (where it is 0) and at the
+A panel is an interval [a, a + w] of t; a place on it is (t - a)/w, from 0 to 1. The number of breaks since the panel's
+beginning is a polynomial of degree DEGREE, known by its values at the place 0 (where it is 0) and at the
 DEGREE Radau nodes, the last of which is the panel's end. Conservation with survivals is a Volterra
 equation of the first kind, for which Radau nodes are stable.
 """
@@ -20,7 +20,7 @@ Rows = npt.NDArray[np.intp]
 
 # Degree of a panel's polynomial: 12 needs more panels, 20 more work on each (measured on Gaussian thresholds to 1e-10).
 DEGREE = 16
-# Two edges of a range nearer than this share of it count as equal.
+# Two edges of a range nearer than this part of it count as equal.
 CLOSE = 1e-13
 # Lobatto nodes of an integral over one panel: exact for a product of polynomials of degrees 16 and 17.
 PANEL_NODES = 18
@@ -58,7 +58,7 @@ def last_and_fall(size: Array) -> tuple[Array, Array]:
 
 
 class Points:
-    """Shares of a range (nodes), at which values give a polynomial, and the matrix from the values to its
+    """Places on a range (nodes), at which values give a polynomial, and the matrix from the values to its
     Legendre coefficients (series), whose first column holds the weights of an integral."""
 
     def __init__(self, z: Array) -> None:
@@ -66,9 +66,9 @@ class Points:
         self.nodes: Array = 0.5 * (z + 1.0)
         self.series = np.asarray(np.linalg.inv(legendre.legvander(z, z.size - 1)).T, dtype=float)
 
-    def at(self, share: Array) -> Array:
-        """The matrix from values at the nodes to those at shares, shape (size, shares)."""
-        return self.series @ legendre.legvander(2.0 * share - 1.0, self.nodes.size - 1).T
+    def at(self, place: Array) -> Array:
+        """The matrix from values at the nodes to those at places, shape (size, places)."""
+        return self.series @ legendre.legvander(2.0 * place - 1.0, self.nodes.size - 1).T
 
 
 @lru_cache
@@ -85,25 +85,25 @@ def lobatto(size: int) -> Points:
 
 # Right Radau nodes on (0, 1].
 NODES: Array = np.append(0.5 * (roots_jacobi(DEGREE - 1, 1, 0)[0] + 1.0), 1.0)
-# Shares midway between nodes, throughout the panel, at which its error is sampled.
+# Places midway between nodes, throughout the panel, at which its error is sampled.
 CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
-# Matrix from values at share 0 and at the nodes to coefficients of Legendre polynomials.
+# Matrix from values at the place 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
 
 
-def legendre_values(share: Array) -> Array:
-    """Values of the Legendre polynomials at shares, shape (..., DEGREE + 1)."""
-    return np.asarray(legendre.legvander(2.0 * share - 1.0, DEGREE), dtype=float)
+def legendre_values(place: Array) -> Array:
+    """Values of the Legendre polynomials at places, shape (..., DEGREE + 1)."""
+    return np.asarray(legendre.legvander(2.0 * place - 1.0, DEGREE), dtype=float)
 
 
-def values(share: Array) -> Array:
-    """The matrix from values at 0 and the nodes to values at shares, shape (..., DEGREE + 1)."""
-    return legendre_values(share) @ TO_LEGENDRE
+def values(place: Array) -> Array:
+    """The matrix from values at 0 and the nodes to values at places, shape (..., DEGREE + 1)."""
+    return legendre_values(place) @ TO_LEGENDRE
 
 
 # Matrix from values at 0 and the nodes to values at CHECKS.
 AT_CHECKS: Array = values(CHECKS)
-# Matrix from values at 0 and the nodes to Legendre coefficients of the derivative by the share.
+# Matrix from values at 0 and the nodes to Legendre coefficients of the derivative by the place.
 SLOPES: Array = np.zeros((DEGREE + 1, DEGREE + 1))
 SLOPES[:-1] = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
 

@@ -12,7 +12,7 @@ from origins.thresholds.law import Array
 SIZE = 12
 # Most new panels that are halved together, and most halvings of one: more would only resolve rounding.
 MOST_TOGETHER, DEPTH = 1024, 50
-# Halving reduces the last coefficients below this share of themselves, unless they are rounding.
+# Halving reduces the last coefficients below this part of themselves, unless they are rounding.
 HALVED_TO = 0.3
 
 
@@ -50,11 +50,11 @@ class Table:
         """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
         gauss, to_ends = polynomials.gauss(size), polynomials.gauss(size).at(np.array([0.0, 1.0]))
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
-        shares = np.concatenate([[0.0], gauss.nodes, [1.0]]) if at_ends > 0.0 else gauss.nodes
+        places = np.concatenate([[0.0], gauss.nodes, [1.0]]) if at_ends > 0.0 else gauss.nodes
         kept, self.error, before = [], 0.0, np.full(low.size, np.inf)
         for _ in range(DEPTH):
-            # rounding may put the last share beyond the panel's end
-            x = np.minimum(low[:, None] + (high - low)[:, None] * shares, high[:, None])
+            # rounding may put the last place beyond the panel's end
+            x = np.minimum(low[:, None] + (high - low)[:, None] * places, high[:, None])
             values = function(x)
             series = (values[..., 1:-1] if at_ends > 0.0 else values) @ gauss.series
             tail = wrong = np.abs(series[..., -2:]).max(axis=2)
@@ -85,8 +85,8 @@ class Table:
         """Values of the functions, shape (functions, *x.shape)."""
         panel = np.maximum(np.searchsorted(self.begin, x, "right") - 1, 0)
         inside = x < self.end[-1]
-        way = np.where(inside, x, self.begin[-1]) - self.begin[panel]
-        z, parts = 2.0 * way / self.widths[panel] - 1.0, self._parts.take(panel, axis=2)
+        distance = np.where(inside, x, self.begin[-1]) - self.begin[panel]
+        z, parts = 2.0 * distance / self.widths[panel] - 1.0, self._parts.take(panel, axis=2)
         return np.asarray(legendre.legval(z, parts, tensor=False) * inside)
 
     def integrals(self) -> Array:
@@ -105,11 +105,13 @@ class Table:
         """Integral of the first function from the first edge to x, same shape as x."""
         whole = np.append(0.0, np.cumsum(self.widths * self._parts[0, 0]))
         panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
-        way = np.minimum(x, self.end[panel]) - self.begin[panel]
+        distance = np.minimum(x, self.end[panel]) - self.begin[panel]
         # the mean up to x keeps its digits where x is close to an edge, unlike the integral
         gauss = polynomials.gauss(self._parts.shape[0])
         integral = legendre.legint(self._parts[:, 0], lbnd=-1.0)
         grown = legendre.legval(2.0 * gauss.nodes - 1.0, integral)
         mean = (0.5 * grown / gauss.nodes) @ gauss.series
-        z = 2.0 * way / self.widths[panel] - 1.0
-        return np.asarray(whole[panel] + way * legendre.legval(z, mean.T[:, panel], tensor=False))
+        z = 2.0 * distance / self.widths[panel] - 1.0
+        return np.asarray(
+            whole[panel] + distance * legendre.legval(z, mean.T[:, panel], tensor=False)
+        )

@@ -88,11 +88,11 @@ class Panels(NamedTuple):
 
 class Nodes(NamedTuple):
     """Nodes on the parts of pieces that lie on one panel each: target and panel of each part, shape
-    (parts,); share of the panel, time, and weight in an integral over the share, (parts, PANEL_NODES)."""
+    (parts,); place on the panel, time, and weight in an integral over the place, (parts, PANEL_NODES)."""
 
     target: Rows
     panel: Rows
-    share: Array
+    place: Array
     time: Array
     weight: Array
 
@@ -108,16 +108,16 @@ class Nodes(NamedTuple):
         low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
         high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
         lobatto = polynomials.lobatto(polynomials.PANEL_NODES)
-        share = low + (high - low) * lobatto.nodes
-        time, weight = begin + width * share, (high - low) * lobatto.series[:, 0]
-        return cls(target[piece], panel, share, time, weight)
+        place = low + (high - low) * lobatto.nodes
+        time, weight = begin + width * place, (high - low) * lobatto.series[:, 0]
+        return cls(target[piece], panel, place, time, weight)
 
 
 def legendre_births(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
     """Births on pieces from left to right, weighted by each one's own Legendre polynomials, shape (pieces, size);
     `ends` are those of the panels, `slopes` Legendre coefficients of the breaks' derivative, a row a panel."""
     nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
-    births = polynomials.legendre_sum(slopes[nodes.panel], 2.0 * nodes.share - 1.0) * nodes.weight
+    births = polynomials.legendre_sum(slopes[nodes.panel], 2.0 * nodes.place - 1.0) * nodes.weight
     middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
     z = np.clip((2.0 * nodes.time - middle) / width, -1.0, 1.0)
     weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]

@@ -20,7 +20,7 @@ from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Shares of a panel at which number and force are evaluated: its beginning, the nodes, and between.
+# Places on a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], polynomials.NODES, polynomials.CHECKS])
 # Allowed error of a table at its panels' ends, divided by the last coefficients; it is larger beside a square root.
 AT_ENDS = 10.0
@@ -35,12 +35,13 @@ AT_FIRST, NEGLIGIBLE = 1e-3, 1e-17
 
 
 class Straight:
-    """E and K over the lag since birth, a time or the slider's way, at the speed dX/dt of either sign, or 0.
+    """E and K over the lag since birth, a time or the slider's travel, at the speed dX/dt of either sign, or 0.
 
     born : law of the stretches at birth
     longest : the longest lag; the table ends there or where no contact holds, if `steady` where hardly any does
     accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
-    steady : whether lags are ways instead of times; until : reading of time.monotonic() to raise StoppedError after
+    steady : whether lags are distances instead of times
+    until : reading of time.monotonic() after which to raise StoppedError
 
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
@@ -76,8 +77,8 @@ class Straight:
             return
         lags, held = self._ladder(longest, steady)
         self.longest = float(lags[-1])
-        way = self.typical * abs(speed) / self._per_time
-        self.scale = max(way, *(abs(end) for end in born.span)) or life.largest_stretch
+        distance = self.typical * abs(speed) / self._per_time
+        self.scale = max(distance, *(abs(end) for end in born.span)) or life.largest_stretch
         first = max(int(np.argmax(held < 1.0 - AT_FIRST)) - 1, 0)
         self._bounds = _edges(self.longest, bends)
         edges = _edges(self.longest, np.append(lags[first:], bends))
@@ -122,9 +123,13 @@ class Straight:
         """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
         sign, speed, born = np.sign(self._speed), abs(self._speed), self.born
         ends = np.unique(sign * np.array([*born.span, *born.breakpoints]))
-        # a contact born at r < 0 comes back to its largest |x| after a way of -2 r
-        ways = np.append(np.subtract.outer(marks, ends), -2.0 * ends)
-        return np.unique(ways[ways > 0.0]) * (self._per_time / speed) if speed else np.empty(0)
+        # a contact born at r < 0 comes back to its largest |x| after a distance of -2 r
+        distances = np.append(np.subtract.outer(marks, ends), -2.0 * ends)
+        return (
+            np.unique(distances[distances > 0.0]) * (self._per_time / speed)
+            if speed
+            else np.empty(0)
+        )
 
     def _ladder(self, longest: float, steady: bool) -> tuple[Array, Array]:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
@@ -132,8 +137,8 @@ class Straight:
         held = self._for_table(lags[:, None])[0, :, 0]
         while held[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
             if lags[0] < 1e-150 * longest:
-                told = "contacts break before they have moved a length that is a number"
-                refuse("velocity", abs(self._speed), f"{told}; slide faster")
+                fault = "contacts break before they have moved a length that is a number"
+                refuse("velocity", abs(self._speed), f"{fault}; slide faster")
             lower = lags[0] * RATIO ** -np.arange(LAGS_TOGETHER, 0.0, -1.0)
             lags, held = np.append(lower, lags), np.append(self._for_table(lower[:, None])[0], held)
         self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
@@ -212,13 +217,13 @@ class Kernels:
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
         sums = np.zeros((t.size, 2, polynomials.DEGREE + 1))
-        parts = values.swapaxes(0, 1) @ polynomials.legendre_values(nodes.share)
+        parts = values.swapaxes(0, 1) @ polynomials.legendre_values(nodes.place)
         first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
         sums[nodes.target[first]] = np.add.reduceat(parts, first)
         found = sums.swapaxes(0, 1) @ polynomials.SLOPES
         if delay > 0.0:  # contacts that are out count as well
-            share = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
-            found[0] += np.subtract(*polynomials.values(share))
+            place = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
+            found[0] += np.subtract(*polynomials.values(place))
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
         solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : polynomials.DEGREE + 1, 1:]))
@@ -231,7 +236,7 @@ class Kernels:
         for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
             nodes, values = self._integrals(speed, some, ends)
             slopes = (breaks @ polynomials.SLOPES.T)[nodes.panel]
-            parts = (values * polynomials.legendre_sum(slopes, 2.0 * nodes.share - 1.0)).sum(axis=2)
+            parts = (values * polynomials.legendre_sum(slopes, 2.0 * nodes.place - 1.0)).sum(axis=2)
             sums.append([np.bincount(nodes.target, part, some.size) for part in parts])
         return np.concatenate(sums, axis=1)
 

@@ -172,9 +172,9 @@ class March:
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += WORK_OF_PANEL * count
-        # the last panels of this width, of those whose births are felt
-        felt = self.reached - self._memory(leg) - 2.0 * width
-        first = np.searchsorted(self.begin, max(felt, self.motion.times[leg] - 1e-9 * width))
+        # the last panels of this width, of those whose births may still hold
+        oldest = self.reached - self._memory(leg) - 2.0 * width
+        first = np.searchsorted(self.begin, max(oldest, self.motion.times[leg] - 1e-9 * width))
         other = np.flatnonzero(self.width[first:] != width)
         same = self.width.size - int(first) - (int(other[-1]) + 1 if other.size else 0)
         kernel = self.kernels.on(float(self.motion.speeds[leg]), width, same + count)
@@ -201,8 +201,8 @@ class March:
         if delay > 0.0 and first < last:
             # contacts that are out count as well
             begin, _, width, breaks = self.panels(first, last)
-            share = (leg_begin + t - [[[0.0]], [[delay]]] - begin[:, None]) / width[:, None]
-            values = polynomials.values(np.clip(share, 0.0, 1.0))
+            place = (leg_begin + t - [[[0.0]], [[delay]]] - begin[:, None]) / width[:, None]
+            values = polynomials.values(np.clip(place, 0.0, 1.0))
             out[0] += np.einsum("ptn,pn->t", values[0] - values[1], breaks).reshape(grid.shape)
         return out
 
@@ -213,10 +213,10 @@ class March:
 
     def on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t on a leg, counted from its beginning, of births on it."""
-        felt = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NONE_LEFT)
-        if not felt.size:
+        broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NONE_LEFT)
+        if not broken.size:
             return np.zeros((2, t.size))
-        panels = Panels(*(part[felt[0] : felt[-1] + 1] for part in panels))
+        panels = Panels(*(part[broken[0] : broken[-1] + 1] for part in panels))
         begin = panels.births_begin(self.motion.times[leg], self.births.delay)
         ends = np.append(begin, begin[-1] + panels.width[-1])
         return self.kernels.sums(float(self.motion.speeds[leg]), t, ends, panels.breaks)

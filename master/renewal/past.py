@@ -22,11 +22,21 @@ from master.survival.life import MARGIN
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Where survivals take long, places in TARGETS, from 0 to the end, that give the values at all of them, and those that
-# check it: a layer right behind a turn would show at the first.
+# Where a survival takes long, and births on earlier legs change little over a panel, the cubic through their sums at
+# FEW of TARGETS, from 0 to the end, gives those at all of them; the sums at CHECKED ones test it. A layer right behind
+# a turn would show at the first of these. The interpolant may be MARGIN times as far off between them.
 FEW = [0, 3 * polynomials.DEGREE // 8, 11 * polynomials.DEGREE // 16, polynomials.DEGREE]
 CHECKED = [polynomials.DEGREE + 1, polynomials.DEGREE + 3]
-TO_ALL = polynomials.Points(2.0 * TARGETS[FEW] - 1.0).at(TARGETS)
+FROM_FEW_TO_ALL = polynomials.Points(2.0 * TARGETS[FEW] - 1.0).at(TARGETS)
+# Where this fails, it is tried again on panels of this part of the width only.
+NARROWER = 0.5
+# Factor on the accuracy where a survival is a sum: so exact a sum over births would take long.
+COARSER = 30.0
+# Births on a leg are left out where fewer than this part of the accuracy hold, as many legs may be left out; at least a
+# hundredth of the rounding of sums.
+LEFT_OUT, LEAST_LEFT_OUT = 1e-3, 1e-18
+# Nodes of a piece that are tried first where a survival takes long; they are doubled before the piece is halved.
+FIRST_NODES = 5
 # The survival jumps at exact thresholds: on panels that end there it is evaluated this share of the panel inside.
 INSIDE = 1e-9
 
@@ -42,17 +52,16 @@ class Past:
     def __init__(self, births: Births) -> None:
         self._births, self._life = births, births.life
         # sums of survivals that take long to compute are less accurate
-        self._accuracy = births.accuracy * (1.0 if births.life.quick else 30.0)
-        # many legs may be left out: each may miss a thousandth of that
-        self._negligible = max(1e-3 * self._accuracy, 1e-18)
+        self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
+        self._negligible = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
         self.leg, self.first, self.error = -1, 0, 0.0
         self.survival_error = births.life.error
         # legs of whose births hardly any hold: left out, and to be left out from the next leg on
         self._dropped, self._dropped_next = set[int](), set[int]()
         self._strands: list[StrandBirths] = []
         self._legs = np.empty(0, dtype=int)  # of whose births many hold
-        # the longest way on a panel at which FEW are tried
-        self._wide = 0.0 if births.life.quick or births.life.atoms.size else np.inf
+        # the longest travel on a panel at which the sums at FEW are tried
+        self._interpolated = 0.0 if births.life.quick or births.life.atoms.size else np.inf
 
     def enter(self, leg: int, panels: Panels) -> None:
         """Find the births on all legs before one, and count their times from its beginning."""
@@ -77,20 +86,21 @@ class Past:
     def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force of births on the legs before, and of all lumps, (2, rows, columns), at times in rows, each
         within one panel of the leg. Values at FEW of all TARGETS give the others, where CHECKED ones agree."""
-        way = float(np.ptp(grid[0])) * abs(float(self._motion.speeds[self.leg]))
-        if self._legs.size and 0.0 < way < self._wide and grid.shape[1] == TARGETS.size:
-            known = self._summed(grid[:, FEW + CHECKED], lumps)
-            found = known[..., : len(FEW)] @ TO_ALL
-            off = np.abs(found[..., CHECKED] - known[..., len(FEW) :]).max(axis=(1, 2))
-            wrong = MARGIN * float(max(off[0], off[1] / self._life.largest_stretch))
-            if wrong <= self._accuracy:
-                self.error = max(self.error, wrong)  # a smooth interpolant hides it from the panels
-                return np.asarray(found)
-            self._wide = 0.5 * way
+        travel = float(np.ptp(grid[0])) * abs(float(self._motion.speeds[self.leg]))
+        if self._legs.size and 0.0 < travel < self._interpolated and grid.shape[1] == TARGETS.size:
+            summed = self._summed(grid[:, FEW + CHECKED], lumps)
+            at_few, at_checked = np.split(summed, [len(FEW)], axis=2)
+            interpolant = at_few @ FROM_FEW_TO_ALL
+            number, force = np.abs(interpolant[..., CHECKED] - at_checked).max(axis=(1, 2))
+            error = MARGIN * float(max(number, force / self._life.largest_stretch))
+            if error <= self._accuracy:
+                self.error = max(self.error, error)  # a smooth interpolant hides it from the panels
+                return np.asarray(interpolant)
+            self._interpolated = NARROWER * travel
         return self._summed(grid, lumps)
 
     def _summed(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """See `at`."""
+        """As `at`, at any times: sums over births and lumps."""
         t = grid
         if self._life.atoms.size and not self._motion.speeds[: self.leg].all():
             # at an edge the births of a hold may meet an exact threshold, all at once
@@ -113,7 +123,7 @@ class Past:
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
-        """Number and force of lumps at times in rows, whose middle column tells the side of an exact threshold."""
+        """Number and force of lumps at times in rows, whose middle column says on which side of a threshold."""
         births, motion, middle = self._births, self._motion, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
         for law in dict.fromkeys(lump.law for lump in lumps):
@@ -121,8 +131,8 @@ class Past:
             time, weight = np.array(some).T
             s = time[:, None] - self.began
             out[0] += (weight @ (s > middle))[:, None]  # still out
-            felt = (s >= first) | self._hold(law, motion.history(first, s))[:, None]
-            lump, row = np.nonzero(felt & (s <= middle))
+            may_hold = (s >= first) | self._hold(law, motion.history(first, s))[:, None]
+            lump, row = np.nonzero(may_hold & (s <= middle))
             if row.size:
                 births.add_work(row.size)
                 held = self._survivors(law, motion.history(grid[row], s[lump]))
@@ -162,22 +172,20 @@ class Past:
         births, pieces = self._births, self._pieces(t)
         # pieces may end at exact thresholds, where the survival jumps
         nodes = polynomials.gauss if self._life.atoms.size else polynomials.lobatto
-        size = (
-            polynomials.PANEL_NODES if self._life.quick else 5
-        )  # few first where survivals take long
+        size = polynomials.PANEL_NODES if self._life.quick else FIRST_NODES
         while pieces.owner.size:
             owner, low, high = pieces
             few = nodes(size)
-            place = low[:, None] + (high - low)[:, None] * few.nodes
+            birth = low[:, None] + (high - low)[:, None] * few.nodes
             births.add_work(owner.size * size // polynomials.PANEL_NODES)
-            held = self._survivors(births.law, self._motion.history(t[owner, None], place))
+            held = self._survivors(births.law, self._motion.history(t[owner, None], birth))
             born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
             # about the first coefficient c_n left out of number or force, by the decay of the last four
             last, fall = polynomials.last_and_fall(np.abs(held @ few.series[:, -4:]))
             fall, unit = np.sqrt(fall), np.array([[1.0], [self._life.largest_stretch]])
             left_out, fall = (last * fall / unit).max(axis=0), fall.max(axis=0)
             wrong = left_out * born
-            leg = self._motion.leg(place[:, 1])
+            leg = self._motion.leg(birth[:, 1])
             narrowest = polynomials.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
             rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
             rough &= births.work <= MOST_WORK and clock.monotonic() <= births.until
@@ -208,13 +216,13 @@ class Past:
             now = np.broadcast_to(now, middle.shape)
             goals = [high - marks, low + marks, middle, now, high, low]
             begin, speed = (part[self._legs, None] for part in (motion.positions, motion.speeds))
-            ways = r + np.concatenate(goals, axis=2) - begin
-            since = np.divide(ways, speed, out=np.zeros(ways.shape), where=speed != 0.0)
+            distances = r + np.concatenate(goals, axis=2) - begin
+            since = np.divide(distances, speed, out=np.zeros(distances.shape), where=speed != 0.0)
             cuts.append(np.clip(motion.times[self._legs, None] + since, first, last))
         edges = np.concatenate(cuts, axis=2).reshape(t.size * self._legs.size, -1)
         owner, begin, end = Pieces.between(edges)
         target = owner // self._legs.size
-        shares = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
-        place = begin[:, None] + (end - begin)[:, None] * shares
+        places = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
+        place = begin[:, None] + (end - begin)[:, None] * places
         held = self._hold(law, motion.history(t[target, None], place))
         return Pieces(target, begin, end).pick(held)

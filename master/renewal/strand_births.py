@@ -55,9 +55,9 @@ class StrandBirths:
                 return False
             times, left = next(self._legs)
             self.survival_error = self._life.error
-            told = left.reshape(*left.shape[:-1], -1, SIZE)
-            self.missed = max(self.missed, float(_missed(told[:, 0], self._weight).sum()))
-            self._sums = over_root(times, np.einsum("jkpi,pi->jk", told, self._weight))
+            survivors = left.reshape(*left.shape[:-1], -1, SIZE)
+            self.missed = max(self.missed, float(_missed(survivors[:, 0], self._weight).sum()))
+            self._sums = over_root(times, np.einsum("jkpi,pi->jk", survivors, self._weight))
         return True
 
     def sums(self, t: Array) -> Array:
