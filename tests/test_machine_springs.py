@@ -65,3 +65,23 @@ def test_breaks_beyond_the_ring_come_in_their_order():
     assert found.breaks == plain.breaks > 10_000
     assert np.abs(found.forces[0] - plain.force).max() < 1e-6
     assert (found.avalanches[0] == plain.avalanches).all()
+
+
+@pytest.mark.parametrize(
+    "slip, path, words",
+    [
+        # F_s = 0.80, F_k = 0.505: the slider slips at X_T = 8.0e8, by 3e8 thresholds
+        ("instant", 8.1e8, r"^slip = 'instant': takes about 3\.0e\+14 breaks of 1000000 contacts"),
+        ("instant", 7.9e8, ""),
+        ("reset", 1e19, r"^path\[-1\] = 1e\+19: must be below 8.59e\+09"),
+        ("reform-after", 8.1e8, ""),
+    ],
+)
+def test_work_that_has_no_end_is_refused_before_it_begins(slip, path, words):
+    contacts = origins.Contacts(NARROW)
+    if not words:
+        found = eq_model.simulate(contacts, [path], spring=1e-9, slip=slip, n_contacts=10_000)
+        assert found.success and found.breaks <= 20_000
+        return
+    with pytest.raises(origins.errors.InputError, match=words):
+        eq_model.simulate(contacts, [path], spring=1e-9, slip=slip, n_contacts=1_000_000)

@@ -14,6 +14,8 @@ from origins.thresholds.law import Array
 
 LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers of 64 bits
 
+MOST_BREAKS = 1e11  # of one slider: 40 minutes at 25 ns a break, in which a run cannot be stopped
+
 
 class Replicas:
     """Follows replicas, a block each, on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
@@ -52,6 +54,16 @@ class Replicas:
         if drive.path[-1] > LARGEST * self._unit:
             hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
             refuse("path[-1]", drive.path[-1], hint)
+        if (breaks := expected_breaks(contacts, drive, n)) > MOST_BREAKS:
+            instead = (
+                "master.solve, another slip rule" if drive.slip == "instant" else "master.solve"
+            )
+            refuse(
+                "slip",
+                drive.slip,
+                f"takes about {breaks:.1e} breaks of {n} contacts along this path, more than {MOST_BREAKS:.0e}, which "
+                f"take 40 minutes; use {instead}, fewer contacts, or a shorter path",
+            )
 
     def fields(self, state: State) -> dict[str, Any]:
         """Fields of the result."""
@@ -166,6 +178,30 @@ def unit_of(contacts: Contacts) -> float:
 
     largest = tables_of(contacts)["thresholds"].largest
     return max(2.0**-28 * contacts.mean_threshold, 2.0**-40 * largest)
+
+
+def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
+    """About how many breaks a slider of n contacts takes to the end of the path; for a refusal, so rather too few.
+
+    Under "instant" the slider slips once F has reached the static force F_s, and slides with the kinetic force F_k from
+    then on: to X = X_T - F_k/K, with n breaks per mean threshold. Under the other rules a slip breaks up to n contacts,
+    and comes after each <x_s> (1 + 1/K) of the drive at the latest. Contacts of one single threshold always break
+    together, so that F gets up to F_s again, and it is the same with them. A delay makes breaks rarer: then 0.
+    """
+    law, mean, spring = contacts.thresholds, contacts.mean_threshold, drive.spring or np.inf
+    end = float(drive.path[-1])
+    if contacts.delay is not None:
+        return 0.0
+    low, high = law.support()
+    if drive.slip != "instant" or low == high:
+        return n * max(end, 0.0) / (mean * (1.0 + 1.0 / spring))
+    # from relaxed contacts F = X - (the mean over all contacts of the stretch that their first breaks have released)
+    x = np.linspace(0.0, 4.0 * mean, 4001)
+    force = x - np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(law.cdf(x))))
+    falls = np.flatnonzero(np.diff(force) < 0.0)
+    kinetic = float(law.moment(2)) / (2.0 * mean)
+    static = max(kinetic, force[falls[0]] if falls.size else 0.0)
+    return n * (end - kinetic / spring) / mean if end > static / spring else 0.0
 
 
 def check_coupled(contacts: Contacts, drive: Drive) -> None:
