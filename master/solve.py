@@ -8,7 +8,6 @@ import numpy.typing as npt
 from master.outcome import Progress, unheard
 from master.paper.q15_transient import AgeingTransient, solve_q15
 from master.rigid import motion_of, solve_rigid
-from master.soft.in_time.refining import solve_on_stiff_spring
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from master.survival.make import life_of
@@ -90,8 +89,6 @@ def solve(
         return solve_q15(contacts, drive, tolerance, progress, until)
     if drive.spring is None:
         motion, _ = motion_of(drive, contacts.mean_threshold)
-        if contacts.grains is not None and contacts.thermal is not None and not motion.one_leg:
-            return solve_on_stiff_spring(contacts, drive, tolerance, progress, until)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)
     return solve_soft(contacts, drive, tolerance, progress, until)

@@ -1,4 +1,4 @@
-"""docs/code-map.md: for each equation of the paper the one place in the code where it stands.
+"""docs/code-map.md: for each equation of the paper the place in the code where it stands.
 
     python tests/code_map.py            # writes the page anew
 
@@ -31,6 +31,8 @@ D1 Q5adelay, E1 Q7b, E2 Q6e
 # Label by number, in the paper's order; equations without a label (16 to 18, 25 to 27, 56, B7, B8)
 # are steps from one of these to the next.
 LABELS = dict(pair.split() for pair in EQUATIONS.replace("\n", " ").split(","))
+# Equations that stand in several places: of (Q5a) a plain scheme, number conservation in plain steps, and the solver.
+SEVERAL = {"Q5a"}
 # Why an equation stands nowhere.
 NOWHERE = {
     "PcPx2": "(PcP) the other way round: thresholds are given by P_c",
@@ -50,7 +52,12 @@ NOWHERE = {
 }
 # What a newcomer looks for first, and the functions or classes that answer, wherever they stand.
 QUESTIONS = {
-    "the force F(X) that (Q5a) gives": ("master:solve", "master:March"),
+    "the force F(X) that (Q5a) gives: plainly; to a tolerance": (
+        "master:explicit",
+        "master:renewal_force",
+        "master:solve",
+        "master:March",
+    ),
     "number conservation solved at the nodes of a panel": ("master:solve_run",),
     "force_error of a path; of a panel": ("master:solve_rigid", "master:solve_run"),
     "F_k, the force of steady sliding; at many speeds": (
@@ -161,10 +168,13 @@ def answers() -> str:
 
 def page() -> str:
     """The page as it should be."""
-    found = {label: place.name for place in places() for label in place.labels}
+    found: dict[str, list[str]] = {}
+    for place in places():
+        for label in place.labels:
+            found.setdefault(label, []).append(f"`{place.name}`")
     rows = []
     for number, label in LABELS.items():
-        where = f"`{found[label]}`" if label in found else NOWHERE.get(label, "?")
+        where = ", ".join(found[label]) if label in found else NOWHERE.get(label, "?")
         rows.append(f"| {number} | {label} | {where} |\n")
     return HEAD.replace("{questions}", answers()) + "".join(rows)
 

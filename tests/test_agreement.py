@@ -75,8 +75,8 @@ SLOW = {
     ),
     "stiff, slow": Case(Contacts(WIDE, thermal=STIFF), drive={"velocity": 0.1}, tolerance=1e-6),
     "re-forming": Case(Contacts(WIDE, reforming=origins.boltzmann_reforming(0.05))),
-    "ageing, soft, delay": Case(
-        Contacts(YOUNG, 0.1, SOFT, Ageing(origins.gaussian(0.8, 0.05), 1e-2), Delay(0.2)),
+    "ageing, delay": Case(
+        Contacts(YOUNG, 0.1, None, Ageing(origins.gaussian(0.8, 0.05), 1e-2), Delay(0.2)),
         tolerance=1e-4,
         number=300,
     ),

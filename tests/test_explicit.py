@@ -1,14 +1,19 @@
-"""The paper's explicit scheme: order of convergence, and Eq. Q14c."""
+"""The plain twins of `master.solve`: orders of convergence, Eq. Q14c, and what docs/equations.md shows."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
 from phase_type import gaussian_force
 from scipy.stats import expon
 
+import master
 import origins
+from master.paper import renewal
 from master.paper.explicit import explicit
+from master.paper.renewal import renewal_force
 from origins.thresholds.scipy_laws import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
@@ -33,3 +38,30 @@ def test_constant_hazard_slides_as_in_q14c():
     coarse, fine = (explicit(contacts, [30.0], step, "printed").force[0] for step in (0.01, 0.005))
     assert 2.0 * fine - coarse == pytest.approx(0.5 * (0.5 + 0.25 + 0.25 / 3.0), abs=1e-4)
     assert abs(fine - coarse) > 1e-3
+
+
+def test_number_conservation_in_plain_steps_converges_at_second_order():
+    exact = master.solve(SCENE, PATH, 1e-10).force
+    errors = {step: np.abs(renewal_force(SCENE, PATH, step) - exact).max() for step in STEPS}
+    order = np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0]
+    assert abs(order - 2.0) < 0.2
+    assert errors[STEPS[-1]] == pytest.approx(1.9e-5, rel=0.05)
+
+
+@pytest.mark.parametrize("start", [0.3, -0.3, origins.gaussian_start(-0.1, 0.1)])
+def test_the_plain_steps_take_any_start(start):
+    contacts, path = (
+        origins.Contacts(origins.rectangular(0.5, 1.5), start),
+        np.linspace(0.0, 3.0, 31),
+    )
+    coarse, fine = (renewal_force(contacts, path, step) for step in (0.01, 0.005))
+    exact = master.solve(contacts, path, 1e-9).force
+    assert np.abs(fine - exact).max() < 1e-4
+    assert np.abs((4.0 * fine - coarse) / 3.0 - exact).max() < 1e-5
+
+
+def test_the_page_shows_the_steps_as_they_run():
+    page = (Path(__file__).parents[1] / "docs" / "equations.md").read_text(encoding="utf-8")
+    shown = page.split("```python\n")[1].split("```")[0]
+    code = Path(renewal.__file__).read_text(encoding="utf-8")
+    assert "".join(f"    {line}\n" for line in shown.splitlines()) in code

@@ -10,8 +10,9 @@ from references import mp, psi
 from scipy.optimize import brentq, minimize_scalar
 from solving import gauss
 
+import eq_model
 import master
-from origins import Contacts, Delay, Thermal, growing_grains
+from origins import Contacts, Delay, InputError, Thermal, growing_grains
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
 
@@ -95,20 +96,30 @@ def left_one_by_one(start, until, thermal=None):
     return float((weight * np.exp(before - hazard - spent)).sum())
 
 
-@pytest.mark.parametrize(
-    "law", [None, *(pytest.param(law, marks=pytest.mark.slow) for law in ("soft", "stiff"))]
-)
-def test_what_holds_on_a_path_that_turns_is_that_of_its_quantiles(law):
+def test_what_holds_on_a_path_that_turns_is_that_of_its_quantiles():
     """Of the first contacts alone: broken ones stay out."""
-    thermal, tolerance = (Thermal(law, 0.1, 2.0), 1e-3) if law else (None, 1e-4)
-    # with heat paths in time take long
-    for start in (0.3,) if law else (0.0, 0.3):
-        contacts = Contacts(GRAINS, start, thermal=thermal, delay=Delay(1e3))
-        time = np.array([0.8, 1.0, 1.8, 2.5, 3.3, 4.0, 4.6, 5.0])[: 3 if law else 8]
-        found = master.solve(contacts, np.interp(time, TIMES, PLACES), tolerance, time=time)
-        exact = [left_one_by_one(start, t, thermal) for t in time]
+    for start in (0.0, 0.3):
+        contacts = Contacts(GRAINS, start, delay=Delay(1e3))
+        time = np.array([0.8, 1.0, 1.8, 2.5, 3.3, 4.0, 4.6, 5.0])
+        found = master.solve(contacts, np.interp(time, TIMES, PLACES), 1e-4, time=time)
+        exact = [left_one_by_one(start, t) for t in time]
         assert found.success
         assert np.abs(found.holding - exact).max() <= found.force_error + 2e-4
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_with_heat_the_ensemble_alone_follows_a_path_that_turns(law):
+    thermal, time = Thermal(law, 0.1, 2.0), np.array([0.8, 1.0, 1.8, 2.5, 3.3])
+    contacts, path = (
+        Contacts(GRAINS, 0.3, thermal, delay=Delay(1e3)),
+        np.interp(time, TIMES, PLACES),
+    )
+    with pytest.raises(InputError, match=r"^contacts\.thermal: .*use eq_model\.simulate"):
+        master.solve(contacts, path, 1e-3, time=time)
+    exact = np.array([left_one_by_one(0.3, t, thermal) for t in time])
+    found = eq_model.simulate(contacts, path, time=time, n_contacts=20_000, seed=3)
+    scatter = np.sqrt(exact * (1.0 - exact) / 20_000)
+    assert (np.abs(found.holding - exact) < 4.0 * scatter + 2e-4).all()
 
 
 def test_far_along_the_force_is_that_of_steady_sliding() -> None:

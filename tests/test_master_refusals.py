@@ -85,7 +85,7 @@ decoherence_spectrum(Contacts(WIDE, delay=Delay(1e13)))  .*contacts wait for 1e\
 critical_velocity(OLD, 50.0, 3.0, 4.0)  slowest, fastest: -F' is at most
 critical_velocity(PRINTED, -1.0, 3.0, 4.0)  spring = -1\.0: must be above zero
 critical_velocity(PLAIN, 1.0, 3.0, 4.0)  contacts\.ageing: is None; v_c is that of contacts that age
-steady_state(Contacts(identical(0.5), ageing=Ageing(gw_plastic(1.0), 1.0)))  thresholds: hold the single value 0.5
+solve(Contacts(identical(0.5), ageing=Ageing(gw_plastic(1.0), 1.0)), [1.0], spring=1.0)  thresholds: hold the single
 solve(PRINTED.replace(delay=Delay(0.1)), [1.0])  contacts\.delay: \(Q15\), the paper
 steady_state(PRINTED.replace(reforming=0.1))  contacts\.reforming: \(Q15\), the paper's
 solve(PRINTED, [1.0], time=[1.0])  time: the paper's closure of ageing takes one

@@ -44,7 +44,7 @@ class ExplicitSolution:
 def explicit(
     contacts: Contacts, path: npt.ArrayLike, step: float, breaking: Breaking = "survival"
 ) -> ExplicitSolution:
-    """F(X) on a rigid slider that moves forward, step by step, dx = dX = step (paper, Eq. Q4).
+    """F(X) on a rigid slider that moves forward, step by step, dx = dX = step (paper, Eqs. Q4 and Q5a).
 
     contacts : thresholds and starting stretches. As in the paper, a contact that starts at x < 0 breaks by P(x) from
         x = 0 on, although its threshold is known to exceed |x|.

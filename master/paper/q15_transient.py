@@ -21,7 +21,7 @@ from scipy.interpolate import make_interp_spline
 
 from master.outcome import Progress, outcome
 from master.steady.q15 import ageing_of, make_ageing
-from master.survival.age.cells import highest
+from master.survival.age.extent import highest
 from origins import Contacts, Drive
 from origins.brief import brief
 from origins.errors import one_of, positive, refuse, whole

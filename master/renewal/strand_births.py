@@ -12,7 +12,7 @@ from master.motion import Motion
 from master.numerics import polynomials
 from master.renewal.births import Births, legendre_births
 from master.survival.age.ageing import AgeingLife
-from master.survival.age.strands import over_root
+from master.survival.age.passages import over_root
 from origins.thresholds.law import Array
 
 # Gauss nodes of a piece in the time of birth, its length divided by the narrowest width of the thresholds, and fewest

@@ -8,6 +8,7 @@ import numpy as np
 from master.motion import drive_motion
 from master.outcome import outcome
 from master.stick_slip.extremes import extremes
+from master.survival.make import why_no_passage
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
@@ -104,7 +105,8 @@ class Regime:
     verdict, reason : "smooth", "stick-slip", "decaying transient" or "undecided", and why.
     critical_spring : K*/(N_c <k>) from the start on, of a rigid slider that moves forward as fast as the drive does at
         most: at T = 0 a stiffer spring slips only after a turn. It is not that of steady sliding, where the start is
-        forgotten.
+        forgotten. nan, with an error of inf, where `wall_time` ended before, and for contacts that age in heat or
+        towards a law that is not normal.
     stiffness_ratio : K/K*.
     slips : number found along the path.
     trend : relative change of the force drop from one slip to the next over the later half of the slips; None for fewer
@@ -128,10 +130,14 @@ def regime(
     count, trend = slips.drive.size, _trend(slips.drop)
     motion = drive_motion(drive, found.balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
-    critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance, until).fall
+    unsolved = bool(why_no_passage(contacts))  # on a rigid slider
+    critical, error = np.nan, np.inf
+    if not unsolved:
+        critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance, until).fall
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     if np.isnan(critical):
-        known = f"K = {spring:.6g} N_c<k>; K* was not found within wall_time"
+        why = "of these laws is not solved for" if unsolved else "was not found within wall_time"
+        known = f"K = {spring:.6g} N_c<k>; K* {why}"
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import get_lapack_funcs
 
-from master.survival.age.cells import highest
+from master.survival.age.extent import highest
 from origins import Ageing, Contacts, InputError, Thresholds
 from origins.contacts import check_contacts
 from origins.laws.diffusion import Diffusion

@@ -20,10 +20,16 @@ def life_of(
     motion : of the slider; needed for contacts that age or have growing grains
     until : reading of time.monotonic() after which a life is not refined any more
 
-    Raises InputError for the paper's closure of ageing, in which single contacts have no law of their own.
+    Raises InputError for the paper's closure of ageing, in which single contacts have no law of their own; for ageing
+    with heat, towards a law that is not normal, or of fresh thresholds whose density diverges at 0; and for growing
+    grains with heat on a motion of several legs.
     """
     if contacts.grains is not None:
         assert motion is not None
+        if contacts.thermal is not None and not motion.one_leg:
+            fault = "heat beside thresholds that grow is taken at one speed alone, by the master equation"
+            instead = "use eq_model.simulate, which takes a rigid slider that turns or rests"
+            raise InputError(f"contacts.thermal: {fault}; {instead}")
         return GrainLife(contacts, float(motion.times[-1]))
     if contacts.ageing is not None:
         assert motion is not None
@@ -31,6 +37,8 @@ def life_of(
             fault = 'closure = "paper" (Q15) has one P_c for all contacts at each X, and none for single ones'
             hint = 'use closure = "exact", or ask steady_state or critical_velocity, which take it'
             raise InputError(f"contacts.ageing: {fault}; {hint}")
+        if refusal := why_no_passage(contacts):
+            raise InputError(refusal)
         return AgeingLife(contacts, motion, max(0.2 * tolerance, 1e-10), until)
     # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
     resolved = float(np.clip(tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
@@ -40,10 +48,34 @@ def life_of(
     return life(contacts, resolved)
 
 
+def why_no_passage(contacts: Contacts) -> str:
+    """Why contacts that age have no first passage that can be solved: heat beside it, a final law that is not normal,
+    or fresh thresholds whose density diverges at 0. The ensemble takes all of these. "" where there is one."""
+    ageing, fresh = contacts.ageing, contacts.thresholds
+    if ageing is None:
+        return ""
+    instead = "use eq_model.simulate, which takes these contacts"
+    if contacts.thermal is not None:
+        fault = "on a rigid slider the master equation takes no heat beside ageing"
+        return f"contacts.thermal: {fault}; leave one out, or {instead}"
+    if ageing.normal is None:
+        fault = "on a rigid slider the master equation takes ageing towards a gaussian law alone"
+        return f"contacts.ageing: final is no gaussian, and {fault}; {instead}"
+    # breaks right after a birth diverge as the density does: below this power (measured) panels of the first passage
+    # would have to be shorter than rounding allows
+    if fresh.support()[0] == 0.0 and fresh.onset_power < -0.15:
+        power = f"as x^{fresh.onset_power:.3g}"
+        fault = (
+            f"their density diverges at 0 {power}, where contacts that age break as they are born"
+        )
+        return f"contacts.thresholds: {fault}; {instead}"
+    return ""
+
+
 def steady_life(contacts: Contacts, velocity: float) -> Life:
     """The life of contacts on a slider that moves forward at one speed v > 0, for any time. Raises InputError for
     closures in which single contacts have no law, and where no pinned contact holds."""
-    grains, ageing, tolerance = contacts.grains, contacts.ageing, 0.0
+    grains = contacts.grains
     if grains is not None:
         grains.check_speed(velocity)
         lost = grains.lost_hazard(velocity)
@@ -57,11 +89,9 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
         longest, behind = grains.growth.first_pinning_time, max(-contacts.start.span[0], 0.0)
         while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - behind:
             longest *= 1.5
-    elif ageing is not None:
+    elif contacts.ageing is not None:
         longest = 1e9 * contacts.mean_threshold / velocity  # they are followed as long as any holds
-        if ageing.normal is None or contacts.thermal is not None:
-            tolerance = 5e-7  # where strands are followed, smaller errors take too long
     else:
         return life_of(contacts)
     motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * velocity]))
-    return life_of(contacts, tolerance, motion)
+    return life_of(contacts, motion=motion)

@@ -1,6 +1,6 @@
 """Contacts whose thresholds change under a spring: those that age (closure "exact"), and growing grains.
 
-Of contacts that age every group carries the density of its thresholds, on the cells of master.survival.age.cells.
+Of contacts that age every group carries the density of its thresholds, on the cells of master.soft.in_time.cells.
 
 Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned together the fraction
 e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of their law at their stretch and age so far
@@ -9,8 +9,8 @@ e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of th
 
 import numpy as np
 
+from master.soft.in_time.cells import Cells
 from master.soft.in_time.memory import Leg, Memory, Scales, warm_nodes
-from master.survival.age.cells import Cells
 from origins import Contacts
 from origins.thresholds.law import Array
 

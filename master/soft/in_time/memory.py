@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy.special import exp1
 
 from master.motion import Legs
-from master.survival.age.cells import narrowest
+from master.survival.age.extent import narrowest
 from master.survival.heat import MeanRateLife, Replay
 from master.survival.life import TIE
 from origins import Contacts

@@ -21,7 +21,6 @@ from master.soft.in_time.memory import MeanRateMemory, Memory
 from master.soft.in_time.reading import read
 from master.soft.in_time.slider import Slider
 from master.soft.regime import Followed, slips_of
-from master.solution import Solution
 from origins import Contacts, Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
@@ -167,28 +166,3 @@ def _beside(times: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
     """Times that the change of a slip's time moves across it, or nearly so."""
     apart, crossed = times[:, None] - now, (times[:, None] < now) != (times[:, None] < before)
     return np.asarray(((np.abs(apart) <= np.abs(now - before)) | crossed).any(axis=1))
-
-
-def solve_on_stiff_spring(
-    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
-) -> Solution:
-    """Force on a rigid slider, taken as one on a spring so stiff that it follows the drive, with an error F/K of X. It
-    is used for growing grains with heat on paths that turn or hold; see `refined`."""
-    began, stiff = time.perf_counter(), Drive(drive.path, drive.velocity, drive.time, spring=1e10)
-    found = refined(contacts, stiff, 0.0, tolerance, progress, until)
-    success, message = found.outcome(contacts, drive, tolerance, "X")
-    times = drive.arrival_times()[: found.force.size]
-    return Solution(
-        path=drive.path[: times.size],
-        force=found.force,
-        time=times,
-        force_error=found.error,
-        holding=found.holding,
-        run_time=time.perf_counter() - began,
-        nodes=found.nodes,
-        success=success,
-        message=message,
-        _march=None,
-        _by_index=True,
-        _arrivals=times,
-    )

@@ -14,22 +14,17 @@ from collections.abc import Callable
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from origins import Ageing, Contacts, Thresholds
+from master.survival.age.extent import highest, narrowest
+from origins import Ageing, Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 
-# Each resolution divides cells by 2 to this power, and steps by 2: errors, of fourth order in the cells and of
-# third order in the steps, fall by 8.
+# Each resolution divides cells by 2 to this power: errors, of fourth order in the cells, fall by 8 as those of steps
+# of third order do, which are halved beside them.
 FINER = 0.75
-# Share of thresholds beyond the last cell; most cells; most steps of a move, some 30 s of work; finest resolution.
-FAR, MOST_CELLS, MOST_STEPS, FINEST = 1e-16, 4000, 200_000, 6
-# Travel in one step at resolution 0, divided by the narrowest width of the laws; and the share of fresh
-# contacts that heat breaks in it at most.
-TRAVEL_STEP, HEAT_STEP = 0.25, 0.15
-# Steps after a birth or a change of speed, divided by the time since then, at resolution 0: the edge of the
-# density at |x| changes, first fast and then ever more slowly. FIRST_STEP: the first step divided by the
-# time in which thresholds spread by the narrowest width.
-AFTER_CHANGE, FIRST_STEP = 0.5, 1e-10
+# Fraction of thresholds beyond the last cell: as small as rounding. And most cells: a step of one strand then takes
+# some milliseconds.
+FAR, MOST_CELLS = 1e-16, 4000
 
 
 class Cells:
@@ -47,15 +42,15 @@ class Cells:
 
     def __init__(self, contacts: Contacts, resolution: int, fastest: float) -> None:
         """Choose the cells; InputError for laws whose thresholds they cannot follow."""
-        from master.survival.age import kernel
+        from master.soft.in_time import cells_kernel
 
         ageing, law = contacts.ageing, contacts.thresholds
         assert ageing is not None
         if law.atoms[0].size:
             hint = "contacts that age need a fresh law with a density here; give it a width"
             raise InputError(f"thresholds: hold the single value {law.atoms[0][0]:g}: {hint}")
-        self._kernel, self._law, self._thermal = kernel, law, contacts.thermal
-        self._diffusion, self.resolution = ageing.rate, resolution
+        self._kernel, self._law, self._thermal = cells_kernel, law, contacts.thermal
+        self._diffusion = ageing.rate
         self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
         if self._thermal is not None:
             thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
@@ -68,23 +63,6 @@ class Cells:
         self.edges = _cell_edges(far, self.width, thinnest, bulk, 2.0 ** (-FINER * resolution))
         self._face_density, self._face_slope = _at_faces(self.edges)
         self._drift = _drift(ageing, self.width, 2.0 * far)
-
-    @property
-    def can_be_finer(self) -> bool:
-        """Whether the next resolution does not need too many cells or steps."""
-        return bool(self.resolution < FINEST and self.edges.size * 2.0**FINER < MOST_CELLS)
-
-    def steps(self, speed: float, steady_for: float, duration: float) -> Array:
-        """Times of the ends of a move's steps; the last birth or change of speed was `steady_for` before the move."""
-        fastest = max(self.heat_rate / HEAT_STEP, abs(speed) / self.width / TRAVEL_STEP, 1e-300)
-        shortest, times = FIRST_STEP * self.width**2 / self._diffusion, [0.0]
-        while times[-1] < duration:
-            step = min(AFTER_CHANGE * (steady_for + times[-1]) + shortest, 1.0 / fastest)
-            times.append(times[-1] + step * 2.0**-self.resolution)
-            if len(times) > MOST_STEPS:
-                hint = f"more than {MOST_STEPS} steps; use a shorter path, or a larger tolerance"
-                raise InputError(f"ageing: a move of {duration:.3g} in time needs {hint}")
-        return duration * (np.array(times) / times[-1])
 
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch| (n,), one row of sum 1 for each."""
@@ -145,18 +123,6 @@ class Cells:
             with np.errstate(over="ignore"):  # of slopes that nearly underflow, which count as 0
                 row[:] = np.diff(PchipInterpolator(self.edges, series)(at))
         return out
-
-
-def highest(fresh: Thresholds, final: Thresholds, share: float) -> float:
-    """Threshold that at most this share exceeds at any age: fresh ones above the final mean spread upwards at first."""
-    return max(float(fresh.isf(share)), final.mean()) + float(final.isf(share)) - final.mean()
-
-
-def narrowest(law: Thresholds) -> float:
-    """Standard deviation of a normal law whose narrowest tenth of the weight is as narrow as this law's."""
-    spread = np.diff(law.ppf(np.linspace(0.1, 0.9, 9)))
-    # the narrowest tenth of a normal law of standard deviation 1 is 0.25 wide
-    return float(spread[spread > 0.0].min(initial=law.mean())) / 0.25
 
 
 def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:
