@@ -13,8 +13,9 @@ import numpy.typing as npt
 
 from eq_model.blocks import Blocks, State, meeting, rank_and_size, share
 from eq_model.coupled.ensemble import Replicas
+from eq_model.coupled.mass.sliders import HeavySliders
 from eq_model.engine import Engine
-from eq_model.result import CoupledResult, EnsembleResult
+from eq_model.result import CoupledResult, EnsembleResult, HeavyResult
 from origins import Contacts, Drive
 from origins.errors import InputError, check_seed, positive, refuse, whole
 
@@ -71,7 +72,7 @@ class Ensemble:
         self._wall_time = np.inf if wall_time is None else positive("wall_time", wall_time)
         small = "such as 1e-4"
         self._tolerance = None if tolerance is None else positive("tolerance", tolerance, small)
-        self.contacts, self.drive = contacts, Drive(path, **drive).without_mass("the ensemble")
+        self.contacts, self.drive = contacts, Drive(path, **drive)
         check_seed(seed)
         coupled = self.drive.spring is not None
         most = Replicas.MOST if coupled else Engine.MOST // self._replicas
@@ -85,9 +86,10 @@ class Ensemble:
                 hint = "is of independent contacts; leave it out with a spring, where replicas tell the errors"
                 refuse(name, value, hint)
         replicas = Blocks(self.total, each)
-        self._work: Engine | Replicas
+        self._work: Engine | Replicas | HeavySliders
         if coupled:
-            self._work = Replicas(contacts, self.drive, replicas, seed, slip_fraction)
+            kind = Replicas if self.drive.mass is None else HeavySliders
+            self._work = kind(contacts, self.drive, replicas, seed, slip_fraction)
         else:
             self._work = Engine(contacts, self.drive, replicas, seed, histograms)
         self.blocks = self._work.blocks
@@ -188,7 +190,8 @@ class Ensemble:
             raise InputError(f"ensemble: {hint} wall_time")
         fields = self._work.fields(joined)
         waited = self.clock() - started
-        found = (CoupledResult if "slips" in fields else EnsembleResult)(
+        kind = CoupledResult if "slips" in fields else EnsembleResult
+        found = (HeavyResult if "energy" in fields else kind)(
             path=self.drive.path,
             contacts=joined.contacts,
             breaks=joined.breaks,

@@ -143,6 +143,78 @@ class CoupledResult(EnsembleResult):
     __repr__ = brief
 
 
+@dataclass(frozen=True)
+class HeavySlips(CoupledSlips):
+    """Slips of a slider with mass, each from a maximum of the spring's force to the next minimum; arrays of shape (m,).
+
+    Fields as in CoupledSlips, `drive`, X_T, as the slip begins, `force_before` and `force_after` of the spring, and
+
+    duration : times. top_speed : largest speed of the slider, lengths per time.
+    """
+
+    duration: Array
+    top_speed: Array
+
+    __repr__ = brief
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energies of each replica over the whole path, per N_c <k> (lengths squared), arrays of shape (replicas,).
+
+    work : of the drive. spring, contacts, kinetic : gained by the spring, the contacts that hold and the slider's
+    motion. damped : by the slider's damping. released : by contacts as they break.
+    """
+
+    work: Array
+    spring: Array
+    contacts: Array
+    kinetic: Array
+    damped: Array
+    released: Array
+
+    __repr__ = brief
+
+    @property
+    def imbalance(self) -> Array:
+        """What is missing of the work, as a share of it (of all energies, where the drive did none)."""
+        parts = [self.spring, self.contacts, self.kinetic, self.damped, self.released]
+        whole = np.maximum(np.abs(self.work), np.abs(parts).max(axis=0))
+        missing = self.work - np.sum(parts, axis=0)
+        return np.divide(missing, whole, out=np.zeros_like(whole), where=whole > 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeavyResult(CoupledResult):
+    """Results for contacts on a soft slider with mass; fields as in CoupledResult, and more.
+
+    force : of the spring, K (X_T - X)/(N_c <k>); in motion it differs from that of the contacts.
+    contact_force, contact_force_standard_error : F/(N_c <k>), mean over the replicas, shape (n,), lengths.
+    velocity, velocity_standard_error : of the slider, mean over the replicas, shape (n,), lengths per time.
+    contact_forces, velocities : of each replica, shape (replicas, n).
+    slips : falls of the spring's force, while the slider is faster than the drive, in which contacts broke at least
+        `slip_fraction` of a replica's number of times; avalanches : numbers of falls with fewer breaks, by size.
+    energy : by parts, over the whole path.
+    """
+
+    contact_force: Array
+    contact_force_standard_error: Array
+    velocity: Array
+    velocity_standard_error: Array
+    contact_forces: Array
+    velocities: Array
+    slips: HeavySlips
+    energy: Energy
+
+    __repr__ = brief
+
+
+def means(table: Array) -> tuple[Array, Array]:
+    """Means over replicas, the rows, and their standard errors, inf for one."""
+    scatter = table.std(axis=0, ddof=1) if len(table) > 1 else np.full_like(table[0], np.inf)
+    return table.mean(axis=0), scatter / np.sqrt(len(table))
+
+
 def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     """Indices of points of a path of this size, checked; raises InputError, named histograms."""
     points = np.atleast_1d(np.asarray(histograms, None if np.size(histograms) else np.intp))

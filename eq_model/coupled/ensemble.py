@@ -6,7 +6,7 @@ import numpy as np
 
 from eq_model.blocks import Blocks, State
 from eq_model.engine import Reach
-from eq_model.result import SIZES, CoupledSlips
+from eq_model.result import SIZES, CoupledSlips, means
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.errors import InputError, positive, refuse
@@ -37,14 +37,9 @@ class Replicas:
         from eq_model.draws.births import births_of
 
         check_coupled(contacts, drive)
-        # before a slip avalanches break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below
-        # 0.7 K* break most of them
-        share = 0.2 if slip_fraction is None else positive("slip_fraction", slip_fraction)
-        if share > 1.0:
-            refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
         self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
         self._n = n = blocks.each
-        self.slip_fraction, self._unit = share, unit_of(contacts)
+        self.slip_fraction, self._unit = checked_slip_fraction(slip_fraction), unit_of(contacts)
         self._births = births_of(contacts, self._unit)
         law, mean = contacts.thresholds, contacts.mean_threshold
         self._shift = bucket_bits(n, mean / self._unit, lambda width: float(law.cdf(width * mean)))
@@ -74,10 +69,7 @@ class Replicas:
         curves = curves.reshape(len(rows), 3, -1)
         fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
         for k, name in enumerate(("position", "force", "holding")):
-            table = curves[:, k]
-            scatter = table.std(axis=0, ddof=1) if len(rows) > 1 else np.full_like(table[0], np.inf)
-            fields[name] = table.mean(axis=0)
-            fields[f"{name}_standard_error"] = scatter / np.sqrt(len(rows))
+            fields[name], fields[f"{name}_standard_error"] = means(curves[:, k])
         columns: list[Any] = list(slips.T)
         for whole in (0, 1, 7):
             columns[whole] = columns[whole].astype(np.int64)
@@ -169,6 +161,16 @@ class Replicas:
             due=np.empty(waits),
             many=np.empty(waits, np.int64),
         )
+
+
+def checked_slip_fraction(slip_fraction: float | None) -> float:
+    """The smallest share of the contacts that breaks in a slip; InputError unless it is one."""
+    # before a slip avalanches break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below
+    # 0.7 K* break most of them
+    share = 0.2 if slip_fraction is None else positive("slip_fraction", slip_fraction)
+    if share > 1.0:
+        refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
+    return share
 
 
 def unit_of(contacts: Contacts) -> float:

@@ -1,0 +1,141 @@
+"""A slider with mass, from event to event: breaks ahead and behind, returns after a delay, points of the path."""
+
+import numpy as np
+
+from eq_model.compiling import bare, entry, inlined, unsigned
+from eq_model.coupled.mass.moves import quick_move, slow_move
+from eq_model.coupled.mass.nearest import FAR, least, set_place, who_is_least
+from eq_model.coupled.mass.state import (
+    CONTACT_FORCE,
+    FORCE,
+    HELD,
+    POSITION,
+    RELEASED,
+    SPEED,
+    add,
+    begin_fall,
+    contact_force,
+    end_fall,
+    go_to,
+    speed_limit,
+    spring_force,
+)
+from eq_model.coupled.slide_kernel import take
+
+PATH_DONE, SLIP_ENDED, TOO_MANY, GOING_ON = range(4)
+AT_ONCE = 1 << 17  # events after which Python can handle an interrupt
+
+
+@inlined
+def _form(s, contacts, i, supply, mean, pull):  # type: ignore[no-untyped-def]
+    """Contact i forms at the slider's present place."""
+    x, r = take(supply)
+    k = np.float64(x) / mean if mean > 0.0 else 1.0
+    s.held += 1
+    s.stiffness += k
+    s.force += k * np.float64(r)
+    set_place(contacts.ahead, i, s.at - r + x)
+    set_place(contacts.behind, i, x - s.at + r)
+    # formed at a whole position beside the slider, it stores this much
+    add(pull.energy, RELEASED, -0.5 * k * s.off * s.off)
+
+
+@entry
+def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
+    """All contacts form at X = 0, where the slider rests."""
+    s = slider[0]
+    for i in range(np.int64(pull.n)):
+        _form(s, contacts, i, supply, pull.mean, pull)
+
+
+@inlined
+def _break(s, contacts, side, supply, pull):  # type: ignore[no-untyped-def]
+    """The nearest contact ahead (side 1) or behind (-1) breaks; it forms again at once, or waits."""
+    if side > 0:
+        place = least(contacts.ahead)
+        i = who_is_least(contacts.ahead)
+    else:
+        place = -least(contacts.behind)
+        i = who_is_least(contacts.behind)
+    go_to(s, place)
+    x = 0.5 * np.float64(contacts.ahead.places[i] + contacts.behind.places[i])
+    k = x / pull.mean if pull.mean > 0.0 else 1.0
+    s.force -= side * k * x
+    s.stiffness -= k
+    s.held -= 1
+    if s.held == 0:  # nothing is left of what rounding has added up
+        s.force, s.stiffness = 0.0, 0.0
+    s.breaks += 1
+    s.broken += 1
+    add(pull.energy, RELEASED, 0.5 * k * x * x)
+    if pull.wait < 0.0:
+        _form(s, contacts, i, supply, pull.mean, pull)
+        return
+    set_place(contacts.ahead, i, np.int64(FAR))
+    set_place(contacts.behind, i, np.int64(FAR))
+    if s.returning == s.returns:
+        s.due = pull.wait
+    contacts.waits[s.returns % contacts.waits.size] = s.since
+    contacts.out[pull.n - s.held - 1] = i
+    s.since, s.returns = 0.0, s.returns + 1
+
+
+@inlined
+def _return(s, contacts, supply, pull):  # type: ignore[no-untyped-def]
+    """The contact that broke first forms again; which number it gets does not matter."""
+    _form(s, contacts, contacts.out[pull.n - s.held - 1], supply, pull.mean, pull)
+    s.returning += 1
+    s.due = np.inf
+    if s.returning < s.returns:
+        s.due = contacts.waits[s.returning % contacts.waits.size]
+
+
+@bare
+def _end_leg(s, pull):  # type: ignore[no-untyped-def]
+    """Store the slider at the end of a leg and begin the next one. Returns whether a slip ends, as the drive becomes
+    faster than the slider."""
+    s.elapsed = pull.lasts[s.leg]
+    out, k = pull.at_points, s.leg
+    out[POSITION, k], out[HELD, k] = np.float64(s.at) + s.off, s.held
+    out[FORCE, k], out[CONTACT_FORCE, k] = spring_force(s, pull), contact_force(s, pull)
+    out[SPEED, k] = s.speed
+    slipped = False
+    s.leg, s.elapsed = k + 1, 0.0
+    if s.leg < pull.lasts.size:
+        limit = speed_limit(pull.speeds[k + 1])
+        if s.falling and s.speed <= limit:
+            slipped = end_fall(s, pull, 0.0, 0.0)
+        elif not s.falling and s.speed > limit:
+            begin_fall(s, pull, 0.0, 0.0, s.speed)
+    return slipped
+
+
+@entry
+def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
+    """Follow the slider until a slip has ended, or another reason to stop, which is returned."""
+    s, each = slider[0], 1.0 / pull.n
+    for _ in range(AT_ONCE):
+        if s.leg == pull.lasts.size:
+            return PATH_DONE
+        ahead = np.float64(least(contacts.ahead) - s.at) - s.off
+        behind = np.float64(least(contacts.behind) + s.at) + s.off
+        left = pull.lasts[unsigned(s.leg)] - s.elapsed
+        most, slipped = max(min(left, s.due), 0.0), False
+        side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
+        if side == 0:
+            stiffness = pull.spring + s.stiffness * each
+            net = spring_force(s, pull) - contact_force(s, pull)
+            side = quick_move(s, pull, ahead, behind, most, net, stiffness)
+            if side == 0:
+                side, slipped = slow_move(s, pull, ahead, behind, most, net, stiffness)
+        if side != 0:
+            _break(s, contacts, side, supply, pull)
+            if s.breaks >= pull.most_breaks:
+                return TOO_MANY
+        elif s.due <= 0.0:
+            _return(s, contacts, supply, pull)
+        elif left <= most:
+            slipped = _end_leg(s, pull) or slipped
+        if slipped:
+            return SLIP_ENDED
+    return GOING_ON

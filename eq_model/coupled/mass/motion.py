@@ -1,0 +1,259 @@
+"""The closed motion of a slider with mass from one event to the next, and when it first passes a position.
+
+While no contact breaks or forms, the slider is a damped oscillator of stiffness S = K + (that of the contacts
+that hold), pulled by a drive of constant speed v. Its way since the last event is
+
+    w t + u(t) - u(0),    m u'' + c u' + S u = 0,    w = K v/S,
+
+u being its distance from where a slider without inertia would be. With s² = S/m, b = c/2m and s² - b² = ω²
+(or b² - s² = σ², where it does not ring)
+
+    u(t) = u(0) C(t) + u'(0) D(t),    D = e^(-bt) sin(ωt)/ω,    C = D' + 2 b D,    C' = -s² D.
+
+This holds for any time, however many oscillations that is: all times count from the last event.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from eq_model.compiling import bare, inlined
+
+# where an extreme of the speed is nearer than this (radians of the oscillation), the next one is taken: the
+# first one is that at which the search stands, found anew with another rounding
+NEAR = 1e-7
+SLOW = 1e-9  # a share of the largest excess of speed, far below what anyone measures
+CRITICAL = 1e-3  # (ω/s)² or (σ/s)² below which sums of two exponentials lose too many digits
+
+
+class Motion(NamedTuple):
+    """An oscillator that starts at t = 0; lengths in whole units, times in the user's unit."""
+
+    drift: float  # w
+    u: float  # u(0)
+    speed: float  # u'(0)
+    decay: float  # b
+    own: float  # s
+    beat: float  # ω, or σ if it does not ring
+    rings: bool  # b < s
+
+
+class Place(NamedTuple):
+    """Where the slider is at some time: its way since the last event, u, u' and its speed."""
+
+    way: float
+    u: float
+    change: float
+    speed: float
+
+
+@inlined
+def make_motion(drift, u, speed, decay, own):  # type: ignore[no-untyped-def]
+    """The motion with u(0) = u and u'(0) = speed - drift."""
+    beat = np.sqrt(abs(own - decay)) * np.sqrt(own + decay)
+    return Motion(drift, u, speed - drift, decay, own, beat, decay < own)
+
+
+@bare
+def place_at(m, t):  # type: ignore[no-untyped-def]
+    """The Place at time t >= 0."""
+    if m.rings:
+        fading, angle = np.exp(-m.decay * t), m.beat * t
+        sine, cosine, half = np.sin(angle), np.cos(angle), np.sin(0.5 * angle)
+        d = fading * sine / m.beat
+        # C - 1, which is small at first
+        c = np.expm1(-m.decay * t) * cosine - 2.0 * half * half + m.decay * d
+        slope = fading * cosine - m.decay * d
+    else:
+        slow = -m.own / (m.decay + m.beat) * m.own  # the exponent of what dies slowly
+        left, fast = np.exp(slow * t), np.exp(-2.0 * m.beat * t)
+        d = left * t if m.beat == 0.0 else left * -np.expm1(-2.0 * m.beat * t) / (2.0 * m.beat)
+        c = np.expm1(slow * t) - slow * d
+        slope = left * fast + slow * d
+    gone = m.u * c + m.speed * d
+    change = m.speed * slope - m.own * (m.own * m.u) * d
+    return Place(m.drift * t + gone, m.u + gone, change, m.drift + change)
+
+
+@inlined
+def acceleration(m, u, change):  # type: ignore[no-untyped-def]
+    """u'' for given u and u'."""
+    return -m.own * m.own * u - 2.0 * m.decay * change
+
+
+@bare
+def next_extreme(m, u, change):  # type: ignore[no-untyped-def]
+    """Time from a place with these u and u' until the speed has its next extreme; inf if it has none."""
+    # u'' = a and its derivative j; u'' is proportional to a C(t) + j D(t), too
+    a = acceleration(m, u, change)
+    j = -m.own * m.own * change - 2.0 * m.decay * a + m.decay * a
+    if m.rings:
+        angle = np.arctan2(a, -j / m.beat)
+        angle += np.pi if angle <= 0.0 else 0.0
+        return (angle + np.pi if angle < NEAR else angle) / m.beat
+    ratio = -a / j if j != 0.0 else -1.0
+    if ratio <= 0.0 or m.beat * ratio >= 1.0:
+        return np.inf
+    return ratio if m.beat == 0.0 else np.arctanh(m.beat * ratio) / m.beat
+
+
+@bare
+def meets(m, is_speed, level, low, high):  # type: ignore[no-untyped-def]
+    """The time between `low` and `high` when the way (or the speed) is `level`; it goes one way, and gets there.
+
+    Newton's method, and halving where that leaves the interval.
+    """
+    end = place_at(m, high)
+    above = (end.speed if is_speed else end.way) >= level
+    t = 0.5 * (low + high)
+    for _ in range(200):
+        here = place_at(m, t)
+        value, slope = here.way - level, here.speed
+        if is_speed:
+            value, slope = here.speed - level, acceleration(m, here.u, here.change)
+        if (value >= 0.0) == above:
+            high = t
+        else:
+            low = t
+        new = t - value / slope if slope != 0.0 else low
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - t) <= 1e-16 * t:
+            return new
+        t = new
+    return t
+
+
+@bare
+def _safe_until(m, t, here, ahead, behind):  # type: ignore[no-untyped-def]
+    """A time until which the slider reaches neither position, as |u| <= (u² + u'²/s²)^(1/2), which never grows; t
+    itself if that does not tell."""
+    reach = np.hypot(here.u, here.change / m.own) * (1.0 + 1e-14)
+    w = m.drift
+    # the way lies within w t - u(0) ± reach
+    for limit in (ahead + m.u, behind - m.u):
+        if not w * t + reach < limit:
+            return t
+        w = -w
+    until = np.inf
+    if w > 0.0:
+        until = (ahead + m.u - reach) / w
+    elif w < 0.0:
+        until = (behind - m.u - reach) / -w
+    return until
+
+
+@bare
+def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
+    """When the way first reaches `ahead` (1) or -`behind` (-1), both above 0, and which; `most` and 0 if not before.
+
+    Between two extremes of the speed the slider turns at most once, so that its way has two parts that go one way each.
+    Oscillations that cannot reach a position are passed over.
+    """
+    t, here = 0.0, place_at(m, 0.0)
+    while t < most:
+        safe = min(_safe_until(m, t, here, ahead, behind), most)
+        if safe > t:
+            t, here = safe, place_at(m, safe)
+            if t == most:
+                break
+        end = min(t + next_extreme(m, here.u, here.change), most)
+        there = place_at(m, end)
+        turn, middle = end, there.way
+        if here.speed * there.speed < 0.0:
+            turn = meets(m, True, 0.0, t, end)
+            middle = place_at(m, turn).way
+        if middle >= ahead:
+            return meets(m, False, ahead, t, turn), 1
+        if middle <= -behind:
+            return meets(m, False, -behind, t, turn), -1
+        if there.way >= ahead:
+            return meets(m, False, ahead, turn, end), 1
+        if there.way <= -behind:
+            return meets(m, False, -behind, turn, end), -1
+        t, here = end, there
+    return most, 0
+
+
+@bare
+def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
+    """When a slider faster than `speed` (and the drift not) first is as slow, at most `most`, and its top speed then,
+    if it was `top` before.
+
+    One that does not ring and drifts at `speed`, as no contact holds or the drive holds, only comes close to it: that
+    is where the excess is down to SLOW of the largest.
+    """
+    t, here = 0.0, place_at(m, 0.0)
+    top = max(top, here.speed)
+    comes_close = not m.rings and m.drift >= (1.0 - 1e-12) * speed
+    while t < most:
+        end = min(t + next_extreme(m, here.u, here.change), most)
+        there = place_at(m, end)
+        top = max(top, there.speed)
+        level = speed + (SLOW * (top - speed) if comes_close else 0.0)
+        if here.speed <= level:
+            return t, top
+        if there.speed <= level:
+            return meets(m, True, level, t, end), top
+        t, here = end, there
+    return most, top
+
+
+@bare
+def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
+    """When a slider that is faster than `speed` at `end` (and the drift not) became so, from 0 on, and its top speed
+    since."""
+    here = place_at(m, end)
+    top = here.speed
+    extreme = before = -1.0  # when the speed had its last two extremes
+    if m.rings:
+        half = np.pi / m.beat
+        extreme = end + next_extreme(m, here.u, here.change) - half
+        before = extreme - half
+    else:
+        extreme = next_extreme(m, m.u, m.speed)
+        extreme = extreme if extreme < end else -1.0
+    for k in range(2):
+        begin = max(before if k else extreme, 0.0)
+        there = place_at(m, begin)
+        if there.speed <= speed:
+            return meets(m, True, speed, begin, end), top
+        top, end = max(top, there.speed), begin
+    return end, top
+
+
+@bare
+def squared_speed(m, t):  # type: ignore[no-untyped-def]
+    """The integral of the squared speed up to t."""
+    there = place_at(m, t)
+    gone = there.u - m.u
+    steady = m.drift * (m.drift * t + 2.0 * gone)
+    if m.beat * m.beat < CRITICAL * m.own * m.own:  # from the energy that is lost
+        lost = m.speed * m.speed - there.change * there.change
+        lost += m.own * m.own * (m.u - there.u) * (m.u + there.u)
+        return steady + 0.5 * lost / (2.0 * m.decay)
+    b, a = m.decay, acceleration(m, m.u, m.speed)
+    if m.rings:
+        # u' = e^(-bt) (p cos ωt + q sin ωt)
+        p, q, w = m.speed, (a + b * m.speed) / m.beat, m.beat
+        fading, angle = np.exp(-2.0 * b * t), 2.0 * w * t
+        mean = -np.expm1(-2.0 * b * t) / (2.0 * b) if b > 0.0 else t
+        cosine = -2.0 * b * (fading * np.cos(angle) - 1.0) + 2.0 * w * fading * np.sin(angle)
+        sine = -2.0 * b * fading * np.sin(angle) - 2.0 * w * (fading * np.cos(angle) - 1.0)
+        norm = 4.0 * m.own * m.own
+        varying = 0.5 * (p - q) * (p + q) * cosine + p * q * sine
+        return steady + 0.5 * (p * p + q * q) * mean + varying / norm
+    # u' is a sum of two exponentials
+    slow, fast = -m.own / (b + m.beat) * m.own, -(b + m.beat)
+    p, q = (a - fast * m.speed) / (2.0 * m.beat), (slow * m.speed - a) / (2.0 * m.beat)
+    total = p * p * np.expm1(2.0 * slow * t) / (2.0 * slow)
+    total += q * q * np.expm1(2.0 * fast * t) / (2.0 * fast)
+    return steady + total - 2.0 * p * q * np.expm1(-2.0 * b * t) / (2.0 * b)
+
+
+@inlined
+def integral(m, t, there):  # type: ignore[no-untyped-def]
+    """The integral of the way up to t, where the slider is `there`; from the equation of motion of u."""
+    gone = there.u - m.u
+    whole = -(there.change - m.speed + 2.0 * m.decay * gone) / (m.own * m.own)
+    return 0.5 * m.drift * t * t + whole - m.u * t

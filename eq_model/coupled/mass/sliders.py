@@ -1,0 +1,201 @@
+"""Replicas of coupled contacts on a slider with mass: following one, and the result of all."""
+
+from typing import Any
+
+import numpy as np
+
+from eq_model.blocks import Blocks, State
+from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit_of
+from eq_model.result import SIZES, Energy, HeavySlips, means
+from origins import Contacts, Drive, identical
+from origins.errors import InputError, refuse
+from origins.thresholds.law import Array
+
+MOST_BREAKS = 10**11  # of a replica: some two hours
+FURTHEST = 2.0**60  # of positions in whole units
+LONGEST = 1e13  # oscillations between two points of the path, after which a double has three digits of their phase
+CURVES = "position", "force", "holding", "velocity", "contact_force"
+
+
+class HeavySliders:
+    """Follows replicas, a block each, on the slider with mass that `drive` pulls; a slip breaks at least
+    `slip_fraction` of the contacts (None: 0.2)."""
+
+    MOST = 1 << 31  # largest number of contacts of a replica
+    nothing = State()
+
+    def __init__(
+        self,
+        contacts: Contacts,
+        drive: Drive,
+        blocks: Blocks,
+        seed: int,
+        slip_fraction: float | None,
+    ) -> None:
+        """Choose the unit of length; InputError for what is not followed, and for what would take too long."""
+        from eq_model.draws.births import births_of
+
+        check_coupled(contacts, drive)
+        self.slip_fraction = checked_slip_fraction(slip_fraction)
+        self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
+        self._n, self._unit = blocks.each, unit_of(contacts)
+        self._births = births_of(contacts, self._unit)
+        self._check_length()
+
+    def _check_length(self) -> None:
+        """InputError for paths that are too long to be followed."""
+        contacts, drive, end = self._contacts, self._drive, self._drive.path[-1]
+        spring, mean = drive.spring or 0.0, contacts.mean_threshold
+        # a slider may swing beyond the drive by as much as it was behind
+        reach = abs(end) + abs(contacts.start.mean() / spring) + 2.0 * mean / spring
+        if not reach / self._unit < FURTHEST:
+            most = FURTHEST * self._unit
+            hint = f"must be below {most:.3g}, beyond which positions have too few digits"
+            refuse("path[-1]", end, hint)
+        # before the first slip no contact need break; a contact breaks once a mean threshold where it does not wait
+        breaks = self._n * max(end / mean - 1.0 / spring, 0.0)
+        if contacts.delay is None and breaks > MOST_BREAKS:
+            refuse(
+                "path[-1]",
+                end,
+                f"takes {breaks:.1e} breaks of {self._n} contacts, and at most {MOST_BREAKS:.0e} are followed; "
+                f"shorten the path, or give fewer contacts or a delay",
+            )
+        _, _, lasts = self._legs(contacts.start.mean() / spring)
+        most = float(lasts.max()) * np.sqrt((spring + 1.0) / (drive.mass or 1.0)) / (2.0 * np.pi)
+        if most > LONGEST:
+            refuse(
+                "mass",
+                drive.mass,
+                f"oscillates {most:.1e} times between two points of the path, and at most {LONGEST:.0e} times are "
+                "followed; give a larger mass, or points that are closer",
+            )
+
+    def _legs(self, balance: float) -> tuple[Array, Array, Array]:
+        """X_T at the beginning of each leg of the drive (lengths), from the balance at t = 0 on, its speed and time."""
+        drive = self._drive
+        places = np.r_[balance, drive.path]
+        ways = np.diff(places)
+        lasts = np.abs(ways) / drive.velocity
+        if drive.time is not None:
+            lasts = np.diff(drive.time, prepend=0.0)
+        if (ways[0] != 0.0) and not lasts[0] > 0.0:
+            hint = f"leaves no time to get there from X_T = {balance:g}, where the drive balances the start"
+            refuse("path[0]", drive.path[0], hint)
+        speeds = np.divide(ways, lasts, out=np.zeros_like(ways), where=lasts > 0.0)
+        return places[:-1], speeds, lasts
+
+    def fields(self, state: State) -> dict[str, Any]:
+        """Fields of the result."""
+        tables = state.rows, state.slips.reshape(-1, 10)
+        rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in tables)
+        # a row: its replica's number, X_T = F(0)/K, energies; falls of the force by class; the curves at the points
+        numbers, falls, curves = np.split(rows, [8, 8 + SIZES], axis=1)
+        curves = curves.reshape(len(rows), len(CURVES), -1)
+        fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
+        fields |= {"velocities": curves[:, 3], "contact_forces": curves[:, 4]}
+        for k, name in enumerate(CURVES):
+            fields[name], fields[f"{name}_standard_error"] = means(curves[:, k])
+        columns: list[Any] = list(slips.T)
+        for whole in (0, 1, 7):
+            columns[whole] = columns[whole].astype(np.int64)
+        return fields | {
+            "slips": HeavySlips(*columns),
+            "avalanches": falls.astype(np.int64),
+            "balance": float(numbers[:, 1].mean()),
+            "step_error": np.zeros(curves.shape[2]),
+            "slip_fraction": self.slip_fraction,
+            "energy": Energy(*numbers[:, 2:].T),
+        }
+
+    def follow(self, replica: int) -> State:
+        """Follow a replica to the end of the path; -1 only compiles.
+
+        Raises InputError where it takes too many breaks.
+        """
+        from eq_model.coupled.mass import kernel
+        from eq_model.coupled.mass.state import FORCE
+        from eq_model.coupled.slide_kernel import make_supply
+        from eq_model.draws.streams import make_stream
+
+        if replica < 0:
+            few = Contacts(identical(1.0)), Drive([3.0], spring=1.0, mass=1.0), Blocks(2, 2)
+            HeavySliders(*few, seed=0, slip_fraction=1.0).follow(0)
+            return self.nothing
+        n, unit, stream = self._n, self._unit, make_stream(self._seed, replica)
+        first, later = (make_supply(births, stream) for births in self._births)
+        spring = self._drive.spring or 0.0
+        slider, contacts, pull = self._pull()
+        kernel.form_all(slider, contacts, first, pull)
+        s, slips = slider[0], list[Array]()
+        balance = s["force"] / n / spring * unit
+        pull.places[:], pull.speeds[:], pull.lasts[:] = self._legs(balance)
+        pull.places[:] /= unit
+        pull.speeds[:] /= unit
+        pull.energy[:] = 0.0
+        stored = self._stored(s, contacts, s["force"] / n)
+        while (why := kernel.slide(slider, contacts, later, pull)) != kernel.PATH_DONE:
+            if why == kernel.SLIP_ENDED:
+                slips.append(np.r_[replica, len(slips), pull.slipped])
+            elif why == kernel.TOO_MANY:
+                drive = pull.places[s["leg"]] * unit
+                raise InputError(
+                    f"path[-1] = {self._drive.path[-1]:g}: takes more than {MOST_BREAKS:.0e} breaks of {n} contacts, "
+                    f"so many by X_T = {drive:g}; shorten the path, or give fewer contacts or a longer delay"
+                )
+        gained = self._stored(s, contacts, pull.at_points[FORCE, -1]) - stored
+        sums = pull.energy[:, 0] / [1.0, 1.0, n]
+        energies = np.r_[sums[0], gained, sums[1:]] * unit * unit
+        curves = pull.at_points * np.array([[unit], [unit], [1.0 / n], [unit], [unit]])
+        row = np.r_[replica, balance, energies, pull.falls, curves.ravel()]
+        scales = [1.0, 1.0, unit, unit, unit, unit, unit, 1.0, 1.0, unit]
+        table = np.reshape(slips, (-1, 10)) * scales
+        return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
+
+    def _pull(self) -> Any:
+        """A slider that rests at X = 0, its n contacts, none of which holds yet, and what pulls it, without legs."""
+        from eq_model.coupled.mass import state
+        from eq_model.coupled.mass.nearest import make_nearest
+
+        n, drive, contacts = self._n, self._drive, self._contacts
+        slider = np.zeros(1, state.SLIDER)
+        slider[0]["due"] = np.inf
+        delay, points = contacts.delay, drive.path.size
+        waits = 1 if delay is None else n + 1
+        own = state.Contacts(
+            make_nearest(n), make_nearest(n), np.empty(waits, np.int64), np.empty(waits)
+        )
+        mean = contacts.mean_threshold / self._unit if contacts.stiffness == "linked" else 0.0
+        pull = state.Pull(
+            n=n,
+            spring=drive.spring or 0.0,
+            mass=drive.mass or 0.0,
+            damping=drive.damping,
+            mean=mean,
+            wait=-1.0 if delay is None else delay.time,
+            slip=max(int(np.ceil(self.slip_fraction * n)), 1),
+            most_breaks=MOST_BREAKS,
+            places=np.empty(points),
+            speeds=np.empty(points),
+            lasts=np.empty(points),
+            at_points=np.empty((len(CURVES), points)),
+            fall=np.zeros(8),
+            slipped=np.zeros(8),
+            falls=np.zeros(SIZES, np.int64),
+            energy=np.zeros((3, 2)),
+        )
+        return slider, own, pull
+
+    def _stored(self, s: np.void, contacts: Any, spring_force: float) -> Array:
+        """Energy of the spring, the contacts that hold and the motion, each anew, per N <k> in whole units squared."""
+        from eq_model.coupled.mass.nearest import FAR
+
+        n, drive = self._n, self._drive
+        ahead, behind = (tree.places[:n] for tree in (contacts.ahead, contacts.behind))
+        holds = ahead != FAR
+        ahead, behind = ahead[holds], behind[holds]
+        x = 0.5 * (ahead + behind)
+        stretch = 0.5 * (2 * s["at"] + (behind - ahead)) + s["off"]
+        k = self._contacts.relative_stiffness(x * self._unit)
+        parts = spring_force**2 / (drive.spring or 1.0), k @ stretch**2 / n
+        return 0.5 * np.array([*parts, (drive.mass or 0.0) * s["speed"] ** 2])

@@ -1,0 +1,184 @@
+"""Coupled contacts on a slider with mass in plain Python: slow, and simple enough to be read. Arrays of floats, an
+event at a time; the motion between events is a sum of two exponentials, looked through at fine steps."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from plain_coupled import _draw
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from eq_model.coupled.ensemble import unit_of
+from eq_model.coupled.slide_kernel import make_supply
+from eq_model.draws.births import births_of
+from eq_model.draws.streams import make_stream
+from origins import Contacts, Drive
+
+
+class Followed(NamedTuple):
+    """What a replica did: curves at the path's points as columns (X, spring's force, share that holds, speed, force of
+    the contacts), and slips: X_T, X and K (X_T - X) before and after, breaks, duration."""
+
+    curves: np.ndarray
+    slips: np.ndarray
+    breaks: int
+
+
+class PlainSlider:
+    """One replica with the draws that `eq_model.simulate` makes; lengths and times are the user's."""
+
+    def __init__(
+        self, contacts: Contacts, drive: Drive, n: int, seed: int, fraction: float = 0.2
+    ) -> None:
+        """n contacts at X = 0, drawn as those of replica 0."""
+        self.unit, stream = unit_of(contacts), make_stream(seed, 0)
+        self.draws = [make_supply(births, stream) for births in births_of(contacts, self.unit)]
+        self.contacts, self.drive, self.n, self.fraction = contacts, drive, n, fraction
+        self.x = self.v = self.t = 0.0
+        self.zero, self.threshold, self.k = np.zeros((3, 0))
+        self.returns, self.breaks = list[float](), 0
+        self.form(n, start=True)
+        balance = self.k @ -self.zero / n / drive.spring
+        self.places = np.append(balance, drive.path)
+        self.clock = np.append(0.0, np.cumsum(np.abs(np.diff(self.places))) / drive.velocity)
+        if drive.time is not None:
+            self.clock = np.append(0.0, drive.time)
+        self.slips, self.broken, self.begun = list[list[float]](), 0, None
+
+    def form(self, number: int, start: bool = False) -> None:
+        """So many contacts form at X."""
+        drawn = [_draw(self.draws[0 if start else 1]) for _ in range(number)]
+        threshold, stretch = self.unit * np.array(drawn, float).reshape(-1, 2).T
+        self.threshold = np.append(self.threshold, threshold)
+        self.zero = np.append(self.zero, self.x - stretch)
+        self.k = np.append(self.k, self.contacts.relative_stiffness(threshold))
+
+    def spring_force(self, x: float, t: float) -> float:
+        return self.drive.spring * (np.interp(t, self.clock, self.places) - x)
+
+    def contact_force(self, x: float) -> float:
+        return float(self.k @ (x - self.zero)) / self.n
+
+    def motion(self, velocity: float):
+        """X and its speed as functions of the time from now on, while the drive's speed is this and nothing breaks."""
+        m, c, spring = self.drive.mass, self.drive.damping, self.drive.spring
+        stiff = spring + self.k.sum() / self.n
+        drift = spring * velocity / stiff
+        net = self.spring_force(self.x, self.t) - self.contact_force(self.x)
+        u, w = (c * drift - net) / stiff, self.v - drift
+        roots = np.roots([m, c, stiff]).astype(complex)
+        first = (w - roots[1] * u) / (roots[0] - roots[1])
+        parts = np.array([first, u - first])
+
+        def way(t):
+            return drift * t + (parts @ np.expm1(np.multiply.outer(roots, t))).real
+
+        def speed(t):
+            return drift + ((parts * roots) @ np.exp(np.multiply.outer(roots, t))).real
+
+        return way, speed, np.abs(roots).max()
+
+    def falls(self, times, speed, way, velocity: float) -> None:
+        """Begin and end falls of the spring's force where the speed passes that of the drive between these times."""
+
+        def excess(t):
+            return speed(t) - velocity
+
+        signs = excess(times) > 0.0
+        for i in np.flatnonzero(signs[1:] != signs[:-1]):
+            at = brentq(excess, times[i], times[i + 1], xtol=1e-15)
+            self.turn(at, way(at), bool(signs[i + 1]))
+
+    def turn(self, after: float, way: float, falls: bool) -> None:
+        """From so much later, and so far ahead, the spring's force falls, or rises again."""
+        x, now = self.x + way, self.t + after
+        force = self.spring_force(x, now)
+        if falls:
+            self.begun, self.broken = (now, x, force), 0
+        elif self.begun is not None:
+            t, before, high = self.begun
+            if self.broken >= self.fraction * self.n:
+                drive = np.interp(t, self.clock, self.places)
+                self.slips.append([drive, before, x, high, force, self.broken, now - t])
+            self.begun = None
+
+    def follow(self) -> Followed:
+        """To the end of the path."""
+        told, delay = list[list[float]](), self.contacts.delay
+        for end, velocity in zip(self.clock[1:], self.speeds(), strict=True):
+            if (self.begun is None) == (self.v > velocity):  # the drive's speed changes
+                self.turn(0.0, 0.0, self.v > velocity)
+            while True:
+                way, speed, fastest = self.motion(velocity)
+                due = min(end, self.returns[0] if self.returns else np.inf) - self.t
+                places = np.stack([self.zero + self.threshold, self.threshold - self.zero])
+                ahead = min(places[0], default=np.inf) - self.x
+                behind = min(places[1], default=np.inf) + self.x
+                times = np.linspace(0.0, due, 200 + int(150.0 * fastest * due))
+                ways = way(times)
+                passed = np.flatnonzero((ways >= ahead) | (ways <= -behind))
+                broke = 0
+                if passed.size and passed[0] > 0:
+                    i = passed[0]
+                    broke = 1 if ways[i] >= ahead else -1
+                    level = ahead if broke > 0 else -behind
+                    due = brentq(lambda t: way(t) - level, times[i - 1], times[i], xtol=1e-15)  # noqa: B023
+                    times = np.append(times[:i], due)
+                elif passed.size:  # several at one place
+                    broke, due, times = 1 if ahead <= 0.0 else -1, 0.0, np.zeros(1)
+                self.falls(times, speed, way, velocity)
+                self.x, self.v, self.t = self.x + way(due), speed(due), self.t + due
+                if broke:
+                    first = int(np.argmin(places[0 if broke > 0 else 1]))
+                    self.x = self.zero[first] + broke * self.threshold[first]
+                    for name in ("zero", "threshold", "k"):
+                        setattr(self, name, np.delete(getattr(self, name), first))
+                    self.breaks, self.broken = self.breaks + 1, self.broken + 1
+                    if delay is None:
+                        self.form(1)
+                    else:
+                        self.returns.append(self.t + delay.time)
+                elif self.returns and self.t >= self.returns[0]:
+                    self.returns.pop(0)
+                    self.form(1)
+                else:
+                    break
+            force, held = self.spring_force(self.x, self.t), self.zero.size / self.n
+            told.append([self.x, force, held, self.v, self.contact_force(self.x)])
+        return Followed(np.array(told).T, np.reshape(self.slips, (-1, 7)), self.breaks)
+
+    def speeds(self) -> np.ndarray:
+        """Speeds of the drive on its legs."""
+        return np.diff(self.places) / np.diff(self.clock)
+
+    def integrate(self, tolerance: float) -> np.ndarray:
+        """X at the path's points by scipy's integrator of the equation of motion: no closed form, no delay."""
+        m, c, spring, told = (*(getattr(self.drive, n) for n in ("mass", "damping", "spring")), [])
+        for end, velocity in zip(self.clock[1:], self.speeds(), strict=True):
+            start, drive = self.clock[len(told)], self.places[len(told)]
+            while self.t < end:
+                total, load = self.k.sum() / self.n, self.k @ self.zero / self.n
+                ahead = (self.zero + self.threshold).min()
+                behind = (self.zero - self.threshold).max()
+
+                def push(t, y):
+                    pulled = drive + velocity * (t - start) - y[0]  # noqa: B023
+                    return [y[1], (spring * pulled - total * y[0] + load - c * y[1]) / m]  # noqa: B023
+
+                def breaks(t, y):
+                    return min(ahead - y[0], y[0] - behind)  # noqa: B023
+
+                breaks.terminal, breaks.direction = True, -1.0
+                found = solve_ivp(
+                    push, (self.t, end), [self.x, self.v], "DOP853", None, False, breaks,
+                    rtol=tolerance, atol=0.01 * tolerance,
+                )  # fmt: skip
+                self.t, (self.x, self.v) = found.t[-1], found.y[:, -1]
+                if found.status == 1:
+                    first = int(np.argmin(self.threshold - np.abs(self.x - self.zero)))
+                    self.zero[first] = self.x
+                    self.threshold[first] = self.unit * _draw(self.draws[1])[0]
+            told.append(self.x)
+        return np.array(told)

@@ -1,0 +1,189 @@
+"""Contacts on a soft slider with mass: against plain Python and scipy's integrator, exact motions and limits."""
+
+import numpy as np
+import pytest
+import scipy.stats
+from plain_heavy import PlainSlider
+from scipy.optimize import brentq
+
+import eq_model
+import origins
+
+NARROW = origins.gaussian(1.0, 0.1)
+ATOMS = origins.mixture([origins.identical(0.8), origins.identical(1.2)], [0.5, 0.5])
+CONTACTS = {
+    "narrow": origins.Contacts(NARROW),
+    "stretched": origins.Contacts(NARROW, start=origins.gaussian_start(0.1, 0.1)),
+    "linked": origins.Contacts(NARROW, stiffness="linked"),
+    "atoms": origins.Contacts(ATOMS),
+    "exponential": origins.Contacts(scipy.stats.expon()),
+    "delayed": origins.Contacts(NARROW, delay=origins.Delay(0.3)),
+}
+# mass and damping: swings back and forth, hardly slips, creeps, rings (15 oscillations between two points), critical
+MOTIONS = [(0.01, 0.0), (0.3, 0.05), (1e-3, 0.5), (1e-5, 1e-6), (0.1, 2.0 * (0.1 * 1.3) ** 0.5)]
+
+
+def pulled(contacts, path, spring=0.3, mass=0.01, n=100, replicas=1, seed=3, **other):
+    arguments = {"n_contacts": n, "n_replicas": replicas, "seed": seed} | other
+    return eq_model.simulate(contacts, path, spring=spring, mass=mass, **arguments)
+
+
+def slips_of(found):
+    names = ["drive", "before", "after", "force_before", "force_after", "breaks", "duration"]
+    return np.stack([getattr(found.slips, name) for name in names], axis=1)
+
+
+def curves_of(found):
+    names = ["position", "force", "holding", "velocity", "contact_force"]
+    return np.stack([getattr(found, name) for name in names])
+
+
+@pytest.mark.parametrize("mass, damping", MOTIONS)
+@pytest.mark.parametrize("name", CONTACTS)
+def test_every_break_is_that_of_plain_python(name, mass, damping):
+    contacts, path = CONTACTS[name], CONTACTS[name].mean_threshold * np.linspace(0.5, 7.0, 30)
+    found = pulled(contacts, path, mass=mass, damping=damping)
+    drive = origins.Drive(path, spring=0.3, mass=mass, damping=damping)
+    plain = PlainSlider(contacts, drive, 100, 3).follow()
+    assert found.breaks == plain.breaks > 100
+    # returns are rounded to whole units of 2^-28 mean thresholds here, and double roots are off by 1e-8 there
+    off = 1e-6
+    assert np.abs(curves_of(found) - plain.curves)[[0, 1, 2, 4]].max() < off
+    assert np.abs(found.velocity - plain.curves[3]).max() < off / mass**0.5
+    assert slips_of(found).shape == plain.slips.shape
+    assert np.abs(slips_of(found) - plain.slips).max(initial=0.0) < off
+    assert np.abs(found.energy.imbalance).max() < 1e-12
+
+
+def test_holds_and_changes_of_speed():
+    path, time = [1.0, 4.0, 4.0, 7.0, 7.0], [1.0, 2.5, 5.0, 5.5, 8.0]
+    for name in ("narrow", "delayed"):
+        found = pulled(CONTACTS[name], path, time=time, damping=0.01)
+        drive = origins.Drive(path, time=time, spring=0.3, mass=0.01, damping=0.01)
+        plain = PlainSlider(CONTACTS[name], drive, 100, 3).follow()
+        assert np.abs(curves_of(found) - plain.curves).max() < 1e-6
+        assert np.abs(slips_of(found) - plain.slips).max() < 1e-6 and len(plain.slips) > 0
+
+
+def test_a_plain_integrator_agrees_to_its_own_error():
+    path, contacts = np.linspace(3.7, 4.1, 9), CONTACTS["narrow"]  # the first slip
+    drive = origins.Drive(path, spring=0.3, mass=0.01, damping=0.05)
+    found = pulled(contacts, path, damping=0.05, n=1000)
+    coarse, fine = (
+        PlainSlider(contacts, drive, 1000, 3).integrate(tolerance) for tolerance in (1e-4, 1e-8)
+    )
+    own = np.abs(coarse - fine).max()
+    assert 1e-7 < own < 1e-2 and found.position[-1] > 2.0
+    assert np.abs(found.position - fine).max() < 1e-2 * own
+
+
+@pytest.mark.parametrize("mass, damping", [(0.1, 0.0), (1e-3, 1e-3), (0.1, 3.0), (1e-16, 0.0)])
+def test_without_breaks_it_is_an_oscillator(mass, damping):
+    """From rest, in closed form by the roots of m r² + c r + S = 0; at 1e-16 through 1e7 oscillations."""
+    spring, path = 0.5, np.linspace(0.01, 0.6, 60)
+    found = pulled(origins.Contacts(origins.identical(1.0)), path, spring, mass, damping=damping)
+    stiff = spring + 1.0
+    drift = spring / stiff
+    one, two = np.roots([mass, damping, stiff]).astype(complex)
+    lag = damping * drift / stiff
+    first = (-drift - two * lag) / (one - two)
+    t = path[:, None]
+    x = drift * t - lag + first * np.exp(one * t) + (lag - first) * np.exp(two * t)
+    allowed = 1e-14 + 1e-15 * np.abs(one) * (mass / stiff) ** 0.5
+    assert found.breaks == 0 and np.abs(found.position - x[:, 0].real).max() < allowed
+    assert np.abs(found.force - spring * (path - x[:, 0].real)).max() < allowed
+
+
+def test_identical_contacts_are_pieces_of_oscillators():
+    """All break at once, one threshold behind or ahead of where they formed: undamped, by hand, over three slips."""
+    spring, mass, path = 0.5, 0.2, [30.0]
+    found = pulled(origins.Contacts(origins.identical(1.0)), path, spring, mass)
+    own, drift = ((spring + 1.0) / mass) ** 0.5, spring / (spring + 1.0)
+    t, birth, v = 0.0, 0.0, 0.0
+    falls, begun, breaks = [], None, 0
+    x = birth
+    while len(falls) < 3:
+        # about where forces balance, which moves with the drift
+        u, du = x - (spring * t + birth) / (spring + 1.0), v - drift
+
+        def moved(s):
+            return drift * s + u * (np.cos(own * s) - 1.0) + du * np.sin(own * s) / own  # noqa: B023
+
+        def speed(s):
+            return drift - u * own * np.sin(own * s) + du * np.cos(own * s)  # noqa: B023
+
+        times = np.arange(0.0, 40.0, 0.01)
+        away = np.abs(x + moved(times) - birth) >= 1.0
+        i = int(np.flatnonzero(away[1:])[0]) + 1
+        side = np.sign(x + moved(times[i]) - birth)
+        end = brentq(lambda s: side * (x + moved(s) - birth) - 1.0, times[i - 1], times[i])  # noqa: B023
+        times = np.append(times[:i], end)
+        fast = speed(times) > 1.0
+        for j in np.flatnonzero(fast[1:] != fast[:-1]):
+            at = brentq(lambda s: speed(s) - 1.0, times[j], times[j + 1])
+            force = spring * (t + at - x - moved(at))
+            if fast[j + 1]:
+                begun, breaks = (t + at, x + moved(at), force), 0
+            elif breaks:
+                falls.append(
+                    [*begun[:2], x + moved(at), begun[2], force, breaks, t + at - begun[0]]
+                )
+        t, x, v, birth = t + end, birth + side, speed(end), birth + side
+        breaks += 100
+    assert np.abs(slips_of(found)[:3] - falls[:3]).max() < 1e-9
+
+
+@pytest.mark.parametrize("rule, delay", [("instant", None), ("reform-after", origins.Delay(0.5))])
+def test_light_and_damped_sliders_follow_the_slip_rules(rule, delay):
+    """Contact by contact: what is left is proportional to the damping; slips take that time, too."""
+    contacts, path = origins.Contacts(NARROW, delay=delay), np.linspace(0.5, 9.0, 86)
+    asked = {"spring": 0.7, "n_contacts": 300, "seed": 3}
+    limit = eq_model.simulate(contacts, path, slip=rule, **asked)
+    off, shifts = [], []
+    for damping in (1e-4, 1e-5):
+        found = eq_model.simulate(contacts, path, mass=1e-3 * damping**2, damping=damping, **asked)
+        off.append(np.sort(np.abs(found.position - limit.position))[:-3].max())
+        shifts.append(np.abs(found.slips.drive[0] - limit.slips.drive[0]))
+        drop = found.slips.drop[0] / limit.slips.drop[0] - 1.0
+        assert abs(found.breaks - limit.breaks) <= 3 and abs(drop) < 20.0 * damping
+    assert off[1] < 0.2 * off[0] < 1e-3 and shifts[1] < 0.2 * shifts[0] < 1e-4
+
+
+def test_on_a_soft_spring_a_slip_is_half_an_oscillation():
+    """F is F_k in the slip, so that the spring's force falls by 2 (F_s - F_k) in pi (M/K)^(1/2)."""
+    pc = origins.gaussian(1.0, 0.2)
+    kinetic = pc.moment(2) / (2.0 * pc.mean())
+    off = []
+    for spring in (1e-2, 1e-3):
+        mass = 0.3
+        found = pulled(origins.Contacts(pc), [1.0 / spring], spring, mass, n=4000)
+        slip = found.slips
+        drop = slip.drop[0] / (2.0 * (slip.force_before[0] - kinetic))
+        time = slip.duration[0] / (np.pi * (mass / spring) ** 0.5)
+        off.append(max(abs(drop - 1.0), abs(time - 1.0)))
+        assert np.abs(found.energy.imbalance).max() < 1e-10
+    damping = 1e-2 * (mass * spring) ** 0.5
+    damped = pulled(
+        origins.Contacts(pc), [1.0 / spring], spring, mass, n=4000, damping=damping
+    ).slips
+    assert off[1] < 0.5 * off[0] and off[1] < 0.02
+    assert 0.9 < damped.drop[0] / slip.drop[0] < 1.0
+    assert abs(damped.duration[0] / slip.duration[0] - 1.0) < 0.03
+
+
+def test_replicas_are_the_same_one_by_one_on_threads_and_from_where_another_run_ended():
+    path, contacts = np.linspace(0.0, 6.0, 31), CONTACTS["delayed"]
+    asked = {"spring": 0.3, "mass": 0.01, "damping": 0.01, "n_contacts": 200, "n_replicas": 5}
+    whole = eq_model.simulate(contacts, path, **asked)
+    first = eq_model.Ensemble(contacts, path, **asked)
+    for done, _ in first:
+        if done >= 2 * 200:
+            break
+    rest = eq_model.Ensemble(contacts, path, **asked, earlier=[first.state])
+    assert not first.result().success and list(rest)[-1] == (3 * 200, 3 * 200)
+    for other in (rest.result(), eq_model.simulate(contacts, path, **asked, threads=3)):
+        for name in ("forces", "positions", "velocities", "force_standard_error", "breaks"):
+            assert np.all(getattr(other, name) == getattr(whole, name))
+        assert (slips_of(other) == slips_of(whole)).all()
+        assert (other.energy.work == whole.energy.work).all()
+    assert len(whole.velocity_standard_error) == 31 and whole.velocities.shape == (5, 31)
