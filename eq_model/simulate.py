@@ -59,9 +59,12 @@ def simulate(
         avalanche ends, or one delay later. "reset": the same, but once an avalanche has broken `slip_fraction` of the
         contacts, all contacts, those that are out too, are replaced by fresh relaxed ones, and the slider moves to X_T.
     mass, damping : float, optional
-        M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, instead of a slip rule; refused as yet.
+        M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, M X'' + γ X' = K (X_T - X) - F, instead of a
+        slip rule. Contacts form again relaxed where the slider then is, at once or after their delay. It starts at rest
+        at X = 0 and X_T = F(0)/K.
     slip_fraction : float, optional
-        Smallest share of a replica's contacts that breaks in an avalanche that counts as a slip; None: 0.2. Before a
+        Smallest share of a replica's contacts that breaks in an avalanche that counts as a slip (with a mass, in a fall
+        of the spring's force while the slider is faster than the drive); None: 0.2. Before a
         slip avalanches break up to 2 N^(-1/3) of them, 0.13 at N = 4,000.
     n_contacts, n_replicas : int
         Replicas differ in their random numbers only. Standard errors of coupled contacts are those between replicas.
@@ -80,7 +83,7 @@ def simulate(
     threads : int
         Blocks of contacts that each rank follows at once, on as many cores; the result does not depend on it.
 
-    Returns an EnsembleResult, with a spring a CoupledResult.
+    Returns an EnsembleResult, with a spring a CoupledResult, with a mass a HeavyResult.
 
     Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
 

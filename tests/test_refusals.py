@@ -231,7 +231,15 @@ Drive([0.0, 1.0], spring=1.0, damping=1.0)  damping = 1.0: is of a slider with m
 Drive([0.0, 1.0], spring=1.0, mass=1.0, damping=-0.1)  damping = -0.1: must be zero or above
 Drive([0.0, 1.0], spring=1.0, mass=1.0, slip="reset")  slip = 'reset': mass, damping and the contacts' delay
 master.solve(Contacts(GAUSSIAN), [1.0], spring=1.0, mass=1.0)  mass = 1.0: the master equation does not follow
-simulate(spring=1.0, mass=1.0, damping=0.1)  mass = 1.0: the ensemble does not follow
+simulate(spring=1.0, mass=1.0, laws={"thermal": PAPER})  contacts.thermal: eq_model.simulate with a spring
+simulate(spring=1.0, mass=1.0, laws={"reforming": 0.1})  contacts.reforming: contacts that form again stretched
+simulate([0.0, 1.0, 0.5], spring=1.0, mass=1.0)  path[2] = 0.5: lies behind path[1]
+simulate([0.0, 1.0], spring=1.0, mass=1.0, slip_fraction=2.0)  slip_fraction = 2.0: must be at most 1
+simulate([1e9], spring=1.0, mass=1.0, n_contacts=1000)  path[-1] = 1000000000.0: takes 1.0e+12 breaks of 1000
+simulate([1e12], spring=1.0, mass=1.0)  path[-1] = 1000000000000.0: must be below 1.07e+09
+simulate([1.0], spring=1e-15, mass=1.0)  spring = 1e-15: must be above
+simulate([1.0], spring=1.0, mass=1e-30)  mass = 1e-30: oscillates 2.3e+14 times between two points
+simulate([0.0], time=[0.0], spring=1.0, mass=1.0, laws={"start": 0.1})  path[0] = 0.0: leaves no time to get there
 Drive([0.0, 1.0], time=[0.0, 0.0])  time[1] = 0.0: leaves no time to get there
 Drive([0.0, 1.0], 2.0, time=[0.0, 1.0])  velocity = 2.0: the times of the points
 master.kinetic_curve(Contacts(GAUSSIAN), None)  velocity = nan: must be finite

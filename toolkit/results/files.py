@@ -22,7 +22,9 @@ from toolkit.scene.tables import read_table
 RESULT = "result.h5"
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = """path position force force_standard_error step_error position_standard_error positions forces x atoms
-stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after"""
+stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after
+contact_force contact_force_standard_error contact_forces"""
+_ENERGIES = "energy_work energy_spring energy_contacts energy_kinetic energy_damped energy_released"
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -99,9 +101,9 @@ def summary(result: Result) -> dict[str, Any]:
 
 
 def _flat(answer: Any) -> dict[str, Any]:
-    """The fields of a record, those of slips and regimes too."""
+    """The fields of a record, those of slips, regimes and energies too."""
     values = {field.name: getattr(answer, field.name) for field in fields(answer)}
-    for name, prefix in (("slips", "slip_"), ("regime", "")):
+    for name, prefix in (("slips", "slip_"), ("regime", ""), ("energy", "energy_")):
         if is_dataclass(part := values.pop(name, None)):
             values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
     return {name: value for name, value in values.items() if value is not None}
@@ -155,6 +157,9 @@ def units_of(result: Result, short: bool = False) -> dict[str, str]:
     inverse = "density thresholds stretches threshold_error stretch_error"
     units |= dict.fromkeys(inverse.split(), f"1 / {unit}")
     units |= {"delay": clock, "time": clock, "kelvin": "K", "velocity": f"{unit} / {clock}"}
+    speeds = "velocities velocity_standard_error slip_top_speed"
+    units |= dict.fromkeys(speeds.split(), f"{unit} / {clock}") | {"slip_duration": clock}
+    units |= dict.fromkeys(_ENERGIES.split(), f"({unit})^2")
     return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
 
@@ -224,8 +229,14 @@ def _read_master(group: Any) -> SolvedRecord:
 
 
 def _read_eq(group: Any) -> Any:
+    import eq_model
     from eq_model import CoupledResult, CoupledSlips, EnsembleResult
     from eq_model.result import Histogram
+
+    if "energy_work" in group:  # a slider with mass
+        slips = _read(group, eq_model.HeavySlips, "slip_")
+        energy = _read(group, eq_model.Energy, "energy_")
+        return _read(group, eq_model.HeavyResult, slips=slips, energy=energy)
 
     if "positions" in group:
         return _read(group, CoupledResult, slips=_read(group, CoupledSlips, "slip_"))

@@ -46,12 +46,14 @@ class HeavySliders:
         """InputError for paths that are too long to be followed."""
         contacts, drive, end = self._contacts, self._drive, self._drive.path[-1]
         spring, mean = drive.spring or 0.0, contacts.mean_threshold
-        # a slider may swing beyond the drive by as much as it was behind
-        reach = abs(end) + abs(contacts.start.mean() / spring) + 2.0 * mean / spring
-        if not reach / self._unit < FURTHEST:
-            most = FURTHEST * self._unit
-            hint = f"must be below {most:.3g}, beyond which positions have too few digits"
+        most, force = 0.25 * FURTHEST * self._unit, mean + abs(contacts.start.mean())
+        if end > most:
+            hint = f"must be below {most:.3g}; positions are whole multiples of {self._unit:.3g}"
             refuse("path[-1]", end, hint)
+        # a slider may swing beyond the drive by as much as it was behind
+        if force > spring * most:
+            hint = f"must be above {force / most:.3g}; slips are longer than positions have digits"
+            refuse("spring", spring, hint)
         # before the first slip no contact need break; a contact breaks once a mean threshold where it does not wait
         breaks = self._n * max(end / mean - 1.0 / spring, 0.0)
         if contacts.delay is None and breaks > MOST_BREAKS:
