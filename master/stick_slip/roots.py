@@ -34,6 +34,23 @@ SUM_ROUNDING = 4e-16
 NEAR = 0.9
 # Ratio of the longest to the mean life beyond which the few longest ones cannot be resolved.
 BROAD = 1e4
+# Largest error of D, times the decay rate, with which the turns of w = 1 - sD, counted around 1, are sure.
+COUNTABLE = 1e-3
+# Angle in radians by which w turns at most from one frequency to the next: neighbours tell which way it turned.
+TURN = 0.5
+# The highest frequency times the mean way from birth to birth; and most frequencies times nodes of one integral, which
+# limits the work.
+MOST_FREQUENCIES, MOST_SUMMANDS = 2e3, 1e8
+# |w| below which w is taken not to turn around 1, with a margin. Frequencies are enough where w is smaller beyond this
+# fraction of the highest.
+QUIET, LAST_PART = 0.8, 0.7
+# Steps in frequency by which a root may lie left of the line and be kept, and the least ln |w| = -BESIDE from which
+# Newton's method starts: between frequencies w is interpolated, so that a counted root may seem to lie just left.
+BESIDE = 0.02
+# Newton's method: most steps, and in steps of frequency the last one, whose square is about the error.
+MOST_NEWTON, LAST_NEWTON = 20, 1e-8
+# Relative last step of a root that is kept; and steps of frequency within which two are one.
+CONVERGED, SAME = 1e-7, 1e-6
 
 
 class Values(NamedTuple):
@@ -226,37 +243,37 @@ def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, 
     it, inf where D is too inaccurate to tell."""
     travel, s = transform.travel, np.array([complex(-decay)])
     end = transform(s)
-    if not end.conserved_error[0] * decay < 1e-3:
+    if not end.conserved_error[0] * decay < COUNTABLE:
         return some, np.inf
-    # w = 1 - sD turns by half a radian in a step: its slope on the real axis is the mean way, weighted by e^(decay x)
-    step = float((0.5 * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
-    # at most 1e8 frequencies times nodes of an integral, and at most 2,000 per mean way
-    highest = min(2e3 / travel.birth_to_birth, np.sqrt(1e8 * step / transform.table.end[-1]))
+    # the slope of w = 1 - sD on the real axis is the mean way, weighted by e^(decay x)
+    step = float((TURN * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
+    by_work = np.sqrt(MOST_SUMMANDS * step / transform.table.end[-1])
+    highest = min(MOST_FREQUENCIES / travel.birth_to_birth, by_work)
     last = max(4.0 / travel.resolution_length, 15.0 * step)
     while True:
         last = min(2.0 * last, highest)
         s = -decay + 1j * step * np.arange(int(np.ceil(last / step)) + 2)
         w = (1.0 - s * transform.held_on_line(decay, step, s.size)) * np.exp(-s * travel.wait)
-        loudest = float(s[np.flatnonzero(np.abs(w) > 0.8)[-1]].imag)
-        if loudest < 0.7 * last or last >= highest:
+        loudest = float(s[np.flatnonzero(np.abs(w) > QUIET)[-1]].imag)
+        if loudest < LAST_PART * last or last >= highest:
             break
     phase, size = np.angle(w), np.log(np.abs(w))
     turn = phase[:-1] - phase[1:]
     real = ((phase[:-1] > 0.0) != (phase[1:] > 0.0)) & (np.abs(turn) < np.pi)
-    share = np.divide(phase[:-1], turn, out=np.zeros(turn.size), where=real)
-    size = size[:-1] + share * np.diff(size)
+    place = np.divide(phase[:-1], turn, out=np.zeros(turn.size), where=real)
+    size = size[:-1] + place * np.diff(size)
     # where w crosses the real axis beyond 1, it has turned once around 1, which a root does
     number = float(np.sign(turn)[real & (size > 0.0)].sum())
-    starts = (s[:-1] + 1j * step * share)[real & (size > -0.02)]
+    starts = (s[:-1] + 1j * step * place)[real & (size > -BESIDE)]
     return _newton(transform, np.append(some, starts), decay, step), number
 
 
 def _newton(transform: Transform, starts: Complex, decay: float, step: float) -> Complex:
-    """Roots of log w near `starts` right of Re s = -decay, or by 0.02 `step` left of it, slowest first."""
+    """Roots of log w near `starts` right of Re s = -decay, or by BESIDE steps left of it, slowest first."""
     nodes = transform.nodes(float(np.abs(starts).max(initial=0.0)) + step, decay + step)
     ends, last = starts.copy(), np.full(starts.size, np.inf)
-    for _ in range(20):
-        moving = last > 1e-8 * step  # an error is about the square of the last step
+    for _ in range(MOST_NEWTON):
+        moving = last > LAST_NEWTON * step
         if not moving.any():
             break
         s = ends[moving]
@@ -266,7 +283,7 @@ def _newton(transform: Transform, starts: Complex, decay: float, step: float) ->
             move = np.log1p(-s * found.conserved) * broken / (found.conserved + s * found.slope)
         ends[moving] += move
         last[moving] = np.abs(move)
-    good = (last <= 1e-7 * np.abs(ends)) & (ends.imag > 0.1 * step)
-    ends = ends[good & (ends.real > -decay - 0.02 * step)]
-    ends = ends[~np.tril(np.abs(np.subtract.outer(ends, ends)) <= 1e-6 * step, -1).any(axis=1)]
+    good = (last <= CONVERGED * np.abs(ends)) & (ends.imag > 0.1 * step)
+    ends = ends[good & (ends.real > -decay - BESIDE * step)]
+    ends = ends[~np.tril(np.abs(np.subtract.outer(ends, ends)) <= SAME * step, -1).any(axis=1)]
     return ends[np.argsort(-ends.real, kind="stable")]
