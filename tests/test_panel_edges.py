@@ -1,0 +1,71 @@
+"""Where panels end and how wide they are: halving mends a fault there, so that forces hide it. These tests do not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from master.motion import Motion
+from master.renewal.births import Births, reforming_law
+from master.renewal.edges import edges
+from master.renewal.panel_width import PanelWidth
+from master.rigid import march_of
+from master.survival.life import ColdLife
+from origins import Contacts, rectangular
+
+BOX = rectangular(0.5, 1.5)
+
+
+def test_panels_end_where_contacts_meet_the_jumps_of_their_thresholds():
+    """Breaks bend at 0.5 and 1.5, and where the contacts born one delay later meet these lengths."""
+    contacts, delay = Contacts(BOX), 0.3
+    motion = Motion(np.array([0.0, 4.0]), np.array([0.0, 4.0]))
+    births = Births(ColdLife(contacts), reforming_law(contacts), motion, delay)
+    times = edges(births, contacts.start, 1e-8).times
+    first, second = [0.5, 1.5], [0.5 + delay + 0.5, 0.5 + delay + 1.5, 1.5 + delay + 1.5]
+    for expected in (0.0, delay, *first, *second, 4.0):
+        assert np.abs(times - expected).min() < 1e-12
+    assert np.abs(times - 1.0).min() > 1e-3  # without the delay there would be one
+
+
+def tried(error_of, length=1.0, first=0.1, tolerance=1e-8):
+    """Widths tried by the controller for panels with these errors; and ends of the panels that were kept."""
+    widths, t, all_tried, kept = PanelWidth(length, first, first, 1.0, tolerance, True), 0.0, [], []
+    while not widths.reached(length - t):
+        proposal = widths.propose(length - t)
+        width = proposal.width
+        begins = t + width * np.arange(proposal.panels)
+        errors = np.array([error_of(begin, width) for begin in begins])
+        bad = np.flatnonzero(errors > tolerance)
+        good = int(bad[0]) if bad.size else errors.size
+        all_tried.append((t, width))
+        kept += [(begin, width) for begin in begins[:good]]
+        t += good * width
+        if bad.size:
+            widths.narrow(good, float(errors[good]))
+        else:
+            widths.widen(proposal, errors, 1.0, in_any_case=False)
+        assert len(all_tried) < 1000
+    return all_tried, kept
+
+
+def test_panels_get_as_wide_as_the_tolerance_allows():
+    """Errors as (w/0.02)^16 of the tolerance: 50 panels are enough, and 200 too many."""
+    _, kept = tried(lambda t, width: 1e-8 * (width / 0.02) ** 16)
+    assert 50 <= len(kept) <= 200
+    assert abs(sum(width for _, width in kept) - 1.0) < 1e-9
+
+
+def test_two_bad_widths_tell_the_next_one_where_halving_is_slow():
+    """Errors in proportion to the width of the first panel: by quarters it would take 16 tries from 0.1 to 5e-11."""
+    all_tried, _ = tried(
+        lambda t, width: 1e2 * width if t == 0.0 else 1e-8 * (width / (2.0 * t)) ** 16
+    )
+    assert sum(t == 0.0 for t, _ in all_tried) <= 8
+
+
+def test_births_on_earlier_legs_are_cut_where_their_survival_bends():
+    """Between the right cuts E of a rectangular law is a line in the time of birth, so that no piece is halved."""
+    contacts = Contacts(BOX)
+    motion = Motion.along(np.array([0.0, 1.2, -0.9, 1.4]))
+    march = march_of(contacts, motion, ColdLife(contacts), 1e-8).run()
+    assert march.births.work < 60_000  # 19,000; without the cuts two millions
