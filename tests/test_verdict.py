@@ -78,6 +78,32 @@ def test_without_a_spring_it_says_below_which_one_the_interface_slips(capsys: An
     assert not Path("mine-output/friction.csv").exists()
 
 
+def test_few_contacts_slip_where_infinitely_many_slide(capsys: Any) -> None:
+    """N K³ is far below 50, so that the ensemble slips above K*: the page says so first, and the status is 1."""
+    surface = load_scene(write(thresholds=ROUGH, master=None), solved=False).contacts.interface
+    assert surface is not None
+    drive = {"spring": "0.02 N_c<k>", "area": 500.0 / surface.contact_density}
+    tables = {"thresholds": ROUGH, "drive": drive, "verdict": RESET | {"readings": ["gw/amontons"]}}
+    status, page, found = judged(capsys, **tables)
+    own, (few,) = found["readings"][0], found["finite"]
+    assert own["critical_spring"]["value"] < own["spring"]
+    assert own["behaviours"][0]["kind"] == "smooth" and few["kind"] == "stick-slip"
+    assert few["contacts"] == 500 and few["before"] > 0.0
+    assert status == 1 and page.splitlines()[2].startswith("disagree: 500 contacts stick and slip")
+
+
+def test_many_contacts_do_what_infinitely_many_do(capsys: Any) -> None:
+    """The mean force before a slip of 20,000 contacts lies within 5 standard errors and the late slip of N^(-2/3)."""
+    tables = {"drive": {"spring": 0.5}, "eq": {"contacts": 20_000}, "verdict": RESET}
+    drive = tables["drive"] | {"to": 1.0}
+    status, page, found = judged(capsys, **(tables | {"drive": drive}))
+    (many,), master_says = found["finite"], found["readings"][0]["behaviours"][0]
+    apart = abs(many["before"] - master_says["before"])
+    assert apart < 5.0 * many["before_error"] + 20_000 ** (-2 / 3)
+    assert status == 0 and many["kind"] == master_says["kind"] == "stick-slip"
+    assert "20,000 contacts, if a slip renews all contacts: stick-slip" in page
+
+
 def test_slips_stand_in_the_trace_at_their_own_places(capsys: Any) -> None:
     tables = {"drive": {"spring": 0.5}, "verdict": RESET}
     judged(capsys, **tables)

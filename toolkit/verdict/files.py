@@ -9,6 +9,7 @@ from typing import Any
 
 from toolkit.results.files import write_json
 from toolkit.results.folders import write_folder
+from toolkit.verdict.finite import Finite
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.picture import save_verdict_picture
 from toolkit.verdict.words import dependence, page, sentence
@@ -37,6 +38,7 @@ def plain(verdict: Verdict) -> dict[str, Any]:
         "velocity": verdict.velocity,
         "success": verdict.success,
         "run_time": verdict.run_time,
+        "finite": [_of_finite(one, verdict) for one in verdict.finite],
         "left_out": verdict.left_out,
         "readings": [_of_answer(answer) for answer in verdict.answers],
     }
@@ -61,6 +63,12 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
     out["spring"] = answer.spring and answer.spring * scale.spring
     out["behaviours"] = [_of_behaviour(one, scale.force) for one in answer.behaviours]
     return out
+
+
+def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
+    """What so many contacts do, forces in the unit of the own reading."""
+    out, force = asdict(finite), verdict.own.scale.force
+    return out | {name: out[name] * force for name in ("before", "before_error")}
 
 
 def _of_behaviour(behaviour: Any, force: float) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from origins.samples.from_samples import bootstrap_laws, sampled_parts
 from toolkit.scene.drive import spring_number
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
+from toolkit.verdict.finite import Finite, follow_finite
 from toolkit.verdict.follow import Behaviour, follow
 from toolkit.verdict.readings import readings_of
 from toolkit.verdict.scale import Scale, scale_of
@@ -56,6 +57,8 @@ class Verdict:
     """The answers of all readings, the scene's own first.
 
     velocity : of the drive; run_time : s
+    finite : what as many contacts as there are do under each rule, by the own reading; empty where their number is
+        not known
     left_out : readings without an answer, and why
     """
 
@@ -63,6 +66,7 @@ class Verdict:
     title: str
     velocity: float
     answers: tuple[Answer, ...]
+    finite: tuple[Finite, ...]
     left_out: dict[str, str]
     run_time: float
 
@@ -103,9 +107,35 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             if reading.own:
                 raise
             left_out[reading.name] = str(error)
-    took = time.monotonic() - began
-    title = scene.title or scene.name
-    return Verdict(scene.name, title, table.velocity, tuple(answers), left_out, took)
+    finite = _finite(scene, table, answers[0], progress)
+    return Verdict(
+        name=scene.name,
+        title=scene.title or scene.name,
+        velocity=table.velocity,
+        answers=tuple(answers),
+        finite=finite,
+        left_out=left_out,
+        run_time=time.monotonic() - began,
+    )
+
+
+def _finite(
+    scene: Scene, table: DriveTable, own: Answer, progress: Callable[[str], None]
+) -> tuple[Finite, ...]:
+    """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading."""
+    number = own.scale.contacts
+    if number is None and scene.eq is not None:
+        number = float(scene.eq.contacts)
+    if number is None or own.spring is None:
+        return ()
+    progress(f"sliders of {number:,.0f} contacts")
+    static = own.static.value
+    return tuple(
+        follow_finite(
+            table, own.contacts, number, own.spring, one.rule, static, one.kind == "stick-slip"
+        )
+        for one in own.behaviours
+    )
 
 
 def _rules(scene: Scene, table: DriveTable) -> tuple[str, ...]:

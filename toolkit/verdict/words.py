@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.judge import Answer, Quantity, Verdict
 from toolkit.verdict.scale import written
@@ -37,9 +38,32 @@ def sentence(verdict: Verdict) -> str:
         if behaviour.kind != "undecided"
     }
     told = _told(verdict, own)
-    if len(kinds) < 2:
-        return told
-    return f"the assumptions decide: {told}{_others(verdict)}"
+    if len(kinds) > 1:
+        told = f"the assumptions decide: {told}{_others(verdict)}"
+    return f"{_disagreement(verdict)}{told}"
+
+
+def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
+    """The rules under which as many contacts as there are do something else than infinitely many."""
+    pairs = zip(verdict.own.behaviours, verdict.finite, strict=False)
+    known = [pair for pair in pairs if "un" not in (pair[0].kind[:2], pair[1].kind[:2])]
+    return [(behaviour, finite) for behaviour, finite in known if behaviour.kind != finite.kind]
+
+
+def _disagreement(verdict: Verdict) -> str:
+    """The headline where the number of contacts decides; "" where it does not."""
+    apart = disagreeing(verdict)
+    if not apart:
+        return ""
+    _, finite = apart[0]
+    said = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}.get(
+        finite.kind, "slip now and then"
+    )
+    rules = " or ".join(NAMED[one.rule] for _, one in apart)
+    return (
+        f"disagree: {finite.contacts:,} contacts {said} if {rules}, infinitely many do not; "
+        "for infinitely many: "
+    )
 
 
 def _without_spring(verdict: Verdict) -> str:
@@ -95,18 +119,20 @@ def _range(values: Sequence[float], unit: str) -> str:
 
 
 def _others(verdict: Verdict) -> str:
-    """What the other readings say that differs from the scene's own."""
+    """How many of the other readings say something else than the scene's own, under any rule, and which."""
     own = {behaviour.rule: behaviour.kind for behaviour in verdict.own.behaviours}
-    said = []
+    differ: dict[str, list[str]] = {}
     for answer in verdict.answers[1:]:
-        differs = [
-            f"{one.kind} if {NAMED[one.rule]}"
-            for one in answer.behaviours
-            if one.kind not in ("undecided", own[one.rule])
-        ]
-        if differs:
-            said.append(f"{answer.name}: {', '.join(differs)}")
-    return f"; other readings differ ({'; '.join(said)})" if said else ""
+        for one in answer.behaviours:
+            if one.kind not in ("undecided", own[one.rule]):
+                names = differ.setdefault(one.kind, [])
+                names += [answer.name] if answer.name not in names else []
+    others = len(verdict.answers) - 1
+    said = [
+        f"{len(names)} of {others} other readings say {kind} ({', '.join(names)})"
+        for kind, names in differ.items()
+    ]
+    return f"; {'; '.join(said)}" if said else ""
 
 
 def table(verdict: Verdict) -> list[str]:
@@ -206,17 +232,23 @@ def dependence(verdict: Verdict) -> list[str]:
             f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
             f"{len(answers)} readings"
         )
-    scale = own.scale
-    if scale.contacts is not None and own.spring is not None:
-        crowd = scale.contacts * own.spring**3
-        smooth = any(one.kind == "smooth" for one in own.behaviours)
-        if smooth and crowd < 50.0:  # docs/sliders.md, "Finitely many contacts"
-            lines.append(
-                f"the number of contacts: smooth sliding of {scale.contacts:.3g} contacts is not sure, as N K³ = "
-                f"{crowd:.1g} is below 50; run [eq] with as many"
-            )
+    for finite in verdict.finite:
+        lines.append(_of_finite(verdict, finite))
     lines += [f"left out: {name}: {why}" for name, why in verdict.left_out.items()]
     for behaviour in own.behaviours:
         if not behaviour.success:
             lines.append(f"not as asked, {NAMED[behaviour.rule]}: {behaviour.message}")
     return lines
+
+
+def _of_finite(verdict: Verdict, finite: Finite) -> str:
+    """What so many contacts do, in words."""
+    scale, rule = verdict.own.scale, NAMED[finite.rule]
+    if finite.kind == "unknown":
+        return f"the number of contacts was not looked at if {rule}: {finite.message}"
+    said = f"{finite.contacts:,} contacts, if {rule}: {finite.kind}"
+    if finite.kind == "smooth":
+        return said
+    before = written(finite.before * scale.force, scale.force_unit)
+    error = written(finite.before_error * scale.force, scale.force_unit, digits=1)
+    return f"{said}, from {before} ± {error}"

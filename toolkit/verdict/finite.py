@@ -1,0 +1,88 @@
+"""What finitely many contacts do: sliders of as many contacts as the area holds, beside the infinitely many of the
+master equation."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origins.contacts import Contacts
+from origins.errors import InputError
+from toolkit.scene.tables import DriveTable
+
+# sliders, which differ by chance; most contacts of each; most breaks of all, some 10 s at 25 ns each
+SLIDERS, MOST_CONTACTS, MOST_BREAKS = 4, 2_000_000, 4e8
+# length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
+LOADINGS, BEYOND = 3.2, 40.0
+POINTS = 100
+SEED = 1
+
+
+@dataclass(frozen=True)
+class Finite:
+    """What sliders of `contacts` contacts each do under a slip rule.
+
+    kind : "stick-slip" where each slider slips, "smooth" where none does on its way of some 40 mean thresholds, "now
+        and then" between; "unknown" where they were not followed, for the reason in `message`
+    before, before_error : mean spring force before a slip, F/(N_c <k>) (a length), and its standard error
+    slips : number of slips of a slider, mean
+    """
+
+    rule: str
+    contacts: int
+    kind: str
+    before: float = float("nan")
+    before_error: float = float("nan")
+    slips: float = 0.0
+    message: str = ""
+
+
+def follow_finite(
+    table: DriveTable,
+    contacts: Contacts,
+    number: float,
+    spring: float,
+    rule: str,
+    static: float,
+    slips: bool,
+) -> Finite:
+    """Follow sliders of so many contacts; `slips`: whether infinitely many stick and slip.
+
+    spring : K/(N_c <k>); static : F_s/(N_c <k>) (a length)
+    """
+    import eq_model
+
+    held = max(round(number), 1)
+    mean = contacts.mean_threshold
+    loading = static / spring + mean
+    # in a slip that renews contacts all break once; contacts that re-form at once break at each threshold passed
+    end = LOADINGS * loading if slips else loading + BEYOND * mean
+    lives = LOADINGS if slips and rule != "instant" else end / mean if slips else 2.0 + BEYOND
+    breaks = SLIDERS * held * lives
+    if held > MOST_CONTACTS:
+        return Finite(
+            rule, held, "unknown", message=f"{held:.3g} contacts are more than are followed here"
+        )
+    if breaks > MOST_BREAKS:
+        return Finite(
+            rule,
+            held,
+            "unknown",
+            message=f"some {breaks:.1g} breaks are more than are followed here",
+        )
+    path = contacts.start.mean() / spring + np.linspace(0.0, end, POINTS)
+    given: dict[str, Any] = {
+        "velocity": table.velocity,
+        "spring": spring,
+        "slip": rule,
+        "seed": SEED,
+    }
+    try:
+        found = eq_model.simulate(contacts, path, n_contacts=held, n_replicas=SLIDERS, **given)
+    except InputError as refused:
+        return Finite(rule, held, "unknown", message=str(refused))
+    counts = np.bincount(found.slips.replica, minlength=SLIDERS)
+    kind = "stick-slip" if counts.min() >= 1 else "now and then" if counts.any() else "smooth"
+    last = int(max(counts.min() - 1, 0))
+    before, error = found.slips.mean("force_before", last) if counts.any() else (np.nan, np.nan)
+    return Finite(rule, held, kind, before, error, float(counts.mean()))
