@@ -258,3 +258,52 @@ def test_the_error_bounds_what_finer_steps_change(name: str) -> None:
     told = beside > 2.0 * slips.drive_error
     assert told.sum() > 90
     assert np.abs(rough.force - fine.force)[told].max() <= bound
+
+
+# A spring a million times softer than the contacts, as those of machines are, and slips of 7e5 thresholds.
+SOFTEST, FAR = 1e-6, np.array([3e5, 7e5, 1.5e6])
+HARDLY_WARM = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e-25))
+
+
+@pytest.mark.parametrize("rule", ["reset", "reform-after"])
+def test_on_the_softest_spring_a_law_that_does_nothing_changes_nothing(rule: SlipRule) -> None:
+    """Nothing holds at the end of a slip, so that both rules are the paper's, which is solved without steps."""
+    exact = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST)
+    solved = held_to_claim(HARDLY_WARM, FAR, 1e-3, exact, spring=SOFTEST, slip=rule)
+    assert solved.slips.drive.size == 2
+    assert np.abs(solved.slips.drive - exact.slips.drive).max() <= solved.slips.drive_error
+    assert np.abs(solved.slips.force_after).max() <= solved.force_error
+
+
+def test_on_the_softest_spring_contacts_re_form_a_delay_after_the_slip() -> None:
+    """Until then the slider goes with its drive, so that each slip is later by one delay more."""
+    exact = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST).slips.drive
+    brief = Contacts(WIDE, delay=Delay(0.3))
+    solved = master.solve(brief, FAR, 1e-4, spring=SOFTEST, slip="reform-after")
+    assert solved.success
+    assert np.abs(solved.slips.drive - exact - [0.0, 0.3]).max() <= solved.slips.drive_error
+
+
+def test_a_slip_of_hundreds_of_thresholds_ends_at_the_force_of_steady_sliding() -> None:
+    """Contacts that re-form at once are then distributed as under a rigid slider: F_k = <x_s²>/(2 <x_s>)."""
+    law, path = gaussian(1.0, 0.4), np.array([300.0, 648.0])
+    unit, steady = law.mean(), law.moment(2) / (2.0 * law.mean())
+    exact = master.solve(Contacts(law), path, 1e-8, spring=1e-3, slip="instant").slips
+    warm = Contacts(law, thermal=Thermal("soft", 0.1, 1e-25))
+    solved = master.solve(warm, path, 1e-3, spring=1e-3, slip="instant")
+    claim = solved.force_error * unit
+    assert solved.success and solved.slips.drive.size == 1
+    assert abs(solved.slips.drive - exact.drive)[0] <= solved.slips.drive_error
+    assert abs(solved.slips.force_after[0] - steady) <= claim
+    assert np.abs(solved.force - [0.3 / 1.001, steady]).max() <= claim
+
+
+def test_a_path_that_ends_just_after_a_slip_tells_of_the_slip() -> None:
+    """F of a soft slider hardly depends on X, which decides on the slip: here soon after it."""
+    late = Contacts(WIDE, delay=Delay(0.3))
+    slip = float(master.solve(late, FAR, 1e-5, spring=SOFTEST).slips.drive[0])
+    for after in (2.0, 10.0):
+        solved = master.solve(late, [3e5, slip + after], 1e-3, spring=SOFTEST)
+        assert solved.success and solved.slips.drive.size == 1
+        # after the slip nothing pulls but the way of the drive since then, known to the error of the slip's place
+        assert abs(solved.force[-1] - SOFTEST * after) <= 4.0 * SOFTEST

@@ -48,6 +48,7 @@ class Cohorts:
 
     position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
     unit, jumps : mean threshold (a length), and whether P_c may jump
+    largest_stiffness : k_i/<k> of the stiffest contacts
     pending : times at which the rate of births jumps, and the fractions, possibly 0, born at once there
     level : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
     unresolved : bound on the force (a length) of contacts whose survival steps do not resolve
@@ -58,6 +59,7 @@ class Cohorts:
         self.memory, self.delay, self._until = memory, contacts.waiting_time, until
         self.level, self.steps, self.work, self.unresolved = level, 0, 0.0, 0.0
         self.position, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
+        self.largest_stiffness = float(contacts.relative_stiffness(memory.largest_stretch))
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
         self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())
         start = stretch_rule(contacts.start, memory.largest_stretch, memory.starts)
@@ -143,6 +145,12 @@ class Cohorts:
         self.groups = groups.pick(alive)
         self._sections[-1].append((self.now, trial.breaks))
         self._born = trial.births
+
+    def slide_steadily(self, travel: float, error: float) -> None:
+        """Slide on at this moment while each break is followed by a birth and stretches stay distributed as they are;
+        `error` bounds what F changes on the way (a length)."""
+        self.position += travel
+        self.unresolved = max(self.unresolved, error)
 
     def _stop_at_limits(self) -> None:
         """Raise StoppedError after too many steps, too much work in them, or too much time."""

@@ -18,7 +18,7 @@ def read(sections: list[list[Node]], asked: Array) -> Array:
     which = np.minimum(np.searchsorted(ends, asked, side="right"), len(sections) - 1)
     out = np.empty((2, asked.size))
     for k in np.unique(which):
-        at, nodes = asked[which == k], np.array(sections[k])
+        at, nodes = asked[which == k], np.array(sections[k])[:, :4]
         nodes = nodes[np.unique(nodes[:, 0], return_index=True)[1]]
         step, times = nodes[:, 0], nodes[:, 1]
         if step.size == 1:

@@ -18,6 +18,7 @@ from master.outcome import Progress, StoppedError
 from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.memory import MeanRateMemory, Memory
+from master.soft.in_time.near_slip import slip_undecided
 from master.soft.in_time.reading import read
 from master.soft.in_time.slider import Slider
 from master.soft.regime import Followed, slips_of
@@ -145,6 +146,8 @@ def extrapolated(
             nearest = np.abs(asked[beside, None] - moments[2] - later).argmin(axis=1)
             there = read(levels[2].sections, asked[beside] - later[nearest])
             answer[: 2 * n].reshape(2, n)[:, beside] = there / [[unit], [1.0]]
+        if slip_undecided(levels):
+            error = max(error, float(np.abs(answer[:n]).max()))
     # round-off of the force grows with the number of steps, and where the slider slips with K, as K X_T does
     stiff = spring if slips[-1].size else min(spring, 1.0)
     rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)

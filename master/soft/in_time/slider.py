@@ -22,6 +22,7 @@ class Node(NamedTuple):
     time: float
     force: float
     holding: float
+    position: float
 
 
 class Slider:
@@ -34,12 +35,12 @@ class Slider:
 
     def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
         self.contacts, self._rule, self._spring = contacts, drive.slip, float(drive.spring or 0.0)
-        self._motion, self._size = motion, 0.5**contacts.level  # of a step
+        self.motion, self._size = motion, 0.5**contacts.level  # of a step
         self.sections, self.slips = list[list[Node]](), list[Array]()
 
     def run(self) -> None:
         """Follow the drive to its end."""
-        contacts, motion = self.contacts, self._motion
+        contacts, motion = self.contacts, self.motion
         if motion is None:
             self.sections.append([self._node(0.0)])
             return
@@ -73,7 +74,7 @@ class Slider:
 
     def _node(self, size: float) -> Node:
         state = self.contacts
-        return Node(size, state.now, state.force, state.holding)
+        return Node(size, state.now, state.force, state.holding, state.position)
 
     def _slip(self, drive: float) -> None:
         """Let the slider slip while the drive holds at this position."""

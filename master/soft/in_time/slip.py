@@ -1,4 +1,8 @@
-"""Slips that end at a balance, while the drive holds: the slider moves on, which takes no time."""
+"""Slips that end at a balance, while the drive holds: the slider moves on, which takes no time.
+
+On a soft spring a slip is as long as F/K, a million thresholds on a spring of 1e-6 N_c <k>. The work depends on the way
+until breaks are steady, or until nothing holds any more; the rest of a slip is algebra.
+"""
 
 from collections.abc import Callable
 
@@ -15,51 +19,86 @@ FIRST_TRAVELS = (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)
 NO_SLIP = 1e-4
 # Accuracy of a slip's end, in mean thresholds: that of rounding.
 AT_END = 1e-15
-# Step of a slip without births, in lengths over which births change: small, so that no balance is missed.
-STEP_WITHOUT_BIRTHS = 0.06
+# Shortest step in the search for the end of a slip without births, in lengths over which births change: two balances
+# that are nearer to each other are not told apart.
+SHORTEST_STEP = 0.06
+# Travel, in mean thresholds, along which F has to stay the same for breaks to be steady; and the largest change of F on
+# it, in mean thresholds, which is part of the error.
+STEADY_TRAVEL, STEADY = 1.0, 1e-6
 
 
 def slip_without_births(contacts: Cohorts, steps: Steps) -> None:
-    """Move the slider to the first balance; broken contacts stay out until then, or for their delay."""
+    """Move the slider to the first balance; broken contacts stay out until then, or for their delay.
+
+    Breaks lower F, so that it rises at most with the stiffness of the contacts that still hold. Where the spring pulls
+    more by d no balance is nearer than d/(K + that stiffness): steps of this length miss none. Where nothing holds any
+    more one of them leads to the end, X = X_T.
+    """
+    shortest = SHORTEST_STEP * contacts.memory.scales.length
     broken = contacts.breaks
     contacts.begin_section()
-    _to_balance(contacts, steps, STEP_WITHOUT_BIRTHS * contacts.memory.scales.length, False)
+
+    def imbalance(travel: float) -> float:
+        return steps.imbalance(contacts.trial(travel, contacts.now, without_births=True))
+
+    first = _first_travel(imbalance, 0.5 * steps.sign * contacts.memory.scales.length)
+    low = high = first or NO_SLIP * steps.sign * shortest
+    while first:
+        trial = contacts.trial(high, contacts.now, without_births=True)
+        missing = steps.imbalance(trial)
+        if missing <= 0.0:
+            low = float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit))
+            break
+        softest = steps.spring + contacts.largest_stiffness * trial.holding
+        low, high = high, high + steps.sign * max(missing / softest, shortest)
+    contacts.take(contacts.trial(low, contacts.now, without_births=True))
     contacts.begin_section()
     contacts.repeat_later(contacts.now, contacts.breaks - broken)
     contacts.born_now()
 
 
 def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
-    """Move the slider to the first balance, in steps of this size; broken contacts re-form at once."""
+    """Move the slider to the first balance, in steps of this size; broken contacts re-form at once.
+
+    Once breaks are steady F stays that of sliding at infinite speed, and the spring's balance tells the rest.
+    """
     contacts.begin_section()
-    _to_balance(contacts, steps, size * steps.length, True)
-    contacts.begin_section()
+    step, least = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
+    begin, travelled, forces = contacts.position, list[float](), list[float]()
 
-
-def _to_balance(contacts: Cohorts, steps: Steps, step: float, births: bool) -> None:
-    """Move the slider to the first balance, in steps of this travel; with births they are taken one by one."""
-    least, begin, travel = 0.5 * contacts.memory.scales.length, contacts.position, 0.0
-    step *= steps.sign
-
-    def imbalance(to: float) -> float:
-        return steps.imbalance(contacts.trial(to, contacts.now, not births))
+    def imbalance(travel: float) -> float:
+        return steps.imbalance(contacts.trial(travel, contacts.now))
 
     first = _first_travel(imbalance, steps.sign * least)
     # beyond the steps that may only lead back to the balance at the begin
     away, low = 0.0 < abs(first) < abs(step), first or NO_SLIP * step
-    while first and ((missing := imbalance(travel + step)) > 0.0 or not away):
-        away |= missing > 0.0 or abs(contacts.position + travel - begin) > least
-        if births:
-            contacts.take(contacts.trial(step, contacts.now))
-        else:
-            travel += step
-        low = travel
-    if first and imbalance(low) > 0.0:
-        low = float(brentq(imbalance, low, travel + step, xtol=AT_END * contacts.unit))
-    contacts.take(contacts.trial(low, contacts.now, not births))
+    while first and ((missing := imbalance(step)) > 0.0 or not away):
+        away |= missing > 0.0 or abs(contacts.position - begin) > least
+        contacts.take(contacts.trial(step, contacts.now))
+        low = 0.0
+        travelled.append(abs(contacts.position - begin))
+        forces.append(contacts.force)
+        rest = imbalance(0.0) / steps.spring
+        if rest > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
+            contacts.slide_steadily(steps.sign * rest, STEADY * contacts.unit)
+            break
+    else:
+        if first and imbalance(low) > 0.0:
+            low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
+        contacts.take(contacts.trial(low, contacts.now))
+    contacts.begin_section()
 
 
 def _first_travel(imbalance: Callable[[float], float], least: float) -> float:
     """The first of some small travels, up to this least one, from which the slider moves on; 0 for none."""
     travels = least * np.array(FIRST_TRAVELS)
     return next((float(travel) for travel in travels if imbalance(travel) > 0.0), 0.0)
+
+
+def _steady(travelled: list[float], forces: list[float], unit: float) -> bool:
+    """Whether F has hardly changed along the last mean threshold."""
+    begin = travelled[-1] - STEADY_TRAVEL * unit
+    if begin < 0.0 or abs(forces[-1] - forces[-2]) > STEADY * unit:
+        return False
+    recent = forces[int(np.searchsorted(travelled, begin)) :]
+    return max(recent) - min(recent) <= STEADY * unit

@@ -79,14 +79,14 @@ class Steps:
     It offers `begin` for each smooth section, `step` for a balanced step of a given size, `up_to_slip` to cut it where
     a slip begins, and `size` and `imbalance` of any Trial of the contacts; taking a step is up to the caller.
 
+    spring : K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
     sign : direction in which the spring pulls: travels and imbalances are counted along it
     shrink : factor on the next step's size: 1 far from slips
     """
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
-        """`spring` is K/(N_c <k>)."""
-        self._contacts, self._spring, self._drive = contacts, spring, drive
+        self._contacts, self.spring, self._drive = contacts, spring, drive
         self.length, self.sign = CONTROL.coarsest * contacts.memory.scales.length, 1.0
         ageing = contacts.memory.finer_before_slips
         self._accuracy = CONTROL.balance_of_ageing if ageing else CONTROL.balance
@@ -100,7 +100,7 @@ class Steps:
         uniform = 0.0
         if speed:
             # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
-            stuck = abs(speed) * self._spring / (1.0 + self._spring)
+            stuck = abs(speed) * self.spring / (1.0 + self.spring)
             uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.coarsest
         self._count, self._end = StepCount(self._contacts.now, end, uniform, scales.time), end
         # the fraction of its size that the last step took in steps of time, and a guess of the next one's
@@ -121,7 +121,7 @@ class Steps:
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion (a length): above 0 the slider moves on."""
         stretch = self._drive.at(np.array(trial.now)) - self._contacts.position - trial.travel
-        return float(self.sign * (self._spring * stretch - trial.force))
+        return float(self.sign * (self.spring * stretch - trial.force))
 
     def step(self, size: float) -> BalancedStep:
         """The balanced step of this size, or up to the section's end."""

@@ -1,0 +1,51 @@
+"""Whether a drive stops or turns so near a slip to come that the steps do not tell if the slip comes before."""
+
+import numpy as np
+
+from master.soft.in_time.slider import Slider
+
+# A slip is undecided where it is foreseen within this many times the change of X from the last level: its load
+# differs from that at the end by half of the slope of K X_T there times the way to it.
+NEAR = 2.0
+
+
+def slip_undecided(levels: list[Slider]) -> bool:
+    """Whether at an end or a turn of the drive the error of X leads to the begin of a slip, or beyond.
+
+    On a soft spring F hardly depends on X, so that errors of X do not show in F. Only the way since the last slip
+    counts: that where the slider stood then does not matter.
+    """
+    motion = levels[-1].motion
+    for end in [] if motion is None else motion.times[1:].tolist():
+        before, now = (_way_since_slip(one, end) for one in levels[-2:])
+        if _to_slip(levels[-1], end) < NEAR * abs(now - before):
+            return True
+    return False
+
+
+def _way_since_slip(slider: Slider, end: float) -> float:
+    """X at a time, relative to where the last slip before it ended (a length)."""
+    slips = {float(time) for time, *_ in slider.slips}
+    until = [section for section in slider.sections if section[0].time < end]
+    begins = [section[0].position for section in until if section[0].time in slips]
+    return until[-1][-1].position - begins[-1] if begins else until[-1][-1].position
+
+
+def _to_slip(slider: Slider, end: float) -> float:
+    """How far the slider is from the begin of a slip as the drive ends or turns (a length), inf for far.
+
+    X_T, as a function of X, is largest there; the parabola through the last three steps tells where.
+    """
+    assert slider.motion is not None
+    slipped = any(time == end for time, *_ in slider.slips)
+    nodes = next((nodes[-3:] for nodes in slider.sections if nodes[-1].time == end), [])
+    if slipped or len(nodes) < 3:
+        return np.inf
+    drive = slider.motion.at(np.array([node.time for node in nodes]))
+    travels, steps = np.diff([node.position for node in nodes]), np.diff(drive)
+    if not (travels * steps > 0.0).all():
+        return np.inf  # it creeps back, or the drive holds
+    slopes = steps / travels
+    bend = 2.0 * (slopes[1] - slopes[0]) / travels.sum()
+    slope = slopes[1] + 0.5 * bend * travels[1]
+    return max(float(-slope / bend * np.sign(steps[0])), 0.0) if bend * steps[0] < 0.0 else np.inf
