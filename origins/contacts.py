@@ -150,8 +150,8 @@ class Contacts:
 
     def _check_laws(self) -> None:
         """InputError for arguments that are no laws, and for laws that cannot be combined."""
-        if isinstance(self.thermal, Thermal):
-            temperature = self.thermal.temperature
+        temperature = getattr(self.thermal, "temperature", None)
+        if temperature is not None:
             if hint := too_cold(temperature, self.thresholds):
                 refuse("thermal.temperature", temperature, hint)
             if warning := too_hot(temperature, self.thresholds):

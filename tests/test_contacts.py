@@ -1,8 +1,11 @@
 """A contact: what it carries, its starts, rates in heat, ageing; against mpmath and closed forms."""
 
+import dataclasses
+
 import mpmath
 import numpy as np
 import pytest
+from rate_laws import Tilted
 from scipy import integrate, stats
 from scipy.linalg import expm
 
@@ -11,7 +14,7 @@ import master
 import origins
 from eq_model.closest import closest
 from master.paper.explicit import explicit
-from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian_start
+from origins import Ageing, Contacts, Delay, InputError, RateLaw, Thermal, gaussian_start
 from origins.laws.diffusion import Diffusion
 from origins.laws.thermal import RATE_LAWS
 
@@ -252,3 +255,54 @@ def test_order_of_convergence_is_two() -> None:
         errors.append(np.abs(found - after).sum())
     order = np.polyfit(np.log(every), np.log(errors), 1)[0]
     assert abs(order - 2.0) < 0.2 and errors[-1] < 5e-4, (order, errors)
+
+
+@dataclasses.dataclass(frozen=True)
+class Steady(RateLaw):
+    """h = ω w: a law with a parameter of its own and no temperature."""
+
+    width: float
+    attempt_frequency: float = 1.0
+    name = "steady"
+
+    @property
+    def scale(self):
+        return self.width * self.attempt_frequency
+
+    def log_rate(self, x, threshold, stiffness):
+        return np.log(self.scale) + 0.0 * np.asarray(x + threshold + stiffness)
+
+    def log_passed(self, near, far, threshold, stiffness):
+        with np.errstate(divide="ignore"):
+            return np.log(self.scale * (np.asarray(far) - near))
+
+    def reached(self, log_amount, near, threshold, stiffness):
+        return np.minimum(near + np.exp(log_amount) / self.scale, threshold)
+
+
+def test_a_named_law_with_a_parameter_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is kept by every road that makes the contacts anew, and a temperature is not its own."""
+    monkeypatch.setitem(RATE_LAWS, "steady", Steady)
+    thermal = Thermal("steady", width=0.5, attempt_frequency=2.0, closure="paper")
+    exact = dataclasses.replace(thermal, closure="exact")
+    assert exact.rates == Steady(0.5, 2.0) and exact != Thermal("steady", width=0.4)
+    contacts = Contacts(origins.gaussian(1.0, 0.1), thermal=thermal)
+    assert contacts.each_by_itself().thermal == exact
+    assert Contacts(contacts.thresholds, thermal=Steady(0.5, 2.0)).thermal == exact
+    one = contacts.replace(thresholds=origins.identical(1.0), thermal=exact)
+    curve, c = master.kinetic_curve(one, [1.0, 2.0]), np.array([1.0, 0.5])  # h x_s/v
+    known = (1.0 / c - (1.0 / c + 1.0) * np.exp(-c)) / -np.expm1(-c)
+    assert curve.success.all() and curve.force == pytest.approx(known, rel=1e-10)
+    for asked, says in (
+        (
+            {"temperature": 0.1, "width": 0.1},
+            'temperature = 0.1: is unknown; the law "steady" takes width',
+        ),
+        ({}, "width: is missing"),
+        ({"witdh": 0.1}, "witdh = 0.1: is unknown"),
+    ):
+        with pytest.raises(origins.InputError, match=says):
+            Thermal("steady", **asked)
+    with pytest.raises(origins.InputError, match="temperature: these contacts have no law for it"):
+        master.kinetic_curve(one, 1.0, temperature=0.1)
+    assert "0x" not in repr(Contacts(contacts.thresholds, thermal=Tilted()).thermal)

@@ -54,16 +54,16 @@ class Points:
     def __init__(self, contacts: Contacts, **asked: npt.ArrayLike | None) -> None:
         """Check and broadcast velocity, temperature, rate and delay, in this order; None: the contacts' own."""
         self._began, self._contacts = time.perf_counter(), contacts
-        # a rate law of the user's own has no temperature
-        thermal = contacts.thermal if isinstance(contacts.thermal, Thermal) else None
-        if asked["temperature"] is not None and thermal is None:
+        # a rate law of the user's own has no temperature, and a named one need not have it
+        own_temperature = getattr(contacts.thermal, "temperature", None)
+        if asked["temperature"] is not None and own_temperature is None:
             hint = 'thermal = Thermal("soft", 0.1), or a rate law of your own at each temperature'
             raise InputError(f"temperature: these contacts have no law for it; give them {hint}")
         if asked["rate"] is not None and contacts.ageing is None:
             hint = "give them ageing = Ageing(final, rate)"
             raise InputError(f"rate: these contacts do not age; {hint}")
         own = {
-            "temperature": thermal.temperature if thermal else None,
+            "temperature": own_temperature,
             "rate": contacts.ageing.rate if contacts.ageing else None,
             "delay": contacts.delay.time if contacts.delay else None,
         }
@@ -87,7 +87,7 @@ class Points:
     def contacts(self, temperature: float, rate: float, delay: float = 0.0) -> Contacts:
         """The contacts at one temperature, rate and delay (0: none)."""
         thermal, ageing = self._contacts.thermal, self._contacts.ageing
-        if isinstance(thermal, Thermal):
+        if isinstance(thermal, Thermal) and thermal.temperature is not None:
             thermal = replace(thermal, temperature=float(temperature)) if temperature else None
         if ageing is not None:
             ageing = Ageing(ageing.final, float(rate), ageing.closure)

@@ -1,17 +1,20 @@
 """Thermally activated breaking, for stretches of either sign and motion in either direction (paper, Sec. IV)."""
 
+import inspect
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
-from origins.errors import one_of, positive, refuse
-from origins.laws.rate_law import ActivatedRates, Array, Numbers, RateLaw
+from origins.errors import InputError, one_of, positive, refuse
+from origins.laws.rate_law import Array, Numbers, RateLaw
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
 
-# the laws that Thermal and scene files take by name
-RATE_LAWS: dict[str, type[ActivatedRates]] = {"soft": SoftRates, "stiff": StiffRates}
+# The laws that Thermal and scene files take by name. The parameters of the class are those of the law there; each is
+# an attribute, too, as in a dataclass.
+RATE_LAWS: dict[str, Callable[..., RateLaw]] = {"soft": SoftRates, "stiff": StiffRates}
 
 
 class BreakingRate:
@@ -33,6 +36,12 @@ class BreakingRate:
             refuse("thermal.name", rates.name, 'must be what the law is called, such as "linear"')
         positive("thermal.scale", rates.scale, "the attempt frequency, per time")
         self.rates = rates
+
+    def __repr__(self) -> str:
+        """The law, by its class where it has no repr of its own but an address."""
+        own = type(self.rates)
+        law = f"{own.__name__}()" if own.__repr__ is object.__repr__ else repr(self.rates)
+        return f"{type(self).__name__}({law})"
 
     def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers = 1.0) -> Array:
         """h(x; x_s), per time."""
@@ -82,7 +91,7 @@ class BreakingRate:
         return np.maximum(np.where(goal < behind, -x, x), begin)[()]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Thermal(BreakingRate):
     """Contacts also break below their threshold, at the rate h(x; x_s) (paper, Eq. temper5).
 
@@ -93,26 +102,54 @@ class Thermal(BreakingRate):
     where they are linked (origins.Contacts.relative_stiffness). The barrier of a relaxed contact is κ x_s²/2T in
     units of k_BT: with linked stiffness it grows as x_s³.
 
-    law : "soft" or "stiff"
+    law : "soft" or "stiff", or another name in RATE_LAWS
     temperature : T = k_BT/<k>, a length squared, one number for all contacts; where thresholds come from a rough
-        surface, Interface.temperature(kelvin) gives it.
+        surface, Interface.temperature(kelvin) gives it. None: a law that does not take it.
     attempt_frequency : ω, per time.
     closure : "exact": every contact breaks at its own rate. "paper": all break at H(x), the
         integral of h P_c over thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken before.
+    own : what else the law takes, pairs of name and value; the call takes them as keywords: Thermal("x", width=0.1).
 
-    Raises InputError unless both numbers are finite and above zero. Methods and `rates` are those of BreakingRate.
+    Raises InputError for a parameter that the law does not take, or that it needs and that is missing, and unless
+    temperature and attempt frequency are finite and above zero. Methods and `rates` are those of BreakingRate.
     """
 
-    law: Literal["soft", "stiff"]
-    temperature: float
+    law: str
+    temperature: float | None = None
     attempt_frequency: float = 1.0
     closure: Literal["exact", "paper"] = "exact"
+    own: tuple[tuple[str, Any], ...] = ()
 
-    def __post_init__(self) -> None:
-        one_of("law", self.law, tuple(RATE_LAWS))
-        one_of("closure", self.closure, ("exact", "paper"))
-        rates = RATE_LAWS[self.law](self.temperature, self.attempt_frequency)
-        object.__setattr__(self, "rates", rates)
+    def __init__(
+        self,
+        law: str,
+        temperature: float | None = None,
+        attempt_frequency: float = 1.0,
+        closure: Literal["exact", "paper"] = "exact",
+        **own: Any,
+    ) -> None:
+        """Check the arguments, which are those above, and make the law; dataclasses.replace gives `own` as pairs."""
+        one_of("law", law, tuple(RATE_LAWS))
+        one_of("closure", closure, ("exact", "paper"))
+        own = dict(own.pop("own", ())) | own
+        given = {"temperature": temperature, "attempt_frequency": attempt_frequency, **own}
+        given = {name: value for name, value in given.items() if value is not None}
+        takes = inspect.signature(RATE_LAWS[law]).parameters
+        said = f'the law "{law}" takes {", ".join(takes)}'
+        for name, value in given.items():
+            if name not in takes:
+                refuse(name, value, f"is unknown; {said}")
+        for name, parameter in takes.items():
+            if parameter.default is parameter.empty and name not in given:
+                raise InputError(f"{name}: is missing; {said}")
+        fields: dict[str, Any] = {
+            "law": law,
+            "temperature": temperature,
+            "attempt_frequency": attempt_frequency,
+        }
+        fields |= {"closure": closure, "own": tuple(sorted(own.items()))}
+        for name, value in {**fields, "rates": RATE_LAWS[law](**given)}.items():
+            object.__setattr__(self, name, value)
 
 
 def as_thermal(law: Any) -> BreakingRate | None:
@@ -120,7 +157,8 @@ def as_thermal(law: Any) -> BreakingRate | None:
     if law is None or isinstance(law, BreakingRate):
         return law
     if type(law) in RATE_LAWS.values():
-        return Thermal(law.name, law.temperature, law.attempt_frequency)
+        takes = inspect.signature(type(law)).parameters
+        return Thermal(law.name, **{name: getattr(law, name) for name in takes})
     if isinstance(law, RateLaw) and not isinstance(law, type):
         return BreakingRate(law)
     refuse("thermal", law, 'must be an origins.Thermal("soft", 0.1), or of a subclass of RateLaw')

@@ -98,7 +98,7 @@ def foreseen(scene: Scene) -> list[str]:
     if reach > 1e6 or 0.0 < reach < 1e-2:  # probably a mistake
         unit = "" if surface is None else " m"
         said.append(f"the drive goes {reach:.1g} times <x_s> = {mean:.3g}{unit}: in that unit?")
-    if isinstance(contacts.thermal, Thermal):
+    if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
         swept = {} if scene.sweep is None else scene.sweep.at
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
         said += filter(None, [too_hot(float(hottest), law)])

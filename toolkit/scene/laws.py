@@ -83,14 +83,17 @@ def build(
     parameters = dict(inspect.signature(function).parameters)
     given = {"folder": folder, "comm": comm}  # not for a scene to say
     given = {key: value for key, value in given.items() if parameters.pop(key, None) is not None}
+    others = [name for name, one in parameters.items() if one.kind is one.VAR_KEYWORD]
+    for name in others:  # the function takes further keys, and refuses unknown ones itself
+        del parameters[name]
     takes = f"{title} takes {', '.join(parameters)}"
     for key, value in arguments.items():
-        if key not in parameters:
+        if key not in parameters and not others:
             refuse(f"{where}.{key}", value, f"unknown key; {takes}")
     for key, parameter in parameters.items():
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{where}.{key}: is missing; {takes}")
-    with inside(where, {key: key for key in parameters}):
+    with inside(where, {key: key for key in (*parameters, *arguments)}):
         for key, value in arguments.items():
             if key in _TABLES:
                 arguments[key] = build(_TABLES[key], value, key, folder, comm)

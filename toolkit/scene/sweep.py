@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.brief import brief
-from origins.contacts import Contacts, TooHot
+from origins.contacts import Contacts, Thermal, TooHot
 from origins.errors import InputError, non_negative, one_of, positive
 from origins.thresholds.law import Array
 from toolkit.scene import laws
@@ -67,6 +67,10 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
     for name, law in (("temperature", "thermal"), ("kelvin", "thermal"), ("rate", "ageing")):
         if name in given and getattr(contacts, law) is None:
             raise InputError(f"sweep.{name}: the contacts have no law for it; add [contacts.{law}]")
+        own = getattr(contacts, law)
+        if name in given and isinstance(own, Thermal) and own.temperature is None:
+            hint = "takes no temperature, and other parameters are not swept; run a scene for each value"
+            raise InputError(f'sweep.{name}: the law "{own.law}" {hint}')
     along = [name for name in given if given[name].size > 1]
     along.sort(key=lambda name: -given[name].size)
     if not 1 <= len(along) <= 2:
