@@ -32,7 +32,7 @@ NAMES = {
 }
 KEYS = {
     "ContactsTable": "thresholds start thermal ageing delay reforming stiffness",
-    "DriveTable": "points to from turns times hold_scale velocity spring slip",
+    "DriveTable": "points to from turns times hold_scale velocity spring mass damping slip area",
     "EqTable": "contacts replicas seed tolerance wall_time histograms histogram_times",
     "MasterTable": "tolerance",
     "RangeTable": "from to points spacing",

@@ -18,6 +18,7 @@ import eq_model
 import master
 import toolkit
 from origins.errors import InputError
+from toolkit.commands import report
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 
 EQ = {"contacts": 400, "replicas": 2, "seed": 1}
@@ -287,3 +288,32 @@ def test_failing_half_way_leaves_the_folder_as_it_was(monkeypatch: pytest.Monkey
     with pytest.raises(ZeroDivisionError):
         toolkit.run(scene(NARROW), folder="out")
     assert {name: Path("out", name).read_bytes() for name in os.listdir("out")} == before
+
+
+def test_a_slider_with_mass(tmp_path: Path) -> None:
+    """Its speed, energies and the times of its slips are in the files and the picture, and are read again."""
+    drive = {"to": 6.0, "points": 61, "spring": 0.3, "mass": 0.05, "damping": 0.05}
+    eq = {"contacts": 300, "replicas": 2}
+    result = toolkit.run(scene(drive=drive, master=None, eq=eq), folder=tmp_path)
+    known = eq_model.simulate(
+        toolkit.load_scene(scene()).contacts,
+        result.eq.path,
+        spring=0.3,
+        mass=0.05,
+        damping=0.05,
+        n_contacts=300,
+        n_replicas=2,
+        seed=1,
+    )
+    again = toolkit.load(tmp_path).eq
+    for found in (result.eq, again):
+        for name in ("force", "contact_force", "velocity", "velocities"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(known, name))
+        np.testing.assert_array_equal(found.slips.duration, known.slips.duration)
+        np.testing.assert_array_equal(found.energy.released, known.energy.released)
+    told = json.loads((tmp_path / "summary.json").read_text())["eq"]
+    assert told["slips"] == known.slips.drive.size >= 2 and told["energy_imbalance"] < 1e-10
+    assert told["slip_top_speed"] == known.slips.top_speed.max()
+    assert told["energy"]["damped"] == pytest.approx(known.energy.damped.mean())
+    (line,) = (line for line in report(result) if line.startswith("slips"))
+    assert "they last" in line and "N^(-2/3)" not in line

@@ -15,6 +15,7 @@ from scenes import GAUSSIAN, ROUGH, scene
 import origins
 import toolkit
 from origins.errors import InputError
+from toolkit.running.checkpoint import identity
 from toolkit.scene import laws
 from toolkit.scene.scene import SHIPPED
 from toolkit.scene.tables import to_toml
@@ -196,6 +197,45 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
     ):
         with pytest.raises(InputError, match=rule):
             pulled(**drive)
+
+
+def test_mass_and_damping_of_the_slider() -> None:
+    def pulled(law: Any = ROUGH, **drive: Any) -> Any:
+        own = {"to": 1e-9, "points": 5, "spring": "0.5 N_c<k>"} | drive
+        tables = {name: value for name, value in own.items() if value is not None}
+        return toolkit.load_scene(scene(law, drive=tables, eq={"contacts": 10}))
+
+    interface = pulled().contacts.interface
+    each = 1e-4 * interface.contact_density * interface.mean_stiffness
+    given = pulled(mass="0.2 kg", damping="3 N s/m", area=1e-4).drive
+    assert given.mass == pytest.approx(0.2 / each) and given.damping == pytest.approx(3.0 / each)
+    given = pulled(mass="2e-9 N_c<k> s2", damping="1e-5 N_c<k> s").drive
+    assert (given.mass, given.damping, given.slip) == (2e-9, 1e-5, None)
+    one, other = (identity(pulled(GAUSSIAN, spring=0.5, mass=m)) for m in (1.0, 2.0))
+    assert one != other and one != identity(pulled(GAUSSIAN, spring=0.5, mass=1.0, damping=0.1))
+    for drive, rule in (
+        ({"mass": 0.2, "area": 1e-4}, r'^drive\.mass = 0.2: has no unit; .*"0.2 kg" with area'),
+        ({"mass": "0.2 kg"}, r"^drive\.mass = '0.2 kg': needs drive\.area"),
+        ({"mass": "0.2 g", "area": 1e-4}, r"^drive\.mass = '0.2 g': must be a number and a unit"),
+        ({"mass": "0 kg", "area": 1e-4}, r"^drive\.mass = 0.0: must be above zero"),
+        (
+            {"law": GAUSSIAN, "spring": 0.5, "mass": "0.2 kg"},
+            r"^drive\.mass: in kg needs <k> in N/m",
+        ),
+        (
+            {"law": GAUSSIAN, "spring": None, "mass": 0.2},
+            r"^drive\.mass = 0.2: is of a soft slider",
+        ),
+        ({"damping": "3 N s/m", "area": 1e-4}, r"^drive\.damping = .*: is of a slider with mass"),
+        (
+            {"law": GAUSSIAN, "spring": 0.5, "mass": 1.0, "slip": "instant"},
+            r"^drive\.slip = .*decide",
+        ),
+        ({"law": GAUSSIAN, "spring": 0.5, "mass": 1.0, "damping": -1.0}, r"^drive\.damping = -1.0"),
+    ):
+        with pytest.raises(InputError, match=rule) as caught:
+            pulled(**drive)
+        assert "\n" not in str(caught.value)
 
 
 def test_files_dicts_and_names(tmp_path: Path) -> None:

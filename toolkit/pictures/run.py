@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
-from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled
+from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled, is_heavy
 
 _BARS = 61  # error bars; with more the line would be hidden
+_REPLICAS = 5  # as can be distinguished
 _UNITS = {"velocity": "m/s", "temperature": "m²", "kelvin": "K", "rate": "m²/s", "delay": "s"}
 
 
@@ -55,7 +56,7 @@ def plot_force(axes: Any, result: Result) -> Any:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):
-        number = min(5, len(eq.forces))  # as can be distinguished
+        number = min(_REPLICAS, len(eq.forces))
         style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
         lines = axes.plot(along(result, eq), eq.forces[:number].T, **style)
         each = f"{eq.contacts // len(eq.forces):,} contacts"
@@ -111,6 +112,16 @@ def plot_deviation(axes: Any, result: Result) -> Any:
     return axes
 
 
+def plot_velocity(axes: Any, result: Result) -> Any:
+    """The speed of a slider with mass, in some replicas, at the points of the path."""
+    eq: Any = result.eq
+    style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7}
+    axes.plot(along(result, eq), eq.velocities[:_REPLICAS].T, **style)
+    axes.set_ylabel("$dX/dt$ (m/s)" if result.thresholds.in_metres else "$dX/dt$")
+    write_along(axes, result)
+    return axes
+
+
 def plot_sweep(axes: Any, result: Result, name: str = "force") -> Any:
     """F_k/(N_c<k>), or the `critical_spring` K*/(N_c<k>) where it is finite, along the sweep's first quantity, a line
     for each value of its second one."""
@@ -156,6 +167,8 @@ def save_picture(result: Result, path: Path) -> None:
     solved, below = result.master, list[Callable[[Any, Result], Any]]()
     if result.curves and result.timed:
         below.append(plot_position)
+    if is_heavy(result.eq):
+        below.append(plot_velocity)
     if any((curve.holding < 1.0 - 1e-9).any() for curve in result.curves):
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):

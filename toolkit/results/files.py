@@ -14,7 +14,14 @@ import numpy as np
 
 from origins.errors import InputError, refuse
 from toolkit.results.folders import opened, write_sealed
-from toolkit.results.records import Result, SolvedRecord, ThresholdCurve, is_coupled, slips_beside
+from toolkit.results.records import (
+    Result,
+    SolvedRecord,
+    ThresholdCurve,
+    is_coupled,
+    is_heavy,
+    slips_beside,
+)
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
@@ -24,7 +31,8 @@ _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = """path position force force_standard_error step_error position_standard_error positions forces x atoms
 stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after
 contact_force contact_force_standard_error contact_forces"""
-_ENERGIES = "energy_work energy_spring energy_contacts energy_kinetic energy_damped energy_released"
+# of a slider with mass: what the drive's work became
+_PARTS = ("work", "spring", "contacts", "kinetic", "damped", "released")
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -92,6 +100,13 @@ def summary(result: Result) -> dict[str, Any]:
         if is_coupled(eq):
             own["slips"] = eq.slips.number.size
             own["slips_beside"] = slips_beside(result)
+            if is_heavy(eq):
+                means = {name: getattr(eq.energy, name).mean() for name in _PARTS}
+                own["energy"] = {name: float(value) for name, value in means.items()}
+                own["energy_imbalance"] = float(np.abs(eq.energy.imbalance).max())
+                if own["slips"]:
+                    own["mean_slip_duration"] = float(eq.slips.duration.mean())
+                    own["slip_top_speed"] = float(eq.slips.top_speed.max())
         content["eq"] = own
     if sweep is not None:
         content["sweep"] = _numbers(sweep) | {"points": sweep.force.size}
@@ -159,7 +174,7 @@ def units_of(result: Result, short: bool = False) -> dict[str, str]:
     units |= {"delay": clock, "time": clock, "kelvin": "K", "velocity": f"{unit} / {clock}"}
     speeds = "velocities velocity_standard_error slip_top_speed"
     units |= dict.fromkeys(speeds.split(), f"{unit} / {clock}") | {"slip_duration": clock}
-    units |= dict.fromkeys(_ENERGIES.split(), f"({unit})^2")
+    units |= dict.fromkeys((f"energy_{part}" for part in _PARTS), f"({unit})^2")
     return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
 

@@ -66,6 +66,11 @@ def is_coupled(eq: object) -> bool:
     return hasattr(eq, "avalanches")
 
 
+def is_heavy(eq: object) -> bool:
+    """Whether an ensemble's answer is that of contacts on a slider with mass, whose slips take time."""
+    return hasattr(eq, "energy")
+
+
 @dataclass(frozen=True)
 class ThresholdCurve:
     """P_c(x) sampled for a picture: `x`, `density`, `survival` of shape (m,), and the law's exact single values.
@@ -228,6 +233,12 @@ def slip_line(result: Result) -> str:
         for slip in slips_beside(result)[:10]
         if slip["have"] > 1
     ]
+    if is_heavy(eq):
+        if eq.slips.number.size:
+            lasts, fastest = eq.slips.duration.mean(), eq.slips.top_speed.max()
+            clock = "s" if result.thresholds.in_metres else "units of time"
+            line += f"; they last {lasts:.3g} {clock} on average, top speed {fastest:.3g}"
+        return f"{line}; energy kept to {np.abs(eq.energy.imbalance).max():.0e} of the work"
     if late:
         line += f"; place in eq less that of the master equation: {', '.join(late)} of <x_s>"
     line += "; N contacts slip late by some 0.5 N^(-2/3)/K <x_s>, more at each; unless N is large,"

@@ -213,7 +213,8 @@ def solve_master(
     drive, contacts = scene.drive, scene.contacts
     asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
     asked |= {"progress": refined} if refined is not None else {}
-    asked |= {"spring": drive.spring, "slip": drive.slip} if drive.spring is not None else {}
+    if drive.spring is not None:
+        asked |= {name: getattr(drive, name) for name in ("spring", "slip", "mass", "damping")}
     try:
         with laws.inside("master", {"tolerance": "tolerance"}):
             solved: Any = master.solve(contacts, scene.path, tolerance, **asked)
@@ -246,6 +247,7 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
         contacts = contacts.each_by_itself()
     arguments: dict[str, Any] = {name: getattr(asked, key) for name, key in _EQ_KEYS.items()}
     arguments |= {"comm": comm, "histograms": scene.histogram_points()}
-    arguments |= {name: getattr(drive, name) for name in ("velocity", "time", "spring", "slip")}
+    motion = ("velocity", "time", "spring", "slip", "mass", "damping")
+    arguments |= {name: getattr(drive, name) for name in motion}
     with laws.inside("eq", _EQ_KEYS):
         return eq_model.Ensemble(contacts, scene.path, **(arguments | other))

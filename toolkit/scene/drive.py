@@ -1,48 +1,73 @@
 """A scene's [drive]: the points of the slider's path, and their times."""
 
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.contacts import Contacts
 from origins.drive import Drive
-from origins.errors import InputError, positive, refuse
+from origins.errors import InputError, non_negative, positive, refuse
 from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import DriveTable, EqTable
 
-_SPRING = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) (N/m|N_c<k>)")
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+
+
+class MachineUnit(NamedTuple):
+    """How a number of the machine is written as text: in SI units, or over N_c<k>, with an example of the first."""
+
+    si: str
+    shared: str
+    example: str
+
+
+_MACHINE = {
+    "spring": MachineUnit("N/m", "N_c<k>", "50 N/m"),
+    "mass": MachineUnit("kg", "N_c<k> s2", "0.2 kg"),
+    "damping": MachineUnit("N s/m", "N_c<k> s", "3 N s/m"),
+}
 
 
 def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
-    """drive.spring as K/(N_c<k>), a number; None without one. Raises InputError.
+    """drive.spring as K/(N_c<k>), a number; None without one. Raises InputError as `machine_number` does."""
+    return machine_number("spring", table, contacts)
 
-    Text gives the unit: "0.5 N_c<k>", or "50 N/m", which needs thresholds from a surface and drive.area, the nominal
-    area in m². For a surface a bare number is refused, as either unit could be meant.
+
+def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | None:
+    """drive.spring, drive.mass or drive.damping over N_c<k>, a number; None without one. Raises InputError.
+
+    Text gives the unit, for a spring "0.5 N_c<k>", or "50 N/m", which needs thresholds from a surface and drive.area,
+    the nominal area in m². For a surface a bare number but 0 is refused, as either unit could be meant.
     """
-    interface, given, unit = contacts.interface, table.spring, ""
+    interface, given, key, unit = contacts.interface, getattr(table, name), f"drive.{name}", ""
+    own = _MACHINE[name]
     if isinstance(given, str):
-        if (read := _SPRING.fullmatch(given)) is None:
-            refuse("drive.spring", given, 'must be a number and a unit, "50 N/m" or "0.5 N_c<k>"')
-        given, unit = positive("drive.spring", float(read[1])), read[2]
-    if unit == "N/m":
+        read = re.fullmatch(f"{_NUMBER} ({re.escape(own.si)}|{re.escape(own.shared)})", given)
+        if read is None:
+            hint = f'must be a number and a unit, "{own.example}" or "0.5 {own.shared}"'
+            refuse(key, given, hint)
+        check = non_negative if name == "damping" else positive
+        given, unit = check(key, float(read[1])), read[2]
+    if unit == own.si:
         if interface is None:
-            hint = "in N/m needs <k> in N/m, which thresholds from a rough surface know"
-            raise InputError(f"drive.spring: {hint}; give a number")
+            hint = f"in {unit} needs <k> in N/m, which thresholds from a rough surface know"
+            raise InputError(f"{key}: {hint}; give a number")
         if table.area is None:
-            refuse("drive.spring", table.spring, "needs drive.area, the nominal area in m²; add it")
+            refuse(key, getattr(table, name), "needs drive.area, the nominal area in m²; add it")
         if (held := interface.contact_density * table.area) < 1.0:
             hint = f"holds {held:.2g} contacts; give over {1.0 / interface.contact_density:.2g} m²"
             refuse("drive.area", table.area, hint)
-        return positive("drive.spring", given) / (held * interface.mean_stiffness)
-    if interface is not None and given is not None and not unit:
-        hint = f'has no unit; of a surface write either spring = "{given:g} N/m" with area = the nominal area in m²'
-        refuse("drive.spring", given, f'{hint}, or spring = "{given:g} N_c<k>"')
+        return float(given) / (held * interface.mean_stiffness)
+    if interface is not None and given and not unit:
+        hint = f'has no unit; of a surface write either {name} = "{given:g} {own.si}" with area ='
+        other = f'{name} = "{given:g} {own.shared}"'
+        refuse(key, given, f"{hint} the nominal area in m², or {other}")
     if table.area is not None and interface is None:
         refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
-    return given
+    return given if given is None else float(given)
 
 
 def has_path(table: DriveTable) -> bool:
@@ -50,18 +75,24 @@ def has_path(table: DriveTable) -> bool:
     return table.to is not None or table.turns is not None
 
 
-def make_drive(table: DriveTable, spring: float | None = None) -> Drive:
-    """The checked drive of a scene. Raises InputError with the path of the bad key. `spring` is the result of
-    `spring_number`. Left out, one with a unit counts as 1, where only the path is needed."""
-    if spring is None:
-        spring = 1.0 if isinstance(table.spring, str) else table.spring
+def make_drive(table: DriveTable, contacts: Contacts | None = None) -> Drive:
+    """The checked drive of a scene. Raises InputError with the path of the bad key. Without `contacts` a number with a
+    unit counts as 1, where only the path is needed."""
+    machine: dict[str, Any] = {}
+    for name in _MACHINE:
+        given = getattr(table, name)
+        if contacts is not None:
+            machine[name] = machine_number(name, table, contacts)
+        else:
+            machine[name] = 1.0 if isinstance(given, str) else given
     places, clock = _corners(table)
     if places.size > table.points:
         refuse("drive.points", table.points, f"the path has {places.size} ends; give as many")
     path, time = _path(places, clock, table.points, table.hold_scale)
-    keys = {"velocity": "velocity", "time": "times", "spring": "spring", "slip": "slip"}
+    keys = {"time": "times"} | {name: name for name in ("velocity", "slip", *_MACHINE)}
+    slip: Any = table.slip
     with laws.inside("drive", keys):
-        return Drive(path, table.velocity, time, spring, table.slip or "reset")  # type: ignore[arg-type]
+        return Drive(path, table.velocity, time, slip=slip, **machine)
 
 
 def sliding_speed(drive: Drive | None, swept: Array | None = None) -> float:

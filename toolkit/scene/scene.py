@@ -18,7 +18,7 @@ from origins.drive import Drive
 from origins.errors import InputError, refuse, shown
 from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
-from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed, spring_number
+from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
 
@@ -153,7 +153,7 @@ def _checked(
     contacts = make_contacts(table.contacts, folder, comm)
     drive = sweep = None
     if table.drive is not None and (solved or has_path(table.drive)):
-        drive = make_drive(table.drive, spring_number(table.drive, contacts))
+        drive = make_drive(table.drive, contacts)
     if table.sweep is not None:
         sweep = make_sweep(table.sweep, contacts, sliding_speed(drive))
     scene = Scene(

@@ -42,6 +42,8 @@ class DriveTable(Table, frozen=True):
     hold_scale: Positive | None = None
     velocity: Positive = 1.0
     spring: Positive | str | None = None
+    mass: Positive | str | None = None
+    damping: NonNegative | str = 0.0
     slip: str | None = None
     area: Positive | None = None
 

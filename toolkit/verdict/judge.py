@@ -163,6 +163,11 @@ def _answer(
     critical = Quantity(found.critical_spring, found.critical_spring_error)
     if sampled_parts(contacts.thresholds):
         kinetic, static, critical = _with_sampling(contacts, velocity, [kinetic, static, critical])
+    if table.mass is not None:
+        hint = (
+            "a verdict does not follow a slider with mass; leave it out, or run the scene with [eq]"
+        )
+        refuse("drive.mass", table.mass, hint)
     spring, behaviours = spring_number(table, contacts), list[Behaviour]()
     for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
         if spring is None:

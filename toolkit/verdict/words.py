@@ -220,7 +220,8 @@ def dependence(verdict: Verdict) -> list[str]:
         if len(set(kinds.values())) > 1:
             each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
             lines.append(
-                f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: give drive.mass"
+                f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
+                "run it with drive.mass and [eq]"
             )
         else:
             lines.append("not the slip rule: all rules agree on stick-slip or smooth")
