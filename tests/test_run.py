@@ -317,3 +317,62 @@ def test_a_slider_with_mass(tmp_path: Path) -> None:
     assert told["energy"]["damped"] == pytest.approx(known.energy.damped.mean())
     (line,) = (line for line in report(result) if line.startswith("slips"))
     assert "they last" in line and "N^(-2/3)" not in line
+
+
+# -- the verdict hangs on the number of contacts, and on the slip rule --------------------------------
+
+WEAK_AND_STRONG = {
+    "kind": "mixture",
+    "components": [
+        {"kind": "gaussian", "mean": 0.1, "std": 0.0003},
+        {"kind": "gaussian", "mean": 1.0, "std": 0.3},
+    ],
+    "weights": [0.02, 0.98],
+}
+FEW_SLIP = (
+    {"kind": "gw-plastic", "B": 1.0},
+    {"to": 45.0, "points": 91, "spring": 0.05, "slip": "reform-after"},
+    {"contacts": 500, "replicas": 3},
+    "smooth",
+    "3 of 3 sliders of 500 contacts slip",
+)
+NONE_SLIPS = (
+    WEAK_AND_STRONG,
+    {"to": 1.6, "points": 33, "spring": 0.5},
+    {"contacts": 2000, "replicas": 3},
+    "stick-slip",
+    "none of 3 sliders of 2,000 contacts slips",
+)
+
+
+@pytest.mark.parametrize(("law", "drive", "eq", "infinite", "why"), [FEW_SLIP, NONE_SLIPS])
+@pytest.mark.usefixtures("no_picture")
+def test_contacts_that_contradict_the_master_equation_are_the_headline(
+    capsys: Any, law: Any, drive: Any, eq: Any, infinite: str, why: str
+) -> None:
+    status, out, _ = said(capsys, "run", write(thresholds=law, drive=drive, eq=eq))
+    told = json.loads(Path("mine-output/summary.json").read_text())
+    assert status == 1 and out[1].startswith("verdict disagree: infinitely many") and why in out[1]
+    assert told["verdict"] == out[1].removeprefix("verdict ")
+    assert told["master"]["verdict"] == infinite
+
+
+@pytest.mark.usefixtures("no_picture")
+def test_contacts_that_agree_are_no_headline(capsys: Any) -> None:
+    drive = {"to": 4.0, "points": 41, "spring": 0.7}
+    status, out, _ = said(capsys, "run", write(drive=drive, eq={"contacts": 2000, "replicas": 2}))
+    assert status == 0 and not any(line.startswith("verdict") for line in out)
+    told = json.loads(Path("mine-output/summary.json").read_text())
+    assert told["verdict"] == told["master"]["verdict"]
+
+
+def test_a_run_says_where_the_slip_rule_decides() -> None:
+    wide = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    for rule in ("reset", "instant"):
+        drive = {"to": 15.0, "points": 151, "spring": 0.95, "slip": rule}
+        (note,) = toolkit.run(scene(wide, drive=drive)).notes
+        assert 'decides: stick-slip with "reset", decaying transient with "reform-after"' in note
+    small = toolkit.run(scene(WEAK_AND_STRONG, drive=NONE_SLIPS[1])).notes
+    (share,) = (note for note in small if note.startswith("the first slip is small"))
+    assert 0.001 < float(share.split(" by ")[1].split()[0]) < 0.03
+    assert toolkit.run(scene(wide, drive=drive | {"spring": 2.0})).notes == ()

@@ -267,7 +267,7 @@ def by_loops(h: np.ndarray, dx: float, dy: float, step: int) -> list[float]:
 
 @pytest.mark.parametrize(("step", "missing"), [(1, 0.0), (3, 0.05)])
 def test_moments_equal_plain_loops(step: int, missing: float) -> None:
-    h = np.random.default_rng(2).standard_normal((17, 23)).cumsum(axis=0).cumsum(axis=1)
+    h = 0.1 * np.random.default_rng(2).standard_normal((17, 23)).cumsum(axis=0).cumsum(axis=1)
     there = np.random.default_rng(3).random(h.shape) >= missing
     x, y = np.meshgrid(0.2 * np.arange(17), 0.5 * np.arange(23), indexing="ij")
     for detrend, terms in (
@@ -399,3 +399,25 @@ def test_a_generated_surface_has_the_spectrum_and_slope_asked_for(shape: tuple[i
     sizes = 1e-9, 1.5e-9
     small = origins.self_affine_surface(shape, sizes, hurst=hurst, rms_slope=0.2, seed=3, **finer)
     assert np.abs(1e9 * small - h).max() < 1e-12 * h.std()
+
+
+def test_heights_that_cannot_be_meant_are_refused_or_cautioned() -> None:
+    """Metres for nanometres, a value that fills gaps, and gaps filled with zeros."""
+    heights = origins.self_affine_surface(
+        shape=(64, 64), pixel_size=1e-8, hurst=0.8, rms_slope=0.2, seed=1
+    )
+    with pytest.raises(origins.InputError, match=r"slope is 1.*nm or µm declared as m"):
+        origins.spectral_moments(1e9 * heights, 1e-8)
+    assert origins.spectral_moments(40.0 * heights, 1e-8).rms_slope > 5.0
+    filled = heights.copy()
+    filled[::16, ::8] = -9999.0
+    with pytest.raises(origins.InputError, match="32 heights of -9999 may be a fill value"):
+        origins.spectral_moments(filled, 1e-8)
+    filled[filled == -9999.0] = 0.0
+    assert origins.spectral_moments(filled, 1e-8).zero_fraction == 32 / 64**2
+    digits = (
+        np.round(heights / 1e-9) * 1e-9
+    )  # of a coarse converter: many heights are 0, and many are not
+    assert (digits == 0.0).mean() > 1e-3 and origins.spectral_moments(
+        digits, 1e-8
+    ).zero_fraction == 0.0

@@ -18,6 +18,7 @@ from toolkit.processes.ranks import on_root
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import NOT_COMPARED, deviation, is_coupled, sample_curve, slip_line
+from toolkit.results.verdicts import contradiction
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
@@ -62,12 +63,14 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
         if answer is not None and not answer.success and first:
             say(f"{name}: {answer.message}")
     agree = result.papers_closure or (deviation(result).worst or 0.0) < _APART
-    return 0 if result.success and agree else 1
+    return 0 if result.success and agree and not contradiction(result) else 1
 
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
     lines, solved, eq, sweep = [result.title or result.name], result.master, result.eq, result.sweep
+    if apart := contradiction(result):
+        lines.append(f"verdict {apart}")
     if result.interface is not None:
         lines.append(f"surface {in_a_line(result.interface)}")
     if solved is not None:

@@ -10,6 +10,10 @@ import scipy
 from origins.errors import InputError, one_of, positive, positive_array, refuse, whole
 from origins.roughness.surface import as_topography, detrended
 
+# rms slope above which heights cannot be meant: of real surfaces it is below 1, rarely some 3 at the finest steps
+_STEEPEST = 10.0
+# zeros that look like filled gaps: at least this share of the heights, and so many times the next frequent value
+_ZEROS, _ODD = 1e-3, 10.0
 _BANDWIDTH_LIMIT = 0.8968  # below it McCool's summit variance is negative
 
 
@@ -22,6 +26,7 @@ class SpectralMoments:
     step, pixel_size : pixels between the neighbours that were differenced, and their distances (m) along both axes.
     size : lengths of the scan along both axes, m; where there was no scan all three are None.
     missing_fraction, used_fraction : of the points, those missing; of the curvature stencils, those without such.
+    zero_fraction : of the points, those of height exactly 0 where they are so many that gaps may be filled with 0.
     """
 
     m0: float
@@ -32,6 +37,7 @@ class SpectralMoments:
     missing_fraction: float = 0.0
     used_fraction: float = 1.0
     size: tuple[float, float] | None = None
+    zero_fraction: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.bandwidth > _BANDWIDTH_LIMIT:
@@ -107,7 +113,8 @@ def spectral_moments(
     periodic : whether the surface continues on its opposite side, as generated ones do; only with detrend="centre".
 
     Raises InputError for a flat surface, for one too small for the step, where missing points leave less than
-    half of the curvature stencils, and where alpha is below 0.8968, so that no Gaussian surface has such moments.
+    half of the curvature stencils, for rms slopes above 10, as of heights in another unit, and where alpha is below
+    0.8968, so that no Gaussian surface has such moments.
     """
     surface = as_topography(heights, pixel_size)
     if periodic and detrend != "centre":
@@ -131,8 +138,35 @@ def spectral_moments(
     apart, size = (step * dx, step * dy), (shape[0] * dx, shape[1] * dy)
     m2 = ((slopes**2).mean(axis=1) / np.square(apart)).tolist()
     m4 = ((curvatures**2).mean(axis=1) / np.square(apart) ** 2).tolist()
-    m0 = float(np.nanmean(h**2))
-    return SpectralMoments(m0, tuple(m2), tuple(m4), step, apart, missing, used, size)
+    m0, slope = float(np.nanmean(h**2)), math.sqrt(sum(m2))
+    if slope > _STEEPEST:
+        hint = _why_so_steep(surface.heights)
+        raise InputError(
+            f"heights: their rms slope is {slope:.3g}, that of surfaces below 1: {hint}"
+        )
+    zeros = _filled_zeros(surface.heights)
+    return SpectralMoments(m0, tuple(m2), tuple(m4), step, apart, missing, used, size, zeros)
+
+
+def _why_so_steep(heights: npt.NDArray[np.float64]) -> str:
+    """The likely reason of slopes that no surface has: a value that fills gaps, or the unit."""
+    known = heights[np.isfinite(heights)]
+    for end in (known.min(), known.max()):
+        rest = known[known != end]
+        # a single value far beyond all others is no height
+        if rest.size and np.abs(rest - end).min() > np.ptp(rest):
+            many = known.size - rest.size
+            return f"{many} heights of {end:.6g} may be a fill value; give missing points as NaN"
+    return "are heights and pixel size both in metres, or heights in nm or µm declared as m?"
+
+
+def _filled_zeros(heights: npt.NDArray[np.float64]) -> float:
+    """The share of heights that are exactly 0, where no other value is nearly as frequent; else 0."""
+    zeros = int((heights == 0.0).sum())
+    if zeros < max(_ZEROS * heights.size, 4):
+        return 0.0
+    others = np.unique(heights[np.isfinite(heights) & (heights != 0.0)], return_counts=True)[1]
+    return zeros / heights.size if zeros > _ODD * others.max(initial=0) else 0.0
 
 
 def moments_of_spectrum(

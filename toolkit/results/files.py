@@ -22,6 +22,7 @@ from toolkit.results.records import (
     is_heavy,
     slips_beside,
 )
+from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import Number
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
@@ -88,6 +89,8 @@ def summary(result: Result) -> dict[str, Any]:
     content: dict[str, Any] = {"name": result.name, "title": result.title}
     content |= {"version": result.version, "mean_threshold": result.mean_threshold}
     content |= {"success": result.success, "unit": result.thresholds.unit}
+    if solved is not None and solved.regime is not None:
+        content["verdict"] = contradiction(result) or solved.regime.verdict
     if solved is not None and asked.master is not None:
         content["master"] = {"tolerance": asked.master.tolerance, **_numbers(solved)}
         if solved.slips is not None:

@@ -16,6 +16,7 @@ from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import Result, SolvedRecord, record_of, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.progress import Progress
+from toolkit.running.rules import beside_other_rules
 from toolkit.saving import save
 from toolkit.scene import laws
 from toolkit.scene.interfaces import foreseen, of_interface, of_so_many, remarks
@@ -127,6 +128,9 @@ def solve(
         far = float(law.isf(1e-3)) + scene.contacts.mean_threshold / (scene.drive.spring or 1.0)
         if max(scene.path) < far:
             notes.append(f"a first slip is to be expected before X_T = {far:.3g}; drive as far")
+    if soft is not None:
+        with shown("slip rules"):
+            notes += beside_other_rules(scene, soft, deadline)
     if before:
         notes.append(
             f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, "

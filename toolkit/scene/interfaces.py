@@ -80,6 +80,11 @@ def remarks(law: Thresholds) -> list[str]:
             )
         if law.interface.plastic_fraction is None:
             said.append("plastic contacts were not looked for: give the material a hardness")
+        if zeros := law.interface.moments.zero_fraction:
+            said.append(
+                f"{zeros:.1%} of the scan's heights are exactly 0: gaps filled with 0? They make slopes and curvatures "
+                "that the surface does not have; give missing points as NaN"
+            )
         if gaps := law.interface.moments.missing_fraction:
             said.append(
                 f"{gaps:.1%} of the scan's points are missing: a slope counts where the point and its next neighbours "
