@@ -32,6 +32,8 @@ class ColdSlider:
         self._loaded = LoadingHistory(cold.formed_again if relaxed else contacts.start)
         # resets repeat the same move, in each direction: it is solved once
         self._begun = lru_cache(4)(partial(Move, cold))
+        # moves and travels at which slips begin after which no contact holds on
+        self._clearing = set[tuple[Move, float]]()
 
     def follow(self) -> Followed:
         """The results along the path, as far as work and time allow."""
@@ -76,7 +78,9 @@ class ColdSlider:
             if not np.isfinite(slip.load):
                 # F' jumps to 1 at a turn: the error of its place is one of the force
                 jump = abs(1.0 + spring - float(curve.load_slope(at[-1])))
-                self._loaded = move.stopped(at[-1], float(curve.error_at(at[-1]) + jump * off[-1]))
+                stop = move.travel_of_state(at[-1])
+                self._base += direction * (at[-1] - stop)
+                self._loaded = move.stopped(stop, float(curve.error_at(at[-1]) + jump * off[-1]))
                 return
             drives = drives[count:]
             if self.slip == "instant":
@@ -96,12 +100,21 @@ class ColdSlider:
 
     def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip in which broken contacts stay out until the slider stops."""
+        if (move, slip.travel) in self._clearing:
+            return self._reset(move, slip, begin)
         spring, loaded = self.spring, move.stopped(slip.travel, slip.error)
         slide = MoveWithoutBirths(self.contacts, move.direction, loaded)
         curve, y = slide.end_of_slip(0.0, slip.load - spring * slip.travel, slip)
+        if slide.holds_none(y):
+            # such a slip is a reset at another place, whose moves are known
+            self._clearing.add((move, slip.travel))
+            return self._reset(move, slip, begin)
         self._note(move, slip, begin, float(curve.force(y)))
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
-        error = (1.0 + spring) * slip.begin_error * y / self.contacts.unit
+        far = min(
+            y, self.contacts.life.largest_stretch
+        )  # no contact that holds is stretched by more
+        error = (1.0 + spring) * slip.begin_error * far / self.contacts.unit
         self._base_error += float(curve.travel_errors(y, 0.0, slip.error + error))
         return slide.after_slip(y, error + float(curve.error_at(y)))
 

@@ -9,7 +9,7 @@ drive as long as the load rises. Where its slope falls below zero, or contacts a
 break together, it slips; it stops at the first y where the load has the same value again.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ class LoadCurve:
     begin, width : arrays of shape (n,), of panels one after the other from 0
     series : array of shape (n, DEGREE + 1), Legendre coefficients of the force (lengths)
     error : array of shape (n,), estimate from above of the error of the force on each panel (lengths)
+    own_error : array of shape (n,), the part of `error` that changes on the panel itself (lengths)
     drops : array of shape (m,), travels, sorted, at which finite shares of the contacts break at once
     spring : K/(N_c <k>)
     """
@@ -36,6 +37,7 @@ class LoadCurve:
     width: Array
     series: Array
     error: Array
+    own_error: Array
     drops: Array
     spring: float
 
@@ -74,9 +76,21 @@ class LoadCurve:
         return legendre.legder(self.series, order, axis=1) * (2.0 / self.width[:, None]) ** order
 
     def slip_begins(self, after: float) -> float:
-        """The first travel after `after` beyond which the load falls; inf if there is none."""
-        drops = self.drops[self.drops > after]
-        falls = self._first_above(-self._derivatives(1), self.spring, after)
+        """The first travel after `after` beyond which the load falls; inf if there is none.
+
+        The load falls where its slope is below 0 by more than the error of the slope somewhere
+        before it rises again: a fall within that error may be numerical noise, and is no slip.
+        """
+        drops, slopes = self.drops[self.drops > after], self._derivatives(1)
+        # Markov's inequality: the slope of an error of this size, of a polynomial of this degree
+        steep = 2.0 * polynomials.DEGREE**2 * self.own_error / self.width
+        surely = self._first_above(-slopes, self.spring + steep, after)
+        falls = self._first_above(-slopes, self.spring, after) if np.isfinite(surely) else np.inf
+        while falls < surely:
+            rises = self._first_above(slopes, -self.spring, falls)
+            if rises > surely:
+                break
+            falls = self._first_above(-slopes, self.spring, rises)
         return float(np.min([falls, *drops[:1]]))
 
     def slip_ends(self, after: float, level: float, falling: float) -> float:
@@ -88,13 +102,15 @@ class LoadCurve:
         load[:, 1] += self.spring * 0.5 * self.width
         return self._first_above(load, level, rises)
 
-    def _first_above(self, series: Array, level: float, after: float) -> float:
-        """The first travel >= after at which polynomials on panels are above a level; inf if none."""
+    def _first_above(self, series: Array, level: float | Array, after: float) -> float:
+        """The first travel >= after at which polynomials on panels are above a level, one for all or one for each
+        panel; inf if none."""
+        level = np.broadcast_to(level, self.begin.shape)
         most = series[:, 0] + np.abs(series[:, 1:]).sum(axis=1)
         ends = np.append(self.begin[1:], self.end)
         for panel in np.flatnonzero((most > level) & (ends > after)):
             first, end = float(self.begin[panel]), float(ends[panel])
-            excess = Legendre(series[panel], [first, end]) - level
+            excess = Legendre(series[panel], [first, end]) - level[panel]
             # trailing coefficients below 1e-15 of the largest are rounding: leave them out
             roots = excess.trim(1e-15 * np.abs(excess.coef).max()).roots()
             # rounding may have moved a double root off the real axis
@@ -133,6 +149,30 @@ class LoadCurve:
         cell = np.clip(np.searchsorted(known, load) - 1, 0, places.size - 2)
         wanted = np.clip(load, known[0], known[-1])
         return np.asarray(find_root(lack, (places[cell], places[cell + 1]), args=(wanted,)).x)
+
+
+@dataclass(frozen=True)
+class SteadyForce:
+    """A force along the motion that no longer changes, and the error of that (lengths)."""
+
+    force: float
+    error: float
+
+    def extend(self, curve: LoadCurve, y: float, largest: float) -> LoadCurve:
+        """The curve with one more panel of this force, up to the travel y at least, and as far as a spring is stretched
+        by the `largest` force of its contacts; positions on it are rounded."""
+        width = 2.0 * max(y - curve.end, largest / curve.spring, largest)
+        series = np.zeros((1, curve.series.shape[1]))
+        series[0, 0] = self.force
+        error = curve.error[-1] + self.error
+        return replace(
+            curve,
+            begin=np.append(curve.begin, curve.end),
+            width=np.append(curve.width, width),
+            series=np.concatenate([curve.series, series]),
+            error=np.append(curve.error, error),
+            own_error=np.append(curve.own_error, 0.0),
+        )
 
 
 class SlipBegin(NamedTuple):

@@ -16,14 +16,17 @@ from master.renewal.edges import SMOOTHER, Moment, edges
 from master.renewal.kernels import TARGETS, Run
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
-from master.soft.curve import LoadCurve, SlipBegin
-from master.survival.life import ColdLife
+from master.soft.curve import LoadCurve, SlipBegin, SteadyForce
+from master.survival.life import NONE_LEFT, ColdLife
 from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Shortest move, and narrowest panel, in grains of the life.
+# Shortest move, and narrowest panel, in resolution lengths of the life.
 STILL = 1e-12
+# Breaks are steady where their rates agree to this share over the longest life; rates of steady breaks differ by up to
+# 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
+STEADY_RATES = 1e-10
 
 
 class ColdContacts:
@@ -40,10 +43,12 @@ class ColdContacts:
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
         self.formed_again = reforming_law(contacts)
         # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred times that of its
-        # values: hence 1e-4 of the tolerance, at most of 1e-6 mean thresholds; below 1e-13 all is round-off
+        # values: hence 1e-4 of the tolerance, and of K, at most of 1e-6 mean thresholds; below 1e-13 all is round-off
         self.of_panels = max(
-            1e-4 * min(tolerance, 1e-6) * self.unit / self.life.largest_stretch, 1e-13
+            1e-4 * min(tolerance, 1e-6, spring) * self.unit / self.life.largest_stretch, 1e-13
         )
+        # what is left of the changes of F has to be below the tolerance, and its slope below K
+        self.steady_rates = max(STEADY_RATES, 1e-2 * min(tolerance, spring))
         self.spring, self.until, self.nodes = spring, until, 0
 
     def force_of(self, start: Start) -> float:
@@ -82,8 +87,10 @@ class Move:
         self.contacts, self.direction, self.loaded = contacts, direction, loaded
         # plan 2 mean thresholds ahead first: most sliders slip before
         self._moments, self._ahead = loaded.moments, 2.0 * contacts.unit
+        self._widest = self._guess
         self._plan(loaded.march, loaded.cut, loaded.end)
         self._first = len(self._march.begin)
+        self._steady: SteadyForce | None = None
 
     def at(self, y: Array | float) -> Any:
         """X after the travel y, relative to where the history began (lengths)."""
@@ -117,7 +124,9 @@ class Move:
 
     def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
-        while len(self._march.begin) == self._first or self._march.reached < self.loaded.end + y:
+        while len(self._march.begin) == self._first or (
+            self._steady is None and self._march.reached < self.loaded.end + y
+        ):
             # following a lump over one run of panels costs as much as 15 pieces of integrals
             self._march.births.work += 15 * len(self._march.lumps)
             if self._march.births.work > MOST_WORK:
@@ -127,6 +136,7 @@ class Move:
                 self._ahead *= 2.0
                 self._plan(self._march, self._march.reached, self._march.reached)
             self.contacts.nodes += (len(self._march.begin) - before) * polynomials.DEGREE
+            self._steady = self._steady_force()
         loaded, march, largest = self.loaded, self._march, self.contacts.life.largest_stretch
         panels = march.begin, march.width, march.force, march.error
         begin, width, force, missed = (np.array(values[self._first :]) for values in panels)
@@ -140,7 +150,34 @@ class Move:
             np.array(times) - loaded.end,
             self.direction * force @ polynomials.TO_LEGENDRE.T,
         )
-        return LoadCurve(begin, width, series, error, drops, self.contacts.spring)
+        own = missed * largest + 1e-15 * self.contacts.unit
+        curve = LoadCurve(begin, width, series, error, own, drops, self.contacts.spring)
+        return curve if self._steady is None else self._steady.extend(curve, y, largest)
+
+    def _steady_force(self) -> SteadyForce | None:
+        """The force of steady breaks, once these have been steady for longer than any life.
+
+        Each rate of breaks is a mean of those before, to the longest life (renewal equation), when
+        no contact that held at the move's begin is left: where rates agree, so do all that follow.
+        """
+        march, largest = self._march, self.contacts.life.largest_stretch
+        memory = max(1.1 * march.kernels.straight(float(self.direction)).longest, 2.0 * largest)
+        since = march.reached - max(self.loaded.end, march.lumps[-1].time)
+        if since < memory:
+            return None
+        first = max(int(np.searchsorted(march.begin, march.reached - memory, "right")) - 1, 0)
+        slopes = march.breaks[first:] @ polynomials.SLOPES.T / march.width[first:, None]
+        nodes = polynomials.gauss(polynomials.PANEL_NODES).nodes
+        rates = slopes @ polynomials.legendre_values(nodes).T
+        differ = float(np.ptp(rates) / rates.mean())
+        if not 0.0 <= differ <= self.contacts.steady_rates:
+            return None
+        force = self.direction * float(march.force[-1, -1])
+        return SteadyForce(force, differ * abs(force) + float(np.ptp(march.force[first:])))
+
+    def travel_of_state(self, y: float) -> float:
+        """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
+        return y if self._steady is None else min(y, self._march.reached - self.loaded.end)
 
     def _advance(self) -> bool:
         """Solve some more panels; False at the end of the plan."""
@@ -153,6 +190,11 @@ class Move:
         met = tuple(moment for moment in self._moments if moment.time < end)
         moments = (*met, Moment(end, SMOOTHER))
         return LoadingHistory(self.loaded.start, self._march, end, end, places, moments, error)
+
+    @property
+    def _guess(self) -> float:
+        """The first guess of a panel's width."""
+        return WIDE * self.contacts.life.resolution_length
 
     def _plan(self, march: March | None, cut_at: float, since: float) -> None:
         """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
@@ -170,7 +212,7 @@ class Move:
                 start,
                 np.empty(0),
                 tolerance,
-                WIDE * life.resolution_length,
+                self._guess,
                 life.largest_stretch,
             )
         else:
@@ -188,6 +230,15 @@ class Move:
 class MoveWithoutBirths(Move):
     """Contacts during a slip in which broken contacts stay out until the slider stops."""
 
+    def _steady_force(self) -> SteadyForce | None:
+        """The force 0, once no contact holds any more."""
+        number = self._march.known(np.full((1, TARGETS.size), self._march.reached))[0, 0, 0]
+        return SteadyForce(0.0, 0.0) if number <= NONE_LEFT else None
+
+    def holds_none(self, y: float) -> bool:
+        """Whether no contact holds any more after the travel y."""
+        return self._steady is not None and self.travel_of_state(y) < y
+
     def _advance(self) -> bool:
         """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
         march, length, tolerance = (
@@ -199,7 +250,7 @@ class MoveWithoutBirths(Move):
         later = march.edges[march.edges > begin + STILL * length]
         if not later.size:
             return False
-        width = min(WIDE * length, float(later[0]) - begin)
+        width = min(self._widest, float(later[0]) - begin)
         while True:
             force = march.known(begin + width * TARGETS[None])[1, :, : polynomials.DEGREE + 1]
             error = (
@@ -209,6 +260,10 @@ class MoveWithoutBirths(Move):
             if error[0] <= tolerance or width <= STILL * length:
                 break
             width *= 0.5
+        # the error grows as the width to the power DEGREE: wider panels soon suffice in the tail of P_c
+        self._widest = (2.0 if error[0] < 1e-6 * tolerance else 1.0) * max(
+            width, 0.5 * self._widest
+        )
         leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
         march.keep(begin, width, Run(np.zeros_like(force), force, error), 1, begin - leg_begin)
         return True

@@ -1,0 +1,95 @@
+"""Springs of machines, a million times softer than the interface, and stiff ones: every slip rule in closed form."""
+
+import numpy as np
+import pytest
+from phase_type import gaussian_force
+from scipy import stats
+from scipy.optimize import brentq
+
+import master
+import origins
+
+WIDE = origins.gaussian(1.0, 0.2)
+CONTACTS = origins.Contacts(WIDE)
+RULES = ["reset", "instant", "reform-after"]
+SOFT = [1e-9, 1e-6, 1e-3]
+
+
+def first_slip(spring: float) -> tuple[float, float]:
+    """X and F where the slider first slips: the root of X P_c(X) = 1 + K, but for second breaks."""
+    x = brentq(lambda x: x * float(WIDE.pdf(x)) - 1.0 - spring, 0.5, 1.0, xtol=1e-15)
+    return x, float(gaussian_force(np.array([x]), 1.0, 0.2)[0])
+
+
+@pytest.mark.parametrize("spring", SOFT)
+@pytest.mark.parametrize("rule", RULES)
+def test_the_first_slip_ends_where_it_must(spring, rule):
+    before, static = first_slip(spring)
+    drive = before + static / spring
+    found = master.solve(CONTACTS, [0.0, 2.5 * drive], 1e-6, spring=spring, slip=rule)
+    assert found.success and found.force_error <= 1e-8
+    far = found.force_error + 1e-12
+    # contacts that broke twice change F by less than 1e-5 up to there
+    assert abs(found.slips.force_before[0] - static) <= 1e-5
+    if rule == "instant":
+        kinetic = master.steady_state(CONTACTS).force
+        assert kinetic == pytest.approx(WIDE.moment(2) / (2.0 * WIDE.mean()), abs=1e-12)
+        assert abs(found.force[-1] - kinetic) <= far
+        # at K = 1e-3 the slip is some hundred thresholds long, and breaks are steady at its end
+        assert abs(found.slips.force_after[0] - kinetic) <= far and found.slips.drive.size == 1
+    else:
+        assert found.slips.drive.size == 2 and (found.slips.force_after == 0.0).all()
+        assert (found.slips.after == found.slips.drive).all()
+        period = found.slips.before[0] + found.slips.force_before[0] / spring
+        assert abs(found.period - period) <= 2.0 * found.slips.drive_error + 1e-15 * drive
+
+
+def test_a_slip_in_which_all_breaks_is_a_reset():
+    path = np.linspace(0.0, 3e4, 2001)
+    one, other = (
+        master.solve(CONTACTS, path, 1e-6, spring=1e-3, slip=rule)
+        for rule in ("reset", "reform-after")
+    )
+    assert one.slips.drive.size == other.slips.drive.size > 30
+    assert np.abs(one.force - other.force).max() <= one.force_error + other.force_error
+
+
+def test_slips_of_contacts_that_all_break_are_solved_once():
+    path = [0.0, 1e4 * (first_slip(1e-6)[1] / 1e-6 + 1.0)]
+    found = master.solve(CONTACTS, path, 1e-6, spring=1e-6, slip="reform-after")
+    few = master.solve(CONTACTS, [0.0, path[1] / 5e3], 1e-6, spring=1e-6, slip="reform-after")
+    assert found.slips.drive.size > 9_000 and found.nodes <= 2 * few.nodes
+    assert found.force_error <= 1e-6
+
+
+@pytest.mark.parametrize("spring", [1e-9, 1e-6])
+def test_a_force_that_never_falls_makes_no_slip(spring):
+    """Exponential thresholds: F = 1 - exp(-X), whatever K; rounding makes no slips."""
+    contacts = origins.Contacts(stats.expon())
+    path = np.linspace(0.0, 3.0 / spring, 7)
+    found = master.solve(contacts, path, 1e-6, spring=spring, slip="instant")
+    assert found.success and not found.slips.drive.size
+    x = (path[1:] * spring - found.force[1:]) / spring
+    assert np.abs(found.force[1:] + np.expm1(-x)).max() <= found.force_error + 1e-12
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_stiff_spring_is_a_rigid_slider(rule):
+    path = np.linspace(0.0, 5.0, 51)
+    found = master.solve(CONTACTS, path, 1e-6, spring=1e9, slip=rule)
+    rigid = master.solve(CONTACTS, path, 1e-9)
+    assert found.success and not found.slips.drive.size
+    assert np.abs(found.force - rigid.force).max() <= found.force_error + rigid.force_error + 1e-8
+
+
+def test_a_turn_after_steady_sliding_is_that_of_any_place():
+    """After long sliding under a soft spring, and after a short way, the slider turns from the same state."""
+    spring, kinetic = 1e-2, 0.52
+    turned = []
+    for far in (1e3, 1e6):
+        path = np.append(far, far - np.linspace(0.0, 2.0 * kinetic / spring + 2.0, 60))
+        turned.append(master.solve(CONTACTS, path, 1e-6, spring=spring, slip="instant"))
+    near, far = turned
+    assert near.success and far.success
+    # X_T is known to 1e-10 there
+    assert np.abs(near.force - far.force).max() <= near.force_error + far.force_error + 1e-9
