@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 import scipy.stats
+from numba import njit
 from plain_heavy import PlainSlider
 from scipy.optimize import brentq
 
 import eq_model
 import origins
+from eq_model.coupled.mass.nearest import FAR, KNOWN, look_through, make_nearest, nearest, set_place
 
 NARROW = origins.gaussian(1.0, 0.1)
 ATOMS = origins.mixture([origins.identical(0.8), origins.identical(1.2)], [0.5, 0.5])
@@ -187,3 +189,31 @@ def test_replicas_are_the_same_one_by_one_on_threads_and_from_where_another_run_
         assert (slips_of(other) == slips_of(whole)).all()
         assert (other.energy.work == whole.energy.work).all()
     assert len(whole.velocity_standard_error) == 31 and whole.velocities.shape == (5, 31)
+
+
+@njit
+def _nearest_after(near, contacts, places, asked, found):  # type: ignore[no-untyped-def]
+    """The nearest place after each change, where it is asked for."""
+    for k in range(contacts.size):
+        set_place(near, contacts[k], places[k])
+        found[k] = nearest(near) if asked[k] else np.int64(0)
+        while asked[k] and near.at[KNOWN] == 0:
+            look_through(near)
+            found[k] = nearest(near)
+
+
+@pytest.mark.parametrize("trend", [-30, 0, 30, 1000])
+def test_the_nearest_of_changing_places(trend):
+    """Places that come nearer fill the heap of those that came later; those that go away leave it behind."""
+    rng, n, many = np.random.default_rng(5), 90, 20_000
+    contacts = rng.integers(0, n, many)
+    places = trend * np.arange(many) + rng.integers(0, 2000, many) * rng.integers(1, 40, many)
+    places[rng.random(many) < 0.3] = FAR
+    asked = (rng.random(many) < 0.5) & (np.arange(many) % 3000 > 800)
+    found = np.zeros(many, np.int64)
+    _nearest_after(make_nearest(n, 500.0), contacts, places, asked, found)
+    now, least = np.full(n, FAR), np.zeros(many, np.int64)
+    for k in range(many):
+        now[contacts[k]] = places[k]
+        least[k] = now.min()
+    assert (found[asked] == least[asked]).all() and asked.sum() > 5000

@@ -3,8 +3,9 @@
 import numpy as np
 
 from eq_model.compiling import bare, entry, inlined, unsigned
-from eq_model.coupled.mass.moves import quick_move, slow_move
-from eq_model.coupled.mass.nearest import FAR, least, set_place, who_is_least
+from eq_model.coupled.mass.motion import first_passage
+from eq_model.coupled.mass.moves import motion_of, quick_move, slow_move
+from eq_model.coupled.mass.nearest import FAR, KNOWN, WHO, look_through, nearest, set_place
 from eq_model.coupled.mass.state import (
     CONTACT_FORCE,
     FORCE,
@@ -52,12 +53,11 @@ def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
 def _break(s, contacts, side, supply, pull):  # type: ignore[no-untyped-def]
     """The nearest contact ahead (side 1) or behind (-1) breaks; it forms again at once, or waits."""
     if side > 0:
-        place = least(contacts.ahead)
-        i = who_is_least(contacts.ahead)
+        i = contacts.ahead.at[WHO]
+        go_to(s, contacts.ahead.places[i])
     else:
-        place = -least(contacts.behind)
-        i = who_is_least(contacts.behind)
-    go_to(s, place)
+        i = contacts.behind.at[WHO]
+        go_to(s, -contacts.behind.places[i])
     x = 0.5 * np.float64(contacts.ahead.places[i] + contacts.behind.places[i])
     k = x / pull.mean if pull.mean > 0.0 else 1.0
     s.force -= side * k * x
@@ -117,18 +117,29 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
     for _ in range(AT_ONCE):
         if s.leg == pull.lasts.size:
             return PATH_DONE
-        ahead = np.float64(least(contacts.ahead) - s.at) - s.off
-        behind = np.float64(least(contacts.behind) + s.at) + s.off
+        ahead = np.float64(nearest(contacts.ahead) - s.at) - s.off
+        behind = np.float64(nearest(contacts.behind) + s.at) + s.off
+        known, known_behind = contacts.ahead.at[KNOWN] != 0, contacts.behind.at[KNOWN] != 0
         left = pull.lasts[unsigned(s.leg)] - s.elapsed
         most, slipped = max(min(left, s.due), 0.0), False
         side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
         if side == 0:
             stiffness = pull.spring + s.stiffness * each
             net = spring_force(s, pull) - contact_force(s, pull)
-            side = quick_move(s, pull, ahead, behind, most, net, stiffness)
+            if known if s.speed >= 0.0 else known_behind:
+                side = quick_move(s, pull, ahead, behind, most, net, stiffness)
             if side == 0:
-                side, slipped = slow_move(s, pull, ahead, behind, most, net, stiffness)
-        if side != 0:
+                motion = motion_of(s, pull, net, stiffness)
+                t, side = first_passage(motion, ahead, behind, most)
+                if side == 0 or (known if side > 0 else known_behind):
+                    way = ahead if side > 0 else -behind
+                    slipped = slow_move(s, pull, motion, t, side, way)
+        # at a bound, where the slider has not moved yet, the places are looked up
+        if side > 0 and not known:
+            look_through(contacts.ahead)
+        elif side < 0 and not known_behind:
+            look_through(contacts.behind)
+        elif side != 0:
             _break(s, contacts, side, supply, pull)
             if s.breaks >= pull.most_breaks:
                 return TOO_MANY

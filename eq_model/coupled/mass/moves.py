@@ -5,9 +5,8 @@ Short ones, as between two breaks of a slip, take the first terms of the way's p
 
 import numpy as np
 
-from eq_model.compiling import bare, unsigned
+from eq_model.compiling import bare, inlined, unsigned
 from eq_model.coupled.mass.motion import (
-    first_passage,
     first_slower,
     integral,
     last_faster,
@@ -35,21 +34,21 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     v, side, level = s.speed, 1, ahead
     if v < 0.0:
         side, level = -1, -behind
-    drive, m, c = pull.speeds[unsigned(s.leg)], pull.mass, pull.damping
-    t = level / v if v != 0.0 else np.inf
-    square, rate = stiffness / m, c / m
-    a2 = net / m - rate * v
+    drive, per_mass, rate = pull.speeds[unsigned(s.leg)], pull.per_mass, pull.rate
+    slow = 1.0 / v if v != 0.0 else np.inf
+    t = level * slow
+    square, a2 = stiffness * per_mass, net * per_mass - rate * v
     # the first term left out is below 1e-15 of |a2| t², and so below 1e-16 of the way
     soon = t < most and square * t * t < 2.5e-5 and rate * t < 5e-3
     if not (soon and abs(a2) * t < 0.05 * abs(v)):
         return 0
     # derivatives of the way, each from the two before
-    a3 = pull.spring / m * drive - square * v - rate * a2
+    a3 = pull.spring * per_mass * drive - square * v - rate * a2
     a4 = -square * a2 - rate * a3
     a5 = -square * a3 - rate * a4
-    b2, b3, b4, b5 = a2 / 2.0, a3 / 6.0, a4 / 24.0, a5 / 120.0
-    b6 = (-square * a4 - rate * a5) / 720.0
-    t = level / (v + b2 * t)
+    b2, b3, b4, b5 = 0.5 * a2, a3 * (1.0 / 6.0), a4 * (1.0 / 24.0), a5 * (1.0 / 120.0)
+    b6 = (-square * a4 - rate * a5) * (1.0 / 720.0)
+    t -= b2 * t * t * slow
     for _ in range(8):
         way = t * (v + t * (b2 + t * (b3 + t * (b4 + t * (b5 + t * b6)))))
         speed = v + t * (a2 + t * (3.0 * b3 + t * (4.0 * b4 + t * (5.0 * b5 + t * 6.0 * b6))))
@@ -63,26 +62,29 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     limit, later = speed_limit(drive), a2 + t * (a3 + t * 0.5 * a4)
     if t >= most or (v > limit) != s.falling or (speed > limit) != s.falling or a2 * later < 0.0:
         return 0
-    squares = t / 6.0 * (v * v + 4.0 * middle * middle + speed * speed)  # Simpson's rule
-    way_integral = t * t * (v / 2.0 + t * (b2 / 3.0 + t * (b3 / 4.0 + t * b4 / 5.0)))
+    squares = t * (1.0 / 6.0) * (v * v + 4.0 * middle * middle + speed * speed)  # Simpson's rule
+    way_integral = t * t * (0.5 * v + t * (b2 * (1.0 / 3.0) + t * (b3 * 0.25 + t * b4 * 0.2)))
     pass_time(s, pull, t, level, speed, way_integral, squares)
     if s.falling:
         pull.fall[TOP_SPEED] = max(pull.fall[TOP_SPEED], speed)
     return side
 
 
+@inlined
+def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
+    """The closed motion from here on."""
+    drift = pull.spring * pull.speeds[unsigned(s.leg)] / stiffness
+    u = (pull.damping * drift - net) / stiffness
+    own = np.sqrt(stiffness * pull.per_mass)
+    return make_motion(drift, u, s.speed, 0.5 * pull.damping * pull.per_mass, own)
+
+
 @bare
-def slow_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no-untyped-def]
-    """Move to the next break, or for the time `most`, in closed form. Returns which break (1, -1; 0: none), and whether
-    a slip has ended."""
-    m, c, drive = pull.mass, pull.damping, pull.speeds[unsigned(s.leg)]
-    drift = pull.spring * drive / stiffness
-    own = np.sqrt(stiffness / m)
-    motion = make_motion(drift, (c * drift - net) / stiffness, s.speed, 0.5 * c / m, own)
-    t, side = first_passage(motion, ahead, behind, most)
-    there = place_at(motion, t)
-    way = ahead if side > 0 else -behind if side < 0 else there.way
-    squares = squared_speed(motion, t) if c > 0.0 else 0.0
+def slow_move(s, pull, motion, t, side, way):  # type: ignore[no-untyped-def]
+    """Move for a time t in closed form, with a break after it (side 1 or -1) by `way`. Returns whether a slip ends."""
+    there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
+    way = way if side != 0 else there.way
+    squares = squared_speed(motion, t) if pull.damping > 0.0 else 0.0
     slipped, limit, slower = False, speed_limit(drive), np.inf
     if s.falling:
         slower, pull.fall[TOP_SPEED] = first_slower(motion, limit, t, pull.fall[TOP_SPEED])
@@ -92,4 +94,4 @@ def slow_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no-
     if not s.falling and there.speed > limit:
         faster, top = last_faster(motion, limit, t)
         begin_fall(s, pull, t - faster, way - place_at(motion, faster).way, top)
-    return side, slipped
+    return slipped

@@ -164,15 +164,20 @@ class HeavySliders:
         slider[0]["due"] = np.inf
         delay, points = contacts.delay, drive.path.size
         waits = 1 if delay is None else n + 1
+        width = contacts.mean_threshold / self._unit / 16.0
         own = state.Contacts(
-            make_nearest(n), make_nearest(n), np.empty(waits, np.int64), np.empty(waits)
+            make_nearest(n, width),
+            make_nearest(n, width),
+            np.empty(waits, np.int64),
+            np.empty(waits),
         )
         mean = contacts.mean_threshold / self._unit if contacts.stiffness == "linked" else 0.0
         pull = state.Pull(
             n=n,
             spring=drive.spring or 0.0,
-            mass=drive.mass or 0.0,
+            per_mass=1.0 / (drive.mass or 1.0),
             damping=drive.damping,
+            rate=drive.damping / (drive.mass or 1.0),
             mean=mean,
             wait=-1.0 if delay is None else delay.time,
             slip=max(int(np.ceil(self.slip_fraction * n)), 1),
@@ -193,7 +198,7 @@ class HeavySliders:
         from eq_model.coupled.mass.nearest import FAR
 
         n, drive = self._n, self._drive
-        ahead, behind = (tree.places[:n] for tree in (contacts.ahead, contacts.behind))
+        ahead, behind = contacts.ahead.places, contacts.behind.places
         holds = ahead != FAR
         ahead, behind = ahead[holds], behind[holds]
         x = 0.5 * (ahead + behind)

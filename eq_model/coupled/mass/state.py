@@ -52,8 +52,9 @@ class Pull(NamedTuple):
 
     n: int
     spring: float  # K/(N <k>)
-    mass: float  # M/(N <k>)
+    per_mass: float  # N <k>/M
     damping: float  # γ/(N <k>)
+    rate: float  # γ/M
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
     wait: float  # the delay, below 0 if there is none
     slip: int  # fewest breaks of a fall of the force that is a slip
