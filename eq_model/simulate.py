@@ -34,7 +34,7 @@ def simulate(
     A contact breaks where its stretch reaches its threshold, or earlier at its breaking rate, is out for the delay if
     there is one, and re-forms with a fresh threshold (paper, Secs. II and IV). The contacts are independent, so the
     mean is unbiased at every number of them, and each is sampled exactly, without a time step; only a threshold that
-    diffuses takes steps, with the error `step_error`.
+    diffuses takes steps, with the error `step_error`. For intervals use the result's `force_error`, which holds both.
 
     With a `spring` the contacts of one replica are coupled: the path is that of the drive, X_T, and one slider has
     K (X_T - X) = sum of k_i x_i. Every break moves the slider, so that more contacts may break; all that break at one
@@ -89,7 +89,25 @@ def simulate(
 
     Plain Python twin: eq_model/closest.py, the paper's algorithm (Sec. II).
     """
-    ensemble = Ensemble(**locals())  # the same arguments: this must stay the first line
+    ensemble = Ensemble(
+        contacts,
+        path,
+        velocity=velocity,
+        time=time,
+        spring=spring,
+        slip=slip,
+        mass=mass,
+        damping=damping,
+        slip_fraction=slip_fraction,
+        n_contacts=n_contacts,
+        n_replicas=n_replicas,
+        seed=seed,
+        tolerance=tolerance,
+        wall_time=wall_time,
+        histograms=histograms,
+        comm=comm,
+        threads=threads,
+    )
     for _ in ensemble:
         pass
     return ensemble.result()

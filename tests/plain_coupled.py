@@ -8,9 +8,9 @@ import numpy as np
 from numba import njit
 
 from eq_model.coupled.ensemble import unit_of
-from eq_model.coupled.slide_kernel import make_supply, take
 from eq_model.draws.births import births_of
 from eq_model.draws.streams import make_stream
+from eq_model.draws.supply import make_supply, take
 from eq_model.result import SIZES
 from origins import Contacts, Drive
 

@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from eq_model.coupled.ensemble import unit_of
-from eq_model.coupled.slide_kernel import make_supply
 from eq_model.draws.births import births_of
 from eq_model.draws.streams import make_stream
+from eq_model.draws.supply import make_supply
 from origins import Contacts, Drive
 
 

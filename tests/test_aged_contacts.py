@@ -143,6 +143,7 @@ def test_the_ensemble_takes_what_is_refused(name: str) -> None:
     sprung = master.solve(contacts, path * (1.0 + 1e-6), 3e-3, spring=1e6)
     apart = np.abs(np.interp(path, sprung.position, sprung.force) - drawn.force)
     assert (apart < 4.0 * drawn.force_standard_error + drawn.step_error + 3e-3).all()
+    assert (drawn.force_error == drawn.force_standard_error + drawn.step_error).all()
 
 
 def test_contacts_hold_beyond_every_fresh_threshold_as_these_spread() -> None:

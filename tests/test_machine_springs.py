@@ -12,6 +12,7 @@ import origins
 NARROW = origins.gaussian(1.0, 0.1)
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("spring", [1.0, 1e-3, 1e-9])
 @pytest.mark.parametrize("slip", ["reset", "reform-after", "instant"])
 def test_identical_thresholds_slip_as_by_hand(slip, spring):

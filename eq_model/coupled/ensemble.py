@@ -88,7 +88,9 @@ class Replicas:
         """
         from eq_model.coupled import slide_kernel as kernel
         from eq_model.coupled.queue_kernel import make_queue
+        from eq_model.coupled.slider import SLIDER
         from eq_model.draws.streams import make_stream
+        from eq_model.draws.supply import make_supply
 
         if replica < 0:
             # kernels are the same for all laws and rules
@@ -98,10 +100,10 @@ class Replicas:
         n, unit, contacts = self._n, self._unit, self._contacts
         stream = make_stream(self._seed, replica)
         mean = contacts.mean_threshold / unit if contacts.stiffness == "linked" else 0.0
-        first, later = (kernel.make_supply(births, stream, mean) for births in self._births)
-        queue, slider = make_queue(n, self._shift, self._ring_bits), np.zeros(1, kernel.SLIDER)
+        first, later = (make_supply(births, stream, mean) for births in self._births)
+        queue, slider = make_queue(n, self._shift, self._ring_bits), np.zeros(1, SLIDER)
         s, slips = slider[0], list[Array]()
-        s["back"], s["pulled"] = -(1 << 62), -np.inf  # never, and nowhere
+        s["back"], s["drive"] = -(1 << 62), -np.inf  # never, and nowhere
         kernel.form_all(slider, queue, first, n)
         pull, each = self._pull(s), unit / n
         while (why := kernel.slide(slider, queue, later, pull)) != kernel.PATH_DONE:
@@ -124,7 +126,7 @@ class Replicas:
 
     def _pull(self, s: np.void) -> Any:
         """The Pull of a slider with its first contacts, from the position that balances them on."""
-        from eq_model.coupled.slide_kernel import Pull
+        from eq_model.coupled.slider import Pull
 
         n, drive, unit, delay = self._n, self._drive, self._unit, self._contacts.delay
         spring = (drive.spring or 0.0) * n

@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from eq_model.blocks import Whole
 from eq_model.compiling import bare, entry, inlined
 from eq_model.coupled.queue_kernel import (
     BREAK,
@@ -26,91 +25,23 @@ from eq_model.coupled.queue_kernel import (
     settle,
     take_next,
 )
-from eq_model.draws.births import Births, Scratch, draw_stretches, draw_thresholds, make_scratch
-from eq_model.draws.streams import LANES, Stream
-from origins.thresholds.law import Array
+from eq_model.coupled.slider import BASE, BREAKS, DRIVE, F_AFTER, F_BEFORE, X_AFTER, X_BEFORE
+from eq_model.draws.supply import take
 
 PATH_DONE, SLIP_ENDED, OVERTAKEN, GOING_ON = range(4)
-PULLED, BASE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS = range(7)  # in Pull.avalanche
+RETURN, BALANCE = 3, 4  # further events, beside NOTHING, BUCKET_END and BREAK of the queue
 # The largest distance from the base, 2^-9 units of which a float resolves; on shorter paths the base is 0.
 FAR_FROM_BASE = 1 << 44
 
-# Positions are whole units; forces and stiffnesses are sums of k_i x_i and k_i in units of <k>.
-SLIDER = np.dtype(
-    [
-        ("at", np.int64),  # X at the last event
-        ("base", np.int64),  # the position from which forces count X and X_T
-        ("force", np.float64),  # F there
-        ("stiffness", np.float64),  # of the contacts that hold
-        ("back", np.int64),  # X at which the first contact would break if the slider moved back
-        ("held", np.int64),  # number of contacts that hold
-        ("pulled", np.float64),  # K (X_T - base) of the last break that began an avalanche
-        ("out", np.int64),  # contacts that broke in this avalanche and have not re-formed
-        ("broken", np.int64),  # number of breaks in this avalanche; 0: the slider sticks
-        ("breaks", np.int64),  # number of all breaks
-        ("point", np.int64),  # index of the next point of the path
-        ("returning", np.int64),  # index of the next return of contacts after their delay
-        ("returns", np.int64),  # index after the last return
-    ]
-)
 
+class Ahead(NamedTuple):
+    """What the slider meets next as it moves on: an event of the queue, where, and the load there."""
 
-class Supply(NamedTuple):
-    """Draws the contacts of one replica that form, 4 LANES at a time."""
-
-    births: Births
-    stream: Stream
-    scratch: Scratch
-    ready: Whole  # (2, 4, LANES): thresholds and stretches
-    at: Whole  # index of the next contact, and the number of draws so far
-    mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
-
-
-class Pull(NamedTuple):
-    """The drive and rules for n contacts, and arrays for the results."""
-
-    n: int
-    spring: float  # K in <k>
-    path: Array  # X_T of the points
-    time: Array  # times at which the drive reaches them
-    clock: Array  # times between which the drive's speed is constant
-    clock_drive: Array  # X_T at these times
-    wait: float  # the delay, below 0 if there is none
-    slip: int  # fewest breaks of an avalanche that is a slip
-    at_once: bool  # whether broken contacts re-form at once
-    resets: bool  # whether a slip replaces all contacts
-    furthest: int  # X beyond which contacts that re-form stretched take the slider without end
-    avalanche: Array  # (7,), the last one; PULLED: K (X_T - BASE)
-    at_points: Array  # (3, points): X, F and the number of contacts that hold
-    avalanches: Whole  # numbers of those below a slip that broke 1, 2-3, 4-7, ... contacts
-    due: Array  # ring buffer of the times at which contacts re-form
-    many: Whole  # how many contacts re-form then
-
-
-def make_supply(births: Births, stream: Stream, mean: float = 0.0) -> Supply:
-    """The supply before its first draw."""
-    ready, at = np.empty((2, 4, LANES), np.int64), np.array([4 * LANES, 0])
-    return Supply(births, stream, make_scratch(), ready, at, mean)
-
-
-@bare
-def _refill(s):  # type: ignore[no-untyped-def]
-    turn, n = s.at[1], np.int64(LANES)
-    for row in range(np.int64(4)):
-        x, r = s.ready[0, row], s.ready[1, row]
-        draw_stretches(n, row, turn, s.stream, s.births, s.scratch, r)
-        draw_thresholds(n, row, turn, s.stream, s.births, s.scratch, r, x)
-    s.at[0], s.at[1] = 0, turn + 1
-
-
-@inlined
-def take(s):  # type: ignore[no-untyped-def]
-    """Threshold and stretch of the next contact."""
-    if s.at[0] == 4 * LANES:
-        _refill(s)
-    s.at[0] += 1
-    k, lanes = np.uint64(s.at[0] - 1), np.uint64(LANES)
-    return max(s.ready[0, k // lanes, k % lanes], np.int64(1)), s.ready[1, k // lanes, k % lanes]
+    event: int
+    x: int  # the slider's own X if nothing is ahead
+    load: float  # at x, if nothing breaks before
+    force: float  # F there
+    needs: float  # the load of the drive that takes the slider there, infinite if nothing is ahead
 
 
 @inlined
@@ -126,7 +57,7 @@ def _rebase(s, pull):  # type: ignore[no-untyped-def]
     moved = s.at - s.base
     if moved > FAR_FROM_BASE:
         s.base = s.at
-        s.pulled -= pull.spring * np.float64(moved)
+        s.drive -= pull.spring * np.float64(moved)
 
 
 @inlined
@@ -146,14 +77,20 @@ def _form(s, queue, supply):  # type: ignore[no-untyped-def]
     add_break(queue, s.at - r + x, x)
 
 
+@bare
+def _form_many(s, queue, supply, number):  # type: ignore[no-untyped-def]
+    """Form contacts at the slider's present X."""
+    for _ in range(number):
+        _form(s, queue, supply)
+
+
 @entry
 def form_all(slider, queue, supply, n):  # type: ignore[no-untyped-def]
     """Replace all contacts by n that form at the slider's present X."""
     s = slider[0]
     s.force, s.stiffness, s.held, s.out, s.broken = 0.0, 0.0, 0, 0, 0
     clear(queue, s.at)
-    for _ in range(n):
-        _form(s, queue, supply)
+    _form_many(s, queue, supply, n)
 
 
 @bare
@@ -166,17 +103,40 @@ def _straight(x, places, values):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _store_points(s, pull, b, load, level, time):  # type: ignore[no-untyped-def]
-    """Store X and F at the points that the drive passes before K X_T = level, or there before `time`.
+def _look_ahead(s, queue, pull):  # type: ignore[no-untyped-def]
+    """What the slider meets next."""
+    event, b = next_event(queue)
+    x = s.at if event == NOTHING else b
+    force = s.force + s.stiffness * np.float64(x - s.at)
+    load = force + pull.spring * np.float64(x - s.base)
+    return Ahead(event, x, load, force, np.inf if event == NOTHING else load)
 
-    b : a position relative to the base; load : F + K X there if nothing breaks before.
-    """
+
+@inlined
+def _balance(s, pull, ahead, drive):  # type: ignore[no-untyped-def]
+    """X - base where the load is that of the drive, on the way to what is ahead."""
+    return np.float64(ahead.x - s.base) - (ahead.load - drive) / (pull.spring + s.stiffness)
+
+
+@inlined
+def _next_return(s, pull):  # type: ignore[no-untyped-def]
+    """When contacts form again after their delay, and the load of the drive then; infinite if none are out."""
+    if s.returning == s.returns:
+        return np.inf, np.inf
+    due = pull.due[s.returning % pull.due.size]
+    drive = _straight(due, pull.clock, pull.clock_drive)
+    return due, pull.spring * (drive - np.float64(s.base))
+
+
+@inlined
+def _store_points(s, pull, ahead, drive, time):  # type: ignore[no-untyped-def]
+    """Store X and F at the points that the drive passes before its load is `drive`, or there before `time`."""
     base = np.float64(s.base)
     while s.point < pull.path.size:
         reached = pull.spring * (pull.path[s.point] - base)
-        if reached > level or (reached == level and pull.time[s.point] >= time):
+        if reached > drive or (reached == drive and pull.time[s.point] >= time):
             return
-        x = b - (load - reached) / (pull.spring + s.stiffness)
+        x = _balance(s, pull, ahead, reached)
         pull.at_points[0, s.point] = base + x
         pull.at_points[1, s.point] = reached - pull.spring * x
         pull.at_points[2, s.point] = s.held
@@ -184,14 +144,94 @@ def _store_points(s, pull, b, load, level, time):  # type: ignore[no-untyped-def
 
 
 @inlined
-def _end_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
-    """End an avalanche with the slider at base + `after`, where the spring balances; returns its number of breaks."""
+def _stick(s, pull, ahead):  # type: ignore[no-untyped-def]
+    """Let the drive go on to the next event of a slider that sticks, which is returned."""
+    due, drive = _next_return(s, pull)
+    if drive < ahead.needs:
+        _store_points(s, pull, ahead, drive, due)
+        return RETURN
+    _store_points(s, pull, ahead, ahead.needs, -np.inf)
+    if s.point < pull.path.size:
+        s.drive = max(s.drive, ahead.needs)
+        # if this is a break, an avalanche may begin here
+        pull.avalanche[X_BEFORE], pull.avalanche[F_BEFORE] = np.float64(ahead.x), ahead.force
+    return ahead.event
+
+
+@inlined
+def _come_back(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-def]
+    """Form the contacts whose delay is over, at the slider's X at that time."""
+    _, drive = _next_return(s, pull)
+    x = max(s.base + np.int64(np.rint(_balance(s, pull, ahead, drive))), s.at)
+    _move(s, x if ahead.event == NOTHING else min(x, ahead.x))
+    settle(queue, s.at)
+    _rebase(s, pull)
+    number = pull.many[s.returning % pull.due.size]
+    s.returning += 1
+    _form_many(s, queue, supply, number)
+
+
+@inlined
+def _break_next(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-def]
+    """Break the contact ahead; the first one in an avalanche begins it."""
+    _move(s, ahead.x)
+    x = take_next(queue)
+    k = _stiffness(x, supply)
+    s.held -= 1
+    # sums of no contacts have no rounding errors, which a soft spring would not bear
+    s.force = s.force - k * np.float64(x) if s.held > 0 else 0.0
+    s.stiffness = s.stiffness - k if s.held > 0 else 0.0
+    s.broken += 1
+    s.breaks += 1
+    if pull.at_once:
+        _form(s, queue, supply)
+    else:
+        s.out += 1
+
+
+@inlined
+def _count_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
+    """Note an avalanche that ends with the slider at base + `after`; returns its number of breaks."""
     size, last = s.broken, pull.avalanche
-    last[PULLED], last[BASE], last[X_AFTER] = s.pulled, s.base, np.float64(s.base) + after
-    last[F_AFTER], last[BREAKS], s.broken = s.pulled - pull.spring * after, size, 0
+    last[DRIVE], last[BASE], last[X_AFTER] = s.drive, s.base, np.float64(s.base) + after
+    last[F_AFTER], last[BREAKS], s.broken = s.drive - pull.spring * after, size, 0
     if size < pull.slip:
         pull.avalanches[frexp(size)[1] - 1] += 1  # by the number of its bits
     return size
+
+
+@inlined
+def _end_avalanche(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-def]
+    """Stop the slider where the spring balances; contacts that are out form again, or will after their delay.
+
+    Returns the avalanche's number of breaks.
+    """
+    after = _balance(s, pull, ahead, s.drive)
+    size = _count_avalanche(s, pull, after)
+    _move(s, max(s.base + np.int64(np.rint(after)), s.at))
+    settle(queue, s.at)
+    out, s.out = s.out, 0
+    if pull.wait >= 0.0:
+        last = s.returns % pull.due.size
+        drive = np.float64(s.base) + s.drive / pull.spring
+        now = _straight(drive, pull.clock_drive, pull.clock)
+        pull.due[last], pull.many[last] = now + pull.wait, out
+        s.returns += 1
+    elif out > 0:
+        _form_many(s, queue, supply, out)
+    _rebase(s, pull)
+    return size
+
+
+@bare
+def _reset(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
+    """End a slip with new contacts in place of all, also of those due to return; the slider goes to X = X_T."""
+    s = slider[0]
+    after = s.drive / pull.spring
+    s.at, s.returning = s.base + np.int64(np.rint(after)), s.returns
+    _count_avalanche(s, pull, after)
+    form_all(slider, queue, supply, pull.n)
+    _rebase(s, pull)
 
 
 @entry
@@ -199,81 +239,29 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
     """Follow the slider until a slip has ended, or another reason to stop, which is returned."""
     s, passed = slider[0], 0
     while True:
-        event, b = next_event(queue)
-        if event == NOTHING:
-            b = s.at
-        force = s.force + s.stiffness * np.float64(b - s.at)
-        ahead = np.float64(b - s.base)
-        load = force + pull.spring * ahead
-        first = np.inf if event == NOTHING else load  # F + K X where something happens
-        both, forming, why = pull.spring + s.stiffness, np.int64(0), GOING_ON
-        comes_back = False  # whether contacts re-form before b
+        ahead = _look_ahead(s, queue, pull)
         if s.broken == 0:  # the slider sticks
-            level, time = first, -np.inf
-            if s.returning < s.returns:
-                due = pull.due[s.returning % pull.due.size]
-                drive = _straight(due, pull.clock, pull.clock_drive)
-                comes = pull.spring * (drive - np.float64(s.base))
-                if comes < level:
-                    comes_back, level, time = True, comes, due
-            _store_points(s, pull, ahead, load, level, time)
+            event = _stick(s, pull, ahead)
             if s.point == pull.path.size:
                 return PATH_DONE
-            if not comes_back:
-                s.pulled = max(s.pulled, level)
-                pull.avalanche[X_BEFORE], pull.avalanche[F_BEFORE] = np.float64(b), force
-        if comes_back:
-            after = s.base + np.int64(np.rint(ahead - (load - level) / both))
-            _move(s, max(after, s.at) if event == NOTHING else min(max(after, s.at), b))
-            settle(queue, s.at)
-            _rebase(s, pull)
-            forming = pull.many[s.returning % pull.due.size]
-            s.returning += 1
-        elif s.broken > 0 and first > s.pulled:  # the avalanche ends before b
-            after = ahead - (load - s.pulled) / both
-            if _end_avalanche(s, pull, after) >= pull.slip:
-                why = SLIP_ENDED
-            _move(s, max(s.base + np.int64(np.rint(after)), s.at))
-            settle(queue, s.at)
-            if pull.wait >= 0.0:
-                last = s.returns % pull.due.size
-                drive = np.float64(s.base) + s.pulled / pull.spring
-                now = _straight(drive, pull.clock_drive, pull.clock)
-                pull.due[last], pull.many[last] = now + pull.wait, s.out
-                s.returns += 1
-            else:
-                forming = s.out
-            s.out = 0
-            _rebase(s, pull)
+        else:  # in an avalanche the drive stands still
+            event = BALANCE if ahead.needs > s.drive else ahead.event
+        if event == RETURN:
+            _come_back(s, queue, supply, pull, ahead)
+        elif event == BALANCE:
+            if _end_avalanche(s, queue, supply, pull, ahead) >= pull.slip:
+                return SLIP_ENDED
         elif event == BREAK:
-            _move(s, b)
-            x = take_next(queue)
-            k = _stiffness(x, supply)
-            s.held -= 1
-            s.force = s.force - k * np.float64(x) if s.held > 0 else 0.0
-            s.stiffness = s.stiffness - k if s.held > 0 else 0.0
-            s.broken += 1
-            s.breaks += 1
-            forming = np.int64(pull.at_once)
-            s.out += 1 - forming
+            _break_next(s, queue, supply, pull, ahead)
             if pull.resets and s.broken >= pull.slip:
-                # a reset: all contacts are dropped, also those due to return, and X = X_T
-                drive = s.pulled / pull.spring
-                s.at, s.returning = s.base + np.int64(np.rint(drive)), s.returns
-                _end_avalanche(s, pull, drive)
-                form_all(slider, queue, supply, pull.n)
-                _rebase(s, pull)
+                _reset(slider, queue, supply, pull)
                 return SLIP_ENDED
         else:
-            _move(s, b)
-            passed += 1
-            open_bucket(queue, b)
+            _move(s, ahead.x)
+            open_bucket(queue, ahead.x)
             _rebase(s, pull)
-            if b > pull.furthest:
+            if ahead.x > pull.furthest:
                 return OVERTAKEN
+            passed += 1
             if passed == 64:  # so that Python can handle an interrupt
                 return GOING_ON
-        for _ in range(forming):
-            _form(s, queue, supply)
-        if why != GOING_ON:
-            return why

@@ -21,7 +21,7 @@ from eq_model.coupled.mass.state import (
     speed_limit,
     spring_force,
 )
-from eq_model.coupled.slide_kernel import take
+from eq_model.draws.supply import take
 
 PATH_DONE, SLIP_ENDED, TOO_MANY, GOING_ON = range(4)
 AT_ONCE = 1 << 17  # events after which Python can handle an interrupt

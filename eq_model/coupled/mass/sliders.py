@@ -117,8 +117,8 @@ class HeavySliders:
         """
         from eq_model.coupled.mass import kernel
         from eq_model.coupled.mass.state import FORCE
-        from eq_model.coupled.slide_kernel import make_supply
         from eq_model.draws.streams import make_stream
+        from eq_model.draws.supply import make_supply
 
         if replica < 0:
             few = Contacts(identical(1.0)), Drive([3.0], spring=1.0, mass=1.0), Blocks(2, 2)

@@ -1,0 +1,51 @@
+"""A slider of coupled contacts and the drive that pulls it, as kernels hold them."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from eq_model.blocks import Whole
+from origins.thresholds.law import Array
+
+DRIVE, BASE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS = range(7)  # in Pull.avalanche
+
+# Positions are whole units; forces and stiffnesses are sums of k_i x_i and k_i in units of <k>. A *load* is
+# F + K (X - base), which in balance is K (X_T - base), the load of the drive.
+SLIDER = np.dtype(
+    [
+        ("at", np.int64),  # X at the last event
+        ("base", np.int64),  # the position from which forces count X and X_T
+        ("force", np.float64),  # F there
+        ("stiffness", np.float64),  # of the contacts that hold
+        ("back", np.int64),  # X at which the first contact would break if the slider moved back
+        ("held", np.int64),  # number of contacts that hold
+        ("drive", np.float64),  # K (X_T - base) of the last break that began an avalanche
+        ("out", np.int64),  # contacts that broke in this avalanche and have not re-formed
+        ("broken", np.int64),  # number of breaks in this avalanche; 0: the slider sticks
+        ("breaks", np.int64),  # number of all breaks
+        ("point", np.int64),  # index of the next point of the path
+        ("returning", np.int64),  # index of the next return of contacts after their delay
+        ("returns", np.int64),  # index after the last return
+    ]
+)
+
+
+class Pull(NamedTuple):
+    """The drive and rules for n contacts, and arrays for the results."""
+
+    n: int
+    spring: float  # K in <k>
+    path: Array  # X_T of the points
+    time: Array  # times at which the drive reaches them
+    clock: Array  # times between which the drive's speed is constant
+    clock_drive: Array  # X_T at these times
+    wait: float  # the delay, below 0 if there is none
+    slip: int  # fewest breaks of an avalanche that is a slip
+    at_once: bool  # whether broken contacts re-form at once
+    resets: bool  # whether a slip replaces all contacts
+    furthest: int  # X beyond which contacts that re-form stretched take the slider without end
+    avalanche: Array  # (7,), the last one; DRIVE: K (X_T - BASE)
+    at_points: Array  # (3, points): X, F and the number of contacts that hold
+    avalanches: Whole  # numbers of those below a slip that broke 1, 2-3, 4-7, ... contacts
+    due: Array  # ring buffer of the times at which contacts re-form
+    many: Whole  # how many contacts re-form then
