@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,18 +23,56 @@ from origins.thresholds.scipy_laws import as_thresholds
 # A law that is absent is None (stiffness: "independent"). Solvers use this list, Contacts.laws and
 # Contacts.replace; docs/extending.md says where else a law with a memory is told.
 LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
-# Laws that do not go together, and why; "mean rate" is the thermal closure "paper".
+_MEAN_RATE = "mean rate"  # the thermal closure "paper", which is no law of its own
+
+
+class Apart(NamedTuple):
+    """Two laws that do not go together, and why; names of LAWS, or the mean rate."""
+
+    one: str
+    other: str
+    reason: str
+
+
 _LINKED = "stiffness = 'linked': not defined with"
 _EXACT = 'use closure = "exact"'
-_APART = {
-    "stiffness, mean rate": f'{_LINKED} thermal closure = "paper", one mean rate for all contacts; {_EXACT}',
-    "stiffness, ageing": f'{_LINKED} ageing: nothing says whether k_i follows the threshold; use "independent"',
-    "stiffness, grains": f'{_LINKED} thresholds that grow: <x_s> at birth is 0; use "independent"',
-    "grains, mean rate": f'thermal: closure = "paper" averages over one P_c, and each age has another; {_EXACT}',
-    "ageing, mean rate": f'thermal: closure = "paper" averages over one P_c, and contacts that age have none; {_EXACT}',
-    "grains, ageing": "ageing: thresholds that grow with their age do age, by a law of their own; leave one out",
-    "grains, reforming": "reforming: contacts form again as their grains pin, where all thresholds are 0; leave it out",
-}
+_APART = (
+    Apart(
+        "stiffness",
+        _MEAN_RATE,
+        f'{_LINKED} thermal closure = "paper", one mean rate for all contacts; {_EXACT}',
+    ),
+    Apart(
+        "stiffness",
+        "ageing",
+        f'{_LINKED} ageing: nothing says whether k_i follows the threshold; use "independent"',
+    ),
+    Apart(
+        "stiffness",
+        "grains",
+        f'{_LINKED} thresholds that grow: <x_s> at birth is 0; use "independent"',
+    ),
+    Apart(
+        "grains",
+        _MEAN_RATE,
+        f'thermal: closure = "paper" averages over one P_c, and each age has another; {_EXACT}',
+    ),
+    Apart(
+        "ageing",
+        _MEAN_RATE,
+        f'thermal: closure = "paper" averages over one P_c, and contacts that age have none; {_EXACT}',
+    ),
+    Apart(
+        "grains",
+        "ageing",
+        "ageing: thresholds that grow with their age do age, by a law of their own; leave one out",
+    ),
+    Apart(
+        "grains",
+        "reforming",
+        "reforming: contacts form again as their grains pin, where all thresholds are 0; leave it out",
+    ),
+)
 
 
 class Contacts:
@@ -167,10 +205,10 @@ class Contacts:
             self.delay = None
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
-            there.add("mean rate")
-        for pair, reason in _APART.items():
-            if there.issuperset(pair.split(", ")):
-                raise InputError(reason)
+            there.add(_MEAN_RATE)
+        for apart in _APART:
+            if there.issuperset((apart.one, apart.other)):
+                raise InputError(apart.reason)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
 

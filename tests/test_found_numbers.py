@@ -1,10 +1,11 @@
 """Numbers that were once false: what was wrong, a call, and its reference.
 
-A reference is a closed form, another road, or else (`finer`) the same call at a thousandth of the tolerance.
+A reference is a closed form, another road, or else (FINER) the same call at a thousandth of the tolerance.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,79 +25,139 @@ SPREADING = origins.Ageing(gaussian(1.5, 0.2), 0.078)
 TURNED = [0.0, -1.14, -1.4, -1.399, -1.39]
 OLD = origins.Ageing(origins.lubricated(1.0), 1e-3)
 AGED = Contacts(rectangular(0.5, 0.7), origins.gaussian_start(0.1, 0.02), ageing=OLD)
-# what was wrong; the call; its reference - forces, or contacts that do the same - and what that may be off by, lengths
-FORCES = """
-contacts that break as they start: thresholds in heat were read as those of the start
-solve(Contacts(gaussian(1.0, 0.02), -1.05, Thermal("soft", 0.01, 1e10)), EVEN, 2e-4)
-Contacts(gaussian(1.0, 0.02), None, Thermal("soft", 0.01, 1e10)), 1e-4
-
-an exact value where a density begins, moved by the wait: an edge that is the same but for rounding counted twice
-solve(Contacts(BOTH, 0.03, delay=Delay(1 / 3)), FAR, tolerance)
-finer, 1e-6
-
-a linked start in the far tail: tails of which no survival is a number lost their stiffness
-solve(Contacts(gaussian(1.0, 0.0027), gaussian_start(0.0, 0.15), stiffness="linked"), [0.05, 0.1, -0.1], 1e-6)
-[0.05, 0.1, -0.1], 2e-9
-
-re-forming behind on a path that turns: births were told by the leg before, a minute's work for 1e-5
-solve(Contacts(gw_elastic(1.0), reforming=-0.04), [0.0, 0.4, -0.2], tolerance)
-finer, 1e-6
-
-slow: a dozen velocity steps before a turn: legs as long as what the survival is smooth over had a low degree
-solve(Contacts(WIDE, thermal=Thermal("stiff", 0.0076, 410.0, "paper")), LATE, tolerance, time=STEPS)
-finer, 1e-4
-
-cold grains that are met at once: young ones were met by a rate that they did not feel
-solve(Contacts(growing_grains(1.0, 1.0, age=0.31), None, Thermal("soft", 1e-12)), [0.01, 0.1, 0.3], 1e-4, velocity=0.05)
-Contacts(growing_grains(1.0, 1.0, age=0.31)), 1e-6
-
-exact values held at room temperature: attempts closer together than times can tell made nan
-solve(Contacts(identical(1.0), thermal=Thermal("soft", 1e-4, 1e12)), [0.5, 0.5], 1e-4, time=[1.0, 2.0])
-[0.5, 0.5], 0.0
-
-the far end of a path that rests: the last breaks of all stayed out for ever
-solve(Contacts(WIDE, 0.4, Thermal("soft", 0.1)), [-0.2, -0.2], tolerance, time=[0.2, 0.2])
-finer, 1e-3
-
-a start around zero: on both sides of the cusp of S(|r|) = exp(-|r|^1.37), where no law declares one
-solve(Contacts(stats.weibull_min(1.373), stats.norm(0.05, 0.03), delay=Delay(10.0)), [0.1, 0.5, 1.0, 2.0], tolerance)
-finer, 1e-7
-
-slow: ageing right after a turn, where thresholds spread faster than the slider goes: half a table was missing
-solve(Contacts(WIDE, ageing=SPREADING), TURNED, 1e-4, velocity=0.116)
-solve(Contacts(WIDE, ageing=SPREADING), [*TURNED, 0.6], 1e-4, velocity=0.116).force[:-1], 1e-4
-
-slow: a wide start on a spring with a final law that is not normal: rules of more stretches were compared elsewhere
-solve(AGED, [0.2], 1e-2, spring=1.5, slip="reset")
-0.18, 1e-6
-"""
-BLOCKS = [block.splitlines() for block in FORCES.strip().split("\n\n")]
+Asked = Callable[[Callable[..., Any], float], Any]
+FINER = None  # the reference is the same call at a thousandth of the tolerance
 
 
-@pytest.mark.parametrize(
-    ("call", "reference"),
-    [
-        pytest.param(call, reference, id=name, marks=[pytest.mark.slow] * name.startswith("slow"))
-        for name, call, reference in BLOCKS
-    ],
-)
-def test_forces(call: str, reference: str) -> None:
-    def asked(tolerance: float) -> Any:
-        """Arguments and keywords of the call."""
-        names = {"solve": lambda *words, **drive: (words, drive), "tolerance": tolerance}
-        return eval(call, {**vars(origins), **vars(master), **globals(), **names})
+def case(name: str, call: Asked, reference: object, off: float, slow: bool = False) -> Any:
+    """What was wrong; the call, of what solves and of a tolerance; its reference - forces, what computes
+    them, contacts that do the same, or FINER - and what that may be off by, lengths (of FINER the tolerance)."""
+    return pytest.param(call, reference, off, id=name, marks=[pytest.mark.slow] * slow)
 
-    exact, more = eval(reference, {**vars(origins), **vars(master), **globals(), "finer": None})
-    words, drive = asked(more)
-    found, granted = master.solve(*words, **drive), 0.0
-    if exact is None:
-        words, drive = asked(1e-3 * more)
-        finer, more = master.solve(*words, **drive), 0.0
+
+FORCES = [
+    case(
+        "contacts that break as they start: thresholds in heat were read as those of the start",
+        lambda solve, tolerance: solve(
+            Contacts(gaussian(1.0, 0.02), -1.05, Thermal("soft", 0.01, 1e10)), EVEN, 2e-4
+        ),
+        Contacts(gaussian(1.0, 0.02), None, Thermal("soft", 0.01, 1e10)),
+        1e-4,
+    ),
+    case(
+        "an exact value where a density begins, moved by the wait: an edge the same but for rounding counted twice",
+        lambda solve, tolerance: solve(Contacts(BOTH, 0.03, delay=Delay(1 / 3)), FAR, tolerance),
+        FINER,
+        1e-6,
+    ),
+    case(
+        "a linked start in the far tail: tails of which no survival is a number lost their stiffness",
+        lambda solve, tolerance: solve(
+            Contacts(gaussian(1.0, 0.0027), origins.gaussian_start(0.0, 0.15), stiffness="linked"),
+            [0.05, 0.1, -0.1],
+            1e-6,
+        ),
+        [0.05, 0.1, -0.1],
+        2e-9,
+    ),
+    case(
+        "re-forming behind on a path that turns: births were told by the leg before, a minute's work for 1e-5",
+        lambda solve, tolerance: solve(
+            Contacts(origins.gw_elastic(1.0), reforming=-0.04), [0.0, 0.4, -0.2], tolerance
+        ),
+        FINER,
+        1e-6,
+    ),
+    case(
+        "a dozen velocity steps before a turn: legs as long as what the survival is smooth over had a low degree",
+        lambda solve, tolerance: solve(
+            Contacts(WIDE, thermal=Thermal("stiff", 0.0076, 410.0, "paper")),
+            LATE,
+            tolerance,
+            time=STEPS,
+        ),
+        FINER,
+        1e-4,
+        slow=True,
+    ),
+    case(
+        "cold grains that are met at once: young ones were met by a rate that they did not feel",
+        lambda solve, tolerance: solve(
+            Contacts(origins.growing_grains(1.0, 1.0, age=0.31), None, Thermal("soft", 1e-12)),
+            [0.01, 0.1, 0.3],
+            1e-4,
+            velocity=0.05,
+        ),
+        Contacts(origins.growing_grains(1.0, 1.0, age=0.31)),
+        1e-6,
+    ),
+    case(
+        "exact values held at room temperature: attempts closer together than times can tell made nan",
+        lambda solve, tolerance: solve(
+            Contacts(identical(1.0), thermal=Thermal("soft", 1e-4, 1e12)),
+            [0.5, 0.5],
+            1e-4,
+            time=[1.0, 2.0],
+        ),
+        [0.5, 0.5],
+        0.0,
+    ),
+    case(
+        "the far end of a path that rests: the last breaks of all stayed out for ever",
+        lambda solve, tolerance: solve(
+            Contacts(WIDE, 0.4, Thermal("soft", 0.1)), [-0.2, -0.2], tolerance, time=[0.2, 0.2]
+        ),
+        FINER,
+        1e-3,
+    ),
+    case(
+        "a start around zero: on both sides of the cusp of S(|r|) = exp(-|r|^1.37), where no law declares one",
+        lambda solve, tolerance: solve(
+            Contacts(stats.weibull_min(1.373), stats.norm(0.05, 0.03), delay=Delay(10.0)),
+            [0.1, 0.5, 1.0, 2.0],
+            tolerance,
+        ),
+        FINER,
+        1e-7,
+    ),
+    case(
+        "ageing right after a turn, where thresholds spread faster than the slider goes: half a table was missing",
+        lambda solve, tolerance: solve(
+            Contacts(WIDE, ageing=SPREADING), TURNED, 1e-4, velocity=0.116
+        ),
+        lambda: master.solve(
+            Contacts(WIDE, ageing=SPREADING), [*TURNED, 0.6], 1e-4, velocity=0.116
+        ).force[:-1],
+        1e-4,
+        slow=True,
+    ),
+    case(
+        "a wide start on a spring with a final law that is not normal: rules of more stretches were compared elsewhere",
+        lambda solve, tolerance: solve(AGED, [0.2], 1e-2, spring=1.5, slip="reset"),
+        0.18,
+        1e-6,
+        slow=True,
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "exact", "off"), FORCES)
+def test_forces(call: Asked, exact: Any, off: float) -> None:
+    contacts, found, granted = (
+        call(lambda contacts, *_, **__: contacts, off),
+        call(master.solve, off),
+        0.0,
+    )
+    if exact is FINER:
+        finer, off = call(master.solve, 1e-3 * off), 0.0
         exact, granted = finer.force, finer.force_error
+    elif callable(exact):
+        exact = exact()
     elif isinstance(exact, Contacts):
-        exact = master.solve(exact, *words[1:], **drive).force
+        same = exact
+        exact = call(lambda _, *words, **drive: master.solve(same, *words, **drive), off).force
     assert found.success, found.message
-    allowed = (found.force_error + granted) * words[0].mean_threshold + more
+    allowed = (found.force_error + granted) * contacts.mean_threshold + off
     assert np.abs(found.force - exact).max() <= allowed
 
 

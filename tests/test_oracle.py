@@ -1,7 +1,13 @@
 """Calls of master beside the answers from before it was rebuilt (tests/oracle)."""
 
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
 import pytest
 from oracle.judge import give, judge, load
+from oracle.write import write
 
 # the older version was wrong: contacts of the start counted as fresh; test_decoherence.py has the right terms
 WRONG_BEFORE = "spectrum grains"
@@ -65,3 +71,21 @@ def test_what_is_refused_by_design_names_the_law_at_once() -> None:
     reasons = {name: give("", ALL[name].call).reason for name in sorted(REFUSED)}
     told = ("InputError: contacts.thermal: ", "InputError: contacts.ageing: ")
     assert [name for name, reason in reasons.items() if not reason.startswith(told)] == []
+
+
+def test_answers_are_written_as_they_are_read(tmp_path: Path) -> None:
+    """By the script that makes them anew, here for two calls, by the code at hand."""
+    names = fast(QUICK[0])[:2]
+    write({name: ALL[name] for name in names}, tmp_path / "kept.npz")
+    for name, again in load(tmp_path / "kept.npz").items():
+        for field in ("kind", "call", "success", "reason", "seconds"):
+            assert getattr(again, field) == getattr(ALL[name], field)
+        for field in ("values", "claims"):
+            np.testing.assert_array_equal(getattr(again, field), getattr(ALL[name], field))
+    script = Path(__file__).parent / "oracle" / "write.py"
+    words = [str(script.parents[2]), "kept.npz", "new.npz"]
+    done = subprocess.run([sys.executable, script, *words], cwd=tmp_path, check=False)
+    assert done.returncode == 0
+    new = load(tmp_path / "new.npz")
+    assert list(new) == names
+    assert [judge(ALL[name], new[name])[0] for name in names] == ["agree"] * len(names)

@@ -2,6 +2,7 @@
 
 import copy
 import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ import eq_model
 import master
 import origins
 import toolkit
-from origins import Ageing, Contacts, Thermal
+from origins import Ageing, Contacts, Delay, Drive, Thermal
 
 STRONG = {"hardness": 6e7, "shear_strength": 6e7, "force_coefficient": 2e10}
 MATERIAL = origins.Material(3e9, local_friction=0.4, shear_modulus=1.1e9, **STRONG)
@@ -64,7 +65,6 @@ FIXED.set_constraint(FixAtoms(range(4)))
 ON = origins.substrate_calculator(origins.square_substrate())
 LEVEL = origins.substrate_calculator(origins.fourier_substrate([[1.0, 0.0]], [1.0]))
 
-CALLED = {"stats": stats, "master": master, "Scan": Scan}
 GAUSSIAN, BOX = origins.gaussian(1.0, 0.2), origins.rectangular(0.5, 1.0)
 GAP = origins.mixture([origins.rectangular(0.1, 0.5), origins.rectangular(1.0, 2.0)], [0.5, 0.5])
 PAPER, AGEING = Thermal("soft", 0.1, closure="paper"), Ageing(origins.gaussian(1.2, 0.1), rate=1e-3)
@@ -123,165 +123,305 @@ def simulate(path: Any = (0.0, 1.0), law: Any = GAUSSIAN, laws: Any = None, **as
     return eq_model.simulate(Contacts(law, **(laws or {})), path, **{"n_contacts": 10, **asked})
 
 
-REFUSED = """
-pressed(pressure=1e30)  summits would cover
-pressed(pressure=1e9, height_law="exponential")  bear at most
-pressed(regime="mixed", material=BARE)  material.hardness = None
-pressed(material=BARE)  material.shear_modulus = None
-pressed(material=stiffer(1.0, 2.0))  material.contact_stiffness: k ~ A
-pressed(model="persson")  patch_area = None: model = "persson" needs
-pressed(**PERSSON, regime="mixed")  model = "gw"
-pressed().interface.temperature()  kelvin = None
-stiffer(1.0, 0.5, shear_modulus=1e9)  contact_stiffness: given twice
-origins.moments_of_summits(radius=0.0, std=1.0, density=1.0)  radius
-separated(1.0, BARE, regime="mixed")  material.hardness = None
-pressure_at(1e-4)  where no summit reaches
-origins.gw_gaussian(2e6, 1.0)  separation = 2000000.0: is h0/sigma_h
-origins.gw_gaussian(1.0, 1.0, "paper", "mixed")  plasticity_index = None
-moments(HEIGHTS)  pixel_size = None
-moments(np.where(HEIGHTS > 0.5, np.nan, HEIGHTS), 1.0)  less than half
-moments(HEIGHTS, 1.0, periodic=True)  detrend = "centre"
-moments(Scan(HEIGHTS, (1.0, 1.0), None))  heights.unit = None
-moments(Scan(HEIGHTS, (1.0, 1.0), ("µm", None)))  one unit
-origins.moments_of_spectrum([1.0, 2.0], [1.0, 0.0])  power[1] = 0.0
-origins.moments_of_spectrum([1.0, 2.0], [1.0, 1.0], "2d")  convention = '2d'
-surface(hurst=1.2)  hurst = 1.2
-surface(short_cutoff=100.0, long_cutoff=200.0)  no mode
-surface(shape=(10**6, 10**6))  needs 4e+04 GB, 40 bytes a point, and this
-origins.from_samples()  from_samples: give either x_s
-origins.from_samples([1.0, np.nan])  x_s[1] = nan:
-origins.from_samples(f_s=[1.0])  from_samples: with f_s give either
-origins.from_samples(f_s=[1.0], stiffness=[1.0, 1.0])  stiffness = array of shape (2,): must hold
-origins.from_samples([1.0, 2.0], weights=[1.0, 0.0])  weights[1] = 0.0: must be above zero
-origins.bootstrap(origins.gaussian(1.0, 0.1), len)  thresholds =
-rotated()  domains: give exactly one of sizes
-rotated(sizes=[(3, 3)], weights=[1.0, 1.0])  weights = [1.0, 1.0]:
-rotated(islands=["a"], lattice_constant=None)  atoms = 'a':
-rotated(islands=[PAIR], bonds=0.02, angles=[0.3], lattice_constant=None)  bonds = 0.02: lets the island's shape jump
-rotated(mean_atoms=5.0, angles=[0.0, 20.0])  angles[1] = 20.0: angles are in radians, 2 pi
-rotated(mean_atoms=5.0, substrate=origins.fourier_substrate([[1.0, 1.0]], [1.0]))  substrate: varies in
-origins.barrier(ISLAND, [0.0, 20.0])  angle[1] = 20.0: angles are in radians, 2 pi
-origins.triangular_island(0.0, 3, 3)  lattice_constant = 0.0:
-origins.triangular_island(2.5, 100_000, 100_000)  n_i = 100000:
-origins.barrier(EMPTY, 0.0)  atoms = Atoms(
-origins.fourier_substrate([[1, 2], [-3, -6]], [1, 1]).cell  all parallel
-origins.relaxed_barrier(FIXED, ON)  FixAtoms does not fix
-origins.relaxed_barrier(ISLAND, origins.square_substrate())  ASE calculator
-origins.relaxed_barrier(ISLAND, LEVEL)  all parallel
-origins.relaxed_barrier(origins.triangular_island(2.5, 40, 40), ON, rigid=False)  at most 1500
-origins.relaxed_barrier(ISLAND, Wrong(np.nan), periods=6.3 * np.eye(2))  calculator = nan: must give finite
-origins.relaxed_barrier(ISLAND, Wrong(1.5), periods=2.0 * np.pi * np.eye(2))  forces must be those of its
-origins.relaxed_barrier(ISLAND, Wrong(1.0))  periods = None: must be given
-origins.relaxed_barrier(ISLAND, Wrong(1.0), periods=3.0 * np.eye(2))  must leave energies
-origins.harmonic_bonds(ISLAND, 1.0, reach=1.0)  reach = 1.0: bonds no atoms
-origins.grains(2.0 / 3.0, B=1.0)  rho = 0.6666666666666666: no grain pins yet
-origins.grains(alpha=1.0, time=0.2, B=1.0)  time = 0.2: no grain pins yet: the first does
-origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0])  time = 0.0: must be finite and above zero
-Unbound().sf([0.5, 0.1])  Unbound: its survival at x = 0.1 is 1.1, outside 0 to 1
-Half().sf(0.5)  Half: its density adds up to 0.5, not to 1; state it as
-origins.identical(0.0)  value = 0.0:
-origins.gaussian(1.0, -0.1)  std = -0.1:
-origins.gaussian(1.0, 0.1, form="paper", upper=0.9)  mean = 1.0:
-origins.rectangular(1.0, 1.0)  upper = 1.0:
-origins.gw_plastic(True)  B = True:
-origins.lubricated(1.0, power=-1.0)  power = -1.0: must be above -1, or P_c has no norm
-origins.persson(101.0, 1.0)  centre = 101.0: is more than 100 widths
-origins.mixture([origins.identical(1.0)] * 2, [0.5, 0.4])  weights = [0.5, 0.4]:
-origins.mixture([origins.identical(1.0), 3.0], [0.5, 0.5])  thresholds = 3.0:
-origins.continuous_mixture(origins.gw_plastic, 1.0, 0.0)  upper = 0.0: must be above lower = 1
-origins.continuous_mixture(lambda phi: origins.identical(phi), 1.0, 2.0)  values and jumps that move with phi
-origins.continuous_mixture(lambda phi: stats.beta(2.0, 2.0, loc=phi), 0.0, 1.0)  accuracy = 1e-10: 512 laws
-Contacts(stats.halfcauchy())  thresholds: the mean is inf
-Contacts(stats.norm(0.0, 1.0))  weight 0.5 at or below x = 0
-Contacts(stats.norm([1.0, 2.0], 0.1))  arrays as parameters
-Contacts(stats.gamma)  lacks its parameters
-Contacts(stats.Normal(mu=0.0, sigma=1.0))  weight 0.5 at or below x = 0
-Contacts(1.0)  must come from origins
-Contacts(origins.identical(1e-200))  thresholds: the mean is 1e-200: powers of
-Contacts(origins.gaussian(1e-100, 2e-101))  thresholds: the mean is 1e-100: powers of
-Contacts(origins.gaussian(1e105, 2e104))  thresholds: the mean is 1e+105: powers of
-Contacts(BOX, start=-1.0)  start: a weight of 1 lies beyond every threshold, at |x| >= 1;
-Contacts(BOX, start=origins.gaussian_start(0.0, 0.21))  start: a weight of 1.92e-06 lies
-Contacts(GAUSSIAN, start=np.nan)  start = nan:
-Contacts(GAUSSIAN, start=stats.cauchy())  start: the mean of the distribution is
-Contacts(GAUSSIAN, thermal=0.1)  thermal = 0.1: must be an origins.Thermal
-Contacts(GAUSSIAN, thermal=origins.RateLaw)  or of a subclass of RateLaw
-Contacts(GAUSSIAN, stiffness="equal")  stiffness = 'equal':
-Contacts(GAUSSIAN, reforming="relaxed")  reforming = 'relaxed': must be None, a
-Contacts(GAUSSIAN, stiffness="linked", thermal=PAPER)  stiffness = 'linked': not defined with thermal closure
-Contacts(GAUSSIAN, ageing=Ageing(BOX, rate=1.0, closure="paper"))  ageing: a weight of 0.506 of the fresh
-Contacts(GAUSSIAN).replace(heat=0.1)  heat = 0.1: is not what contacts have;
-origins.gaussian_start(0.0, -0.1)  std = -0.1:
-origins.boltzmann_reforming(0.0)  temperature = 0.0: must be above zero
-Delay(-0.1)  time = -0.1: must be zero or above
-Thermal("weak", 0.1)  law = 'weak':
-Thermal("soft", 0.0)  temperature = 0.0: must be above zero
-Thermal("soft", 0.1).rate([0.5, 1.1], 1.0)  x = 1.1: a contact holds only where |x| is at most
-Thermal("stiff", 0.1).inverse([1.0, -2.0], 1.0)  amount = -2.0: must be zero or above
-Ageing(GAUSSIAN, -1.0)  rate = -1.0: must be zero or above
-Ageing(origins.identical(1.5), 1.0)  final: holds the single value 1.5:
-Ageing(GAP, 1.0)  final: has no weight between 0.5 and 1:
-Drive([0.0, np.nan, 1.0])  path[1] = nan:
-Drive([0.0, 1.0], slip="instant")  slip = 'instant': is what a slip of a soft
-Drive([0.0, 1.0], mass=1.0)  mass = 1.0: is of a soft slider; give its spring
-Drive([0.0, 1.0], spring=1.0, mass=0.0)  mass = 0.0: must be above zero
-Drive([0.0, 1.0], spring=1.0, mass=1e101)  mass = 1e+101: must lie between 1e-100 and 1e+100
-Drive([0.0, 1.0], damping=1.0)  damping = 1.0: is of a slider with mass; give a mass, too
-Drive([0.0, 1.0], spring=1.0, damping=1.0)  damping = 1.0: is of a slider with mass; give a mass, too
-Drive([0.0, 1.0], spring=1.0, mass=1.0, damping=-0.1)  damping = -0.1: must be zero or above
-Drive([0.0, 1.0], spring=1.0, mass=1.0, slip="reset")  slip = 'reset': mass, damping and the contacts' delay
-master.solve(Contacts(GAUSSIAN), [1.0], spring=1.0, mass=1.0)  mass = 1.0: the master equation does not follow
-simulate(spring=1.0, mass=1.0, laws={"thermal": PAPER})  contacts.thermal: eq_model.simulate with a spring
-simulate(spring=1.0, mass=1.0, laws={"reforming": 0.1})  contacts.reforming: contacts that form again stretched
-simulate([0.0, 1.0, 0.5], spring=1.0, mass=1.0)  path[2] = 0.5: lies behind path[1]
-simulate([0.0, 1.0], spring=1.0, mass=1.0, slip_fraction=2.0)  slip_fraction = 2.0: must be at most 1
-simulate([1e9], spring=1.0, mass=1.0, n_contacts=1000)  path[-1] = 1000000000.0: takes 1.0e+12 breaks of 1000
-simulate([1e12], spring=1.0, mass=1.0)  path[-1] = 1000000000000.0: must be below 1.07e+09
-simulate([1.0], spring=1e-15, mass=1.0)  spring = 1e-15: must be above
-simulate([1.0], spring=1.0, mass=1e-30)  mass = 1e-30: oscillates 2.3e+14 times between two points
-simulate([0.0], time=[0.0], spring=1.0, mass=1.0, laws={"start": 0.1})  path[0] = 0.0: leaves no time to get there
-Drive([0.0, 1.0], time=[0.0, 0.0])  time[1] = 0.0: leaves no time to get there
-Drive([0.0, 1.0], 2.0, time=[0.0, 1.0])  velocity = 2.0: the times of the points
-master.kinetic_curve(Contacts(GAUSSIAN), None)  velocity = nan: must be finite
-master.phase_line(Contacts(GAUSSIAN), 1e300)  velocity = 1e+300: must lie between 1e-100 and 1e+100
-master.solve(Contacts(GAUSSIAN), [1.0, 0.5], time=[1e-310, 1.0])  time[0] = 1e-310: leaves no time
-master.steady_state(Contacts(GAUSSIAN, ageing=AGEING), velocity=1e-20)  relaxes thresholds 1e10 times while
-master.solve(Contacts(GAUSSIAN, thermal=PAPER), [0, 0, 1], time=[0, 1e12, 1e12 + 1])  time[-1] = 1000000000001.0:
-master.critical_velocity(Contacts(GAUSSIAN, ageing=AGEING), 1.0, 2.0, 1.0)  slowest = 2.0: must be below fastest = 1
-simulate(laws={"reforming": 1.0 - 1e-12}, law=origins.identical(1.0))  reforming: each contact breaks about 1e+12 times
-simulate(n_contacts=0)  n_contacts
-simulate(n_contacts=2**40)  n_contacts
-simulate(seed=-1)  seed
-simulate([0.0, np.nan])  path
-simulate([0.0, 1e12])  path
-simulate(np.linspace(0.0, 1.0, 2001), histograms=np.arange(2001))  must be at most 2000
-simulate(time=[0.0, -1.0])  time
-simulate(comm=3)  comm = 3: must be a communicator of mpi4py
-simulate(laws={"thermal": PAPER})  thermal
-simulate(laws={"ageing": Ageing(GAUSSIAN, 0.1, closure="paper")})  ageing
-simulate(law=origins.rectangular(0.6, 0.9), laws={"ageing": Ageing(BOX, 0.1)})  ageing: the final law ends at 0.5 and 1
-simulate(laws={"thermal": Thermal("soft", 1.0, 1e12)})  each contact breaks about 6e+11 times
-simulate(laws={"thermal": Thermal("soft", 1e-21)})  leave thermal out
-simulate(laws={"reforming": 8.5})  the survival of the thresholds is below 1e-290; use stretches
-simulate(law=stats.pareto(2.5), laws={"stiffness": "linked"})  thresholds: stretches may reach
-simulate(law=Careless())  the quantiles cannot be tabulated to 1e-6
-simulate(slip="instant")  rigid
-simulate(slip_fraction=0.2)  slip_fraction
-simulate(spring=-1.0)  spring
-simulate(spring=0.7, slip="never")  slip
-simulate(spring=0.7, tolerance=1e-3)  tolerance
-simulate([0.0, 2.0, 1.0], spring=0.7)  does not turn
-simulate(spring=0.7, laws={"thermal": Thermal("soft", 0.1)})  thermal
-simulate(spring=0.7, slip="reset", laws={"reforming": 0.1})  reforming
-"""
-ROWS = [line.split("  ", 1) for line in REFUSED.strip().splitlines()]
+# what is called, and what its one line says
+REFUSED = [
+    (lambda: pressed(pressure=1e30), "summits would cover"),
+    (lambda: pressed(pressure=1e9, height_law="exponential"), "bear at most"),
+    (lambda: pressed(regime="mixed", material=BARE), "material.hardness = None"),
+    (lambda: pressed(material=BARE), "material.shear_modulus = None"),
+    (lambda: pressed(material=stiffer(1.0, 2.0)), "material.contact_stiffness: k ~ A"),
+    (lambda: pressed(model="persson"), 'patch_area = None: model = "persson" needs'),
+    (lambda: pressed(**PERSSON, regime="mixed"), 'model = "gw"'),
+    (lambda: pressed().interface.temperature(), "kelvin = None"),
+    (lambda: stiffer(1.0, 0.5, shear_modulus=1e9), "contact_stiffness: given twice"),
+    (lambda: origins.moments_of_summits(radius=0.0, std=1.0, density=1.0), "radius"),
+    (lambda: separated(1.0, BARE, regime="mixed"), "material.hardness = None"),
+    (lambda: pressure_at(1e-4), "where no summit reaches"),
+    (lambda: origins.gw_gaussian(2e6, 1.0), "separation = 2000000.0: is h0/sigma_h"),
+    (lambda: origins.gw_gaussian(1.0, 1.0, "paper", "mixed"), "plasticity_index = None"),
+    (lambda: moments(HEIGHTS), "pixel_size = None"),
+    (lambda: moments(np.where(HEIGHTS > 0.5, np.nan, HEIGHTS), 1.0), "less than half"),
+    (lambda: moments(HEIGHTS, 1.0, periodic=True), 'detrend = "centre"'),
+    (lambda: moments(Scan(HEIGHTS, (1.0, 1.0), None)), "heights.unit = None"),
+    (lambda: moments(Scan(HEIGHTS, (1.0, 1.0), ("µm", None))), "one unit"),
+    (lambda: origins.moments_of_spectrum([1.0, 2.0], [1.0, 0.0]), "power[1] = 0.0"),
+    (lambda: origins.moments_of_spectrum([1.0, 2.0], [1.0, 1.0], "2d"), "convention = '2d'"),
+    (lambda: surface(hurst=1.2), "hurst = 1.2"),
+    (lambda: surface(short_cutoff=100.0, long_cutoff=200.0), "no mode"),
+    (lambda: surface(shape=(10**6, 10**6)), "needs 4e+04 GB, 40 bytes a point, and this"),
+    (lambda: origins.from_samples(), "from_samples: give either x_s"),
+    (lambda: origins.from_samples([1.0, np.nan]), "x_s[1] = nan:"),
+    (lambda: origins.from_samples(f_s=[1.0]), "from_samples: with f_s give either"),
+    (
+        lambda: origins.from_samples(f_s=[1.0], stiffness=[1.0, 1.0]),
+        "stiffness = array of shape (2,): must hold",
+    ),
+    (
+        lambda: origins.from_samples([1.0, 2.0], weights=[1.0, 0.0]),
+        "weights[1] = 0.0: must be above zero",
+    ),
+    (lambda: origins.bootstrap(origins.gaussian(1.0, 0.1), len), "thresholds ="),
+    (lambda: rotated(), "domains: give exactly one of sizes"),
+    (lambda: rotated(sizes=[(3, 3)], weights=[1.0, 1.0]), "weights = [1.0, 1.0]:"),
+    (lambda: rotated(islands=["a"], lattice_constant=None), "atoms = 'a':"),
+    (
+        lambda: rotated(islands=[PAIR], bonds=0.02, angles=[0.3], lattice_constant=None),
+        "bonds = 0.02: lets the island's shape jump",
+    ),
+    (
+        lambda: rotated(mean_atoms=5.0, angles=[0.0, 20.0]),
+        "angles[1] = 20.0: angles are in radians, 2 pi",
+    ),
+    (
+        lambda: rotated(mean_atoms=5.0, substrate=origins.fourier_substrate([[1.0, 1.0]], [1.0])),
+        "substrate: varies in",
+    ),
+    (lambda: origins.barrier(ISLAND, [0.0, 20.0]), "angle[1] = 20.0: angles are in radians, 2 pi"),
+    (lambda: origins.triangular_island(0.0, 3, 3), "lattice_constant = 0.0:"),
+    (lambda: origins.triangular_island(2.5, 100_000, 100_000), "n_i = 100000:"),
+    (lambda: origins.barrier(EMPTY, 0.0), "atoms = Atoms("),
+    (lambda: origins.fourier_substrate([[1, 2], [-3, -6]], [1, 1]).cell, "all parallel"),
+    (lambda: origins.relaxed_barrier(FIXED, ON), "FixAtoms does not fix"),
+    (lambda: origins.relaxed_barrier(ISLAND, origins.square_substrate()), "ASE calculator"),
+    (lambda: origins.relaxed_barrier(ISLAND, LEVEL), "all parallel"),
+    (
+        lambda: origins.relaxed_barrier(origins.triangular_island(2.5, 40, 40), ON, rigid=False),
+        "at most 1500",
+    ),
+    (
+        lambda: origins.relaxed_barrier(ISLAND, Wrong(np.nan), periods=6.3 * np.eye(2)),
+        "calculator = nan: must give finite",
+    ),
+    (
+        lambda: origins.relaxed_barrier(ISLAND, Wrong(1.5), periods=2.0 * np.pi * np.eye(2)),
+        "forces must be those of its",
+    ),
+    (lambda: origins.relaxed_barrier(ISLAND, Wrong(1.0)), "periods = None: must be given"),
+    (
+        lambda: origins.relaxed_barrier(ISLAND, Wrong(1.0), periods=3.0 * np.eye(2)),
+        "must leave energies",
+    ),
+    (lambda: origins.harmonic_bonds(ISLAND, 1.0, reach=1.0), "reach = 1.0: bonds no atoms"),
+    (lambda: origins.grains(2.0 / 3.0, B=1.0), "rho = 0.6666666666666666: no grain pins yet"),
+    (
+        lambda: origins.grains(alpha=1.0, time=0.2, B=1.0),
+        "time = 0.2: no grain pins yet: the first does",
+    ),
+    (
+        lambda: origins.GrainGrowth(alpha=1.0, B=1.0).rho([1.0, 0.0]),
+        "time = 0.0: must be finite and above zero",
+    ),
+    (lambda: Unbound().sf([0.5, 0.1]), "Unbound: its survival at x = 0.1 is 1.1, outside 0 to 1"),
+    (lambda: Half().sf(0.5), "Half: its density adds up to 0.5, not to 1; state it as"),
+    (lambda: origins.identical(0.0), "value = 0.0:"),
+    (lambda: origins.gaussian(1.0, -0.1), "std = -0.1:"),
+    (lambda: origins.gaussian(1.0, 0.1, form="paper", upper=0.9), "mean = 1.0:"),
+    (lambda: origins.rectangular(1.0, 1.0), "upper = 1.0:"),
+    (lambda: origins.gw_plastic(True), "B = True:"),
+    (
+        lambda: origins.lubricated(1.0, power=-1.0),
+        "power = -1.0: must be above -1, or P_c has no norm",
+    ),
+    (lambda: origins.persson(101.0, 1.0), "centre = 101.0: is more than 100 widths"),
+    (lambda: origins.mixture([origins.identical(1.0)] * 2, [0.5, 0.4]), "weights = [0.5, 0.4]:"),
+    (lambda: origins.mixture([origins.identical(1.0), 3.0], [0.5, 0.5]), "thresholds = 3.0:"),
+    (
+        lambda: origins.continuous_mixture(origins.gw_plastic, 1.0, 0.0),
+        "upper = 0.0: must be above lower = 1",
+    ),
+    (
+        lambda: origins.continuous_mixture(lambda phi: origins.identical(phi), 1.0, 2.0),
+        "values and jumps that move with phi",
+    ),
+    (
+        lambda: origins.continuous_mixture(lambda phi: stats.beta(2.0, 2.0, loc=phi), 0.0, 1.0),
+        "accuracy = 1e-10: 512 laws",
+    ),
+    (lambda: Contacts(stats.halfcauchy()), "thresholds: the mean is inf"),
+    (lambda: Contacts(stats.norm(0.0, 1.0)), "weight 0.5 at or below x = 0"),
+    (lambda: Contacts(stats.norm([1.0, 2.0], 0.1)), "arrays as parameters"),
+    (lambda: Contacts(stats.gamma), "lacks its parameters"),
+    (lambda: Contacts(stats.Normal(mu=0.0, sigma=1.0)), "weight 0.5 at or below x = 0"),
+    (lambda: Contacts(1.0), "must come from origins"),
+    (lambda: Contacts(origins.identical(1e-200)), "thresholds: the mean is 1e-200: powers of"),
+    (
+        lambda: Contacts(origins.gaussian(1e-100, 2e-101)),
+        "thresholds: the mean is 1e-100: powers of",
+    ),
+    (lambda: Contacts(origins.gaussian(1e105, 2e104)), "thresholds: the mean is 1e+105: powers of"),
+    (
+        lambda: Contacts(BOX, start=-1.0),
+        "start: a weight of 1 lies beyond every threshold, at |x| >= 1;",
+    ),
+    (
+        lambda: Contacts(BOX, start=origins.gaussian_start(0.0, 0.21)),
+        "start: a weight of 1.92e-06 lies",
+    ),
+    (lambda: Contacts(GAUSSIAN, start=np.nan), "start = nan:"),
+    (lambda: Contacts(GAUSSIAN, start=stats.cauchy()), "start: the mean of the distribution is"),
+    (lambda: Contacts(GAUSSIAN, thermal=0.1), "thermal = 0.1: must be an origins.Thermal"),
+    (lambda: Contacts(GAUSSIAN, thermal=origins.RateLaw), "or of a subclass of RateLaw"),
+    (lambda: Contacts(GAUSSIAN, stiffness="equal"), "stiffness = 'equal':"),
+    (lambda: Contacts(GAUSSIAN, reforming="relaxed"), "reforming = 'relaxed': must be None, a"),
+    (
+        lambda: Contacts(GAUSSIAN, stiffness="linked", thermal=PAPER),
+        "stiffness = 'linked': not defined with thermal closure",
+    ),
+    (
+        lambda: Contacts(GAUSSIAN, ageing=Ageing(BOX, rate=1.0, closure="paper")),
+        "ageing: a weight of 0.506 of the fresh",
+    ),
+    (lambda: Contacts(GAUSSIAN).replace(heat=0.1), "heat = 0.1: is not what contacts have;"),
+    (lambda: origins.gaussian_start(0.0, -0.1), "std = -0.1:"),
+    (lambda: origins.boltzmann_reforming(0.0), "temperature = 0.0: must be above zero"),
+    (lambda: Delay(-0.1), "time = -0.1: must be zero or above"),
+    (lambda: Thermal("weak", 0.1), "law = 'weak':"),
+    (lambda: Thermal("soft", 0.0), "temperature = 0.0: must be above zero"),
+    (
+        lambda: Thermal("soft", 0.1).rate([0.5, 1.1], 1.0),
+        "x = 1.1: a contact holds only where |x| is at most",
+    ),
+    (
+        lambda: Thermal("stiff", 0.1).inverse([1.0, -2.0], 1.0),
+        "amount = -2.0: must be zero or above",
+    ),
+    (lambda: Ageing(GAUSSIAN, -1.0), "rate = -1.0: must be zero or above"),
+    (lambda: Ageing(origins.identical(1.5), 1.0), "final: holds the single value 1.5:"),
+    (lambda: Ageing(GAP, 1.0), "final: has no weight between 0.5 and 1:"),
+    (lambda: Drive([0.0, np.nan, 1.0]), "path[1] = nan:"),
+    (lambda: Drive([0.0, 1.0], slip="instant"), "slip = 'instant': is what a slip of a soft"),
+    (lambda: Drive([0.0, 1.0], mass=1.0), "mass = 1.0: is of a soft slider; give its spring"),
+    (lambda: Drive([0.0, 1.0], spring=1.0, mass=0.0), "mass = 0.0: must be above zero"),
+    (
+        lambda: Drive([0.0, 1.0], spring=1.0, mass=1e101),
+        "mass = 1e+101: must lie between 1e-100 and 1e+100",
+    ),
+    (
+        lambda: Drive([0.0, 1.0], damping=1.0),
+        "damping = 1.0: is of a slider with mass; give a mass, too",
+    ),
+    (
+        lambda: Drive([0.0, 1.0], spring=1.0, damping=1.0),
+        "damping = 1.0: is of a slider with mass; give a mass, too",
+    ),
+    (
+        lambda: Drive([0.0, 1.0], spring=1.0, mass=1.0, damping=-0.1),
+        "damping = -0.1: must be zero or above",
+    ),
+    (
+        lambda: Drive([0.0, 1.0], spring=1.0, mass=1.0, slip="reset"),
+        "slip = 'reset': mass, damping and the contacts' delay",
+    ),
+    (
+        lambda: master.solve(Contacts(GAUSSIAN), [1.0], spring=1.0, mass=1.0),
+        "mass = 1.0: the master equation does not follow",
+    ),
+    (
+        lambda: simulate(spring=1.0, mass=1.0, laws={"thermal": PAPER}),
+        "contacts.thermal: eq_model.simulate with a spring",
+    ),
+    (
+        lambda: simulate(spring=1.0, mass=1.0, laws={"reforming": 0.1}),
+        "contacts.reforming: contacts that form again stretched",
+    ),
+    (lambda: simulate([0.0, 1.0, 0.5], spring=1.0, mass=1.0), "path[2] = 0.5: lies behind path[1]"),
+    (
+        lambda: simulate([0.0, 1.0], spring=1.0, mass=1.0, slip_fraction=2.0),
+        "slip_fraction = 2.0: must be at most 1",
+    ),
+    (
+        lambda: simulate([1e9], spring=1.0, mass=1.0, n_contacts=1000),
+        "path[-1] = 1000000000.0: takes 1.0e+12 breaks of 1000",
+    ),
+    (
+        lambda: simulate([1e12], spring=1.0, mass=1.0),
+        "path[-1] = 1000000000000.0: must be below 1.07e+09",
+    ),
+    (lambda: simulate([1.0], spring=1e-15, mass=1.0), "spring = 1e-15: must be above"),
+    (
+        lambda: simulate([1.0], spring=1.0, mass=1e-30),
+        "mass = 1e-30: oscillates 2.3e+14 times between two points",
+    ),
+    (
+        lambda: simulate([0.0], time=[0.0], spring=1.0, mass=1.0, laws={"start": 0.1}),
+        "path[0] = 0.0: leaves no time to get there",
+    ),
+    (lambda: Drive([0.0, 1.0], time=[0.0, 0.0]), "time[1] = 0.0: leaves no time to get there"),
+    (lambda: Drive([0.0, 1.0], 2.0, time=[0.0, 1.0]), "velocity = 2.0: the times of the points"),
+    (lambda: master.kinetic_curve(Contacts(GAUSSIAN), None), "velocity = nan: must be finite"),
+    (
+        lambda: master.phase_line(Contacts(GAUSSIAN), 1e300),
+        "velocity = 1e+300: must lie between 1e-100 and 1e+100",
+    ),
+    (
+        lambda: master.solve(Contacts(GAUSSIAN), [1.0, 0.5], time=[1e-310, 1.0]),
+        "time[0] = 1e-310: leaves no time",
+    ),
+    (
+        lambda: master.steady_state(Contacts(GAUSSIAN, ageing=AGEING), velocity=1e-20),
+        "relaxes thresholds 1e10 times while",
+    ),
+    (
+        lambda: master.solve(
+            Contacts(GAUSSIAN, thermal=PAPER), [0, 0, 1], time=[0, 1e12, 1e12 + 1]
+        ),
+        "time[-1] = 1000000000001.0:",
+    ),
+    (
+        lambda: master.critical_velocity(Contacts(GAUSSIAN, ageing=AGEING), 1.0, 2.0, 1.0),
+        "slowest = 2.0: must be below fastest = 1",
+    ),
+    (
+        lambda: simulate(laws={"reforming": 1.0 - 1e-12}, law=origins.identical(1.0)),
+        "reforming: each contact breaks about 1e+12 times",
+    ),
+    (lambda: simulate(n_contacts=0), "n_contacts"),
+    (lambda: simulate(n_contacts=2**40), "n_contacts"),
+    (lambda: simulate(seed=-1), "seed"),
+    (lambda: simulate([0.0, np.nan]), "path"),
+    (lambda: simulate([0.0, 1e12]), "path"),
+    (
+        lambda: simulate(np.linspace(0.0, 1.0, 2001), histograms=np.arange(2001)),
+        "must be at most 2000",
+    ),
+    (lambda: simulate(time=[0.0, -1.0]), "time"),
+    (lambda: simulate(comm=3), "comm = 3: must be a communicator of mpi4py"),
+    (lambda: simulate(laws={"thermal": PAPER}), "thermal"),
+    (lambda: simulate(laws={"ageing": Ageing(GAUSSIAN, 0.1, closure="paper")}), "ageing"),
+    (
+        lambda: simulate(law=origins.rectangular(0.6, 0.9), laws={"ageing": Ageing(BOX, 0.1)}),
+        "ageing: the final law ends at 0.5 and 1",
+    ),
+    (
+        lambda: simulate(laws={"thermal": Thermal("soft", 1.0, 1e12)}),
+        "each contact breaks about 6e+11 times",
+    ),
+    (lambda: simulate(laws={"thermal": Thermal("soft", 1e-21)}), "leave thermal out"),
+    (
+        lambda: simulate(laws={"reforming": 8.5}),
+        "the survival of the thresholds is below 1e-290; use stretches",
+    ),
+    (
+        lambda: simulate(law=stats.pareto(2.5), laws={"stiffness": "linked"}),
+        "thresholds: stretches may reach",
+    ),
+    (lambda: simulate(law=Careless()), "the quantiles cannot be tabulated to 1e-6"),
+    (lambda: simulate(slip="instant"), "rigid"),
+    (lambda: simulate(slip_fraction=0.2), "slip_fraction"),
+    (lambda: simulate(spring=-1.0), "spring"),
+    (lambda: simulate(spring=0.7, slip="never"), "slip"),
+    (lambda: simulate(spring=0.7, tolerance=1e-3), "tolerance"),
+    (lambda: simulate([0.0, 2.0, 1.0], spring=0.7), "does not turn"),
+    (lambda: simulate(spring=0.7, laws={"thermal": Thermal("soft", 0.1)}), "thermal"),
+    (lambda: simulate(spring=0.7, slip="reset", laws={"reforming": 0.1}), "reforming"),
+]
 
 
-@pytest.mark.parametrize(("call", "says"), ROWS, ids=[call for call, _ in ROWS])
-def test_it_is_refused_in_one_line(call: str, says: str) -> None:
+@pytest.mark.parametrize(("call", "says"), REFUSED, ids=[says for _, says in REFUSED])
+def test_it_is_refused_in_one_line(call: Callable[[], object], says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
-        eval(call, {**vars(origins), **globals(), **CALLED})
-    assert says.strip() in str(caught.value) and "\n" not in str(caught.value)
+        call()
+    assert says in str(caught.value) and "\n" not in str(caught.value)
 
 
 # -- scenes -----------------------------------------------------------------------------------------
