@@ -307,3 +307,19 @@ def test_a_path_that_ends_just_after_a_slip_tells_of_the_slip() -> None:
         assert solved.success and solved.slips.drive.size == 1
         # after the slip nothing pulls but the way of the drive since then, known to the error of the slip's place
         assert abs(solved.force[-1] - SOFTEST * after) <= 4.0 * SOFTEST
+
+
+def test_heat_that_does_nothing_is_left_out_and_told() -> None:
+    """Barriers of 1e7 k_BT: contacts break within 1e-6 of their thresholds, which steps in time do not resolve."""
+    cold = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST)
+    still = Contacts(WIDE, thermal=Thermal("soft", 5e-8, 1e6))
+    solved = held_to_claim(still, FAR, 1e-3, cold, spring=SOFTEST)
+    assert "heat is left out: it changes the force by at most" in solved.message
+    # thresholds fall by T ln(attempts)/x_s there: 10 to 40 times 5e-8, and x P_c(x) of them break at x
+    assert 5e-7 < solved.force_error < 1e-4
+    # barriers of 1e5 k_BT do more than is left out at this tolerance, but less than what is told of them
+    told = master.solve(
+        still.replace(thermal=Thermal("soft", 5e-6, 1e6)), FAR, 1e-2, spring=SOFTEST
+    )
+    assert told.success and "left out" not in told.message and told.force_error > 5e-4
+    assert SOFTEST * np.abs(told.slips.drive - cold.slips.drive).max() <= told.force_error

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
+from master.soft.in_time.idle_heat import without_idle_heat
 from master.soft.in_time.refining import balance_of, refined
 from master.soft.regime import Regime, Slips, regime
 from origins import Contacts
@@ -68,6 +69,13 @@ def solve_soft(
     if again is not None and out:
         hint = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
         refuse("slip", slip, hint)
+    given = contacts
+    if contacts.thermal is not None:
+        balance = balance_of(contacts, drive)
+        duration = float(drive.arrival_times(balance)[-1])
+        contacts, idle_heat, note = without_idle_heat(contacts, drive, duration, tolerance)
+    else:
+        idle_heat, note = 0.0, ""
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
         if contacts.thresholds.atoms[0].size and not contacts.start.is_single:
@@ -79,7 +87,8 @@ def solve_soft(
     else:
         found = ColdSlider(contacts, drive, tolerance, until).follow()
         progress(found.error)
-    success, message = found.outcome(contacts, drive, tolerance, "X_T")
+    found = found._replace(error=found.error + idle_heat)
+    success, message = found.outcome(given, drive, tolerance, "X_T")
     path = drive.path[: found.force.size]
     return SoftSolution(
         path=path,
@@ -94,5 +103,5 @@ def solve_soft(
         run_time=time.perf_counter() - began,
         nodes=found.nodes,
         success=success,
-        message=message,
+        message=message + note,
     )

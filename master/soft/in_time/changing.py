@@ -65,6 +65,8 @@ class GrainMemory(Memory):
         super().__init__(contacts, level)
         grains = contacts.grains
         assert grains is not None and grains.age is not None
+        # cells are those of quantiles, whose thresholds begin at 0: what the law's cells resolve does not matter
+        self.resolves_heat = True
         self._grains, first = grains, grains.growth.first_pinning_time
         self._start_since, self.largest_stretch = grains.age - first, grains.at_start.support()[1]
         self.starts = warm_nodes(level)

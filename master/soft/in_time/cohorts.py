@@ -55,7 +55,7 @@ class Cohorts:
     """
 
     def __init__(self, contacts: Contacts, memory: Memory, level: int, until: float) -> None:
-        """All contacts at the beginning; `until` is a reading of time.monotonic() to stop at."""
+        """All contacts at the beginning; `until` is a reading of time.monotonic() at which to stop."""
         self.memory, self.delay, self._until = memory, contacts.waiting_time, until
         self.level, self.steps, self.work, self.unresolved = level, 0, 0.0, 0.0
         self.position, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
@@ -89,7 +89,8 @@ class Cohorts:
         return self._sections[-1][-1][1]
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
-        """A trial step by `travel` until `now`; `without_births`, broken contacts stay out."""
+        """A trial step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`."""
+        stop_after(self._until)  # the search for a step may need hundreds of trials
         duration, born, count = now - self.now, self._born, self._reformed.stretch.size
         speed = abs(travel) / duration if duration > 0.0 else np.inf
         groups = self.groups.moved(self.memory, travel, duration)
@@ -125,7 +126,7 @@ class Cohorts:
         return 0.0, float(KroghInterpolator(times, breaks)(at))
 
     def take(self, trial: Trial) -> None:
-        """Take the step; StoppedError where there are too many, or time is over."""
+        """Take the step; StoppedError where there are too many."""
         groups, held, count = trial.groups, trial.survival_and_force, self._reformed.stretch.size
         self.steps += 1
         self.work += groups.weight.size * (self.memory.width + FIXED_WORK)
@@ -153,12 +154,11 @@ class Cohorts:
         self.unresolved = max(self.unresolved, error)
 
     def _stop_at_limits(self) -> None:
-        """Raise StoppedError after too many steps, too much work in them, or too much time."""
+        """Raise StoppedError after too many steps, or too much work in them."""
         part = 0.5 ** max(LEVELS - 1 - self.level, 0)
         if self.steps > MOST_STEPS * part or self.work > MOST_WORK * part**2:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise StoppedError(f"{done}, and more are not taken on")
-        stop_after(self._until)
 
     def _note_unresolved(self, groups: Groups, held: Array) -> None:
         """Bound the force of contacts born in steps of which it is unknown how many hold."""

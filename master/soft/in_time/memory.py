@@ -39,6 +39,9 @@ NO_THRESHOLD = 1e-12
 WARM_NODES, MORE_WARM_NODES, COLD_NODES, MOST_DOUBLINGS = 24, 8, 100, 3
 # Width of a cell, in the square of the largest threshold, below which it is that of an exact threshold.
 EXACT_CELL = 1e-9
+# Fall of ln h over two cells, from the attempt frequency, up to which A is still told apart from 0 at the far edge; and
+# least fraction of the contacts in a cell where that matters.
+TOLD_APART, BULK = 600.0, 1e-3
 # Difference of e^-A between the ends of a cell below which its mean is that of the ends, with an error of the third
 # power.
 FLAT = 1e-4
@@ -82,9 +85,10 @@ class Memory:
     starts : most nodes for a start with a width; they differ from level to level, so that their error shows
     finer_before_slips : whether steps become finer towards a slip
     exact : whether there are exact thresholds
+    resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
     """
 
-    error, others, finer_before_slips, exact = 1e-15, 0, False, False
+    error, others, finer_before_slips, exact, resolves_heat = 1e-15, 0, False, False, True
 
     def __init__(self, contacts: Contacts, level: int) -> None:
         """Choose the cells of thresholds, and over what births and steps change."""
@@ -112,6 +116,14 @@ class Memory:
         cells = 2 ** min(level + 1, level // 2 + 3)
         edges = np.unique([np.linspace(*two, cells + 1) for two in pairwise(np.unique(ends))])
         self._set_cells(edges, law.sf(edges))
+        if contacts.thermal is not None and contacts.thermal.closure == "exact":
+            rates, bulk = (
+                contacts.thermal.rates,
+                np.flatnonzero(np.diff(-law.sf(edges)) > BULK)[:-1],
+            )
+            far, stiffness = edges[bulk + 2], contacts.relative_stiffness(edges[bulk + 2])
+            fall = np.log(rates.scale) - rates.log_rate(edges[bulk], far, stiffness)
+            self.resolves_heat = bool((fall < TOLD_APART).all())
 
     def _set_cells(self, edges: Array, beyond: Array) -> None:
         """Set the thresholds between which ln A is linear, and the fractions of contacts beyond them."""

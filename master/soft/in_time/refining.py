@@ -17,6 +17,7 @@ from master.motion import drive_motion
 from master.outcome import Progress, StoppedError
 from master.soft.in_time.changing import AgeingMemory, GrainMemory
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
+from master.soft.in_time.idle_heat import unresolved_heat
 from master.soft.in_time.memory import MeanRateMemory, Memory
 from master.soft.in_time.near_slip import slip_undecided
 from master.soft.in_time.reading import read
@@ -151,7 +152,9 @@ def extrapolated(
     # round-off of the force grows with the number of steps, and where the slider slips with K, as K X_T does
     stiff = spring if slips[-1].size else min(spring, 1.0)
     rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)
-    error = max(error + cohorts.memory.error + rounding, cohorts.unresolved / unit)
+    duration = 0.0 if levels[-1].motion is None else float(levels[-1].motion.times[-1])
+    cold_skin = unresolved_heat(contacts, cohorts.memory, drive, duration)
+    error = max(error + cohorts.memory.error + rounding + cold_skin, cohorts.unresolved / unit)
     force, holding = answer[: 2 * n].reshape(2, n)[:, :points]
     slips_at = answer[2 * n :].reshape(3, -1) * unit / [[spring], [1.0], [1.0]]
     return Followed(
