@@ -344,3 +344,24 @@ def test_bug_shows_its_traceback_and_the_module_is_the_command(python: Any) -> N
     done = python(f"{bug}; {run}", "run", "gaussian")
     assert done.returncode == 1 and os.listdir() == []
     assert "Traceback (most recent call last)" in done.stderr and "ZeroDivisionError" in done.stderr
+
+
+def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
+    """Twice the density of summits has other contacts: the order over N_c<k> need not be that in N/m."""
+    drive = {"to": 1e-7, "points": 3, "area": 1e-6}
+    large = drive | {"area": 1e-3}
+    files = [
+        write("small", thresholds=ROUGH, drive=drive),
+        write("large", thresholds=ROUGH, drive=large),
+    ]
+    status, lines, _ = said(capsys, "compare", *files, "--out", "both")
+    assert status == 0 and "K* (N/m)" in lines[0] and lines[2].split()[1] == "large"
+    found = {one["name"]: one for one in read("both/compare.json")["scenes"]}
+    small, other = (found[name]["critical_spring_newtons"] for name in ("small", "large"))
+    assert other == pytest.approx(1e3 * small, rel=1e-12)
+    law = toolkit.load_scene(files[0]).contacts.interface
+    each = 1e-6 * law.contact_density * law.mean_stiffness
+    assert small == pytest.approx(each * found["small"]["critical_spring"], rel=1e-12)
+    bare = write("bare", thresholds=ROUGH, drive={"to": 1e-7, "points": 3})
+    lines = said(capsys, "compare", bare, files[0], "--out", "third")[1]
+    assert "K* (N/m)" not in lines[0] and any("give each drive.area" in line for line in lines)

@@ -1,5 +1,6 @@
 """Pictures, read back as drawn: prefixes of metres, axes where decades differ, what is drawn against what."""
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -92,3 +93,24 @@ def test_a_picture_of_a_sweep_has_a_line_for_each_value_of_the_second_quantity()
     assert axes[0].get_xscale() == "log" and len(axes[0].lines) == 2
     assert [text.get_text()[-5:] for text in axes[0].get_legend().get_texts()] == ["= 0.1", "= 0.3"]
     np.testing.assert_array_equal(axes[0].lines[1].get_ydata(), result.sweep.force[:, 1])
+
+
+def test_what_is_not_solved_is_not_drawn() -> None:
+    result = toolkit.run(scene())
+    for error, points in ((1e-9, 21), (1e-2, 21), (np.inf, 0)):
+        master = dataclasses.replace(result.master, success=error < 1e-8, force_error=error)
+        axes = Figure().subplots(1, 2)
+        toolkit.plot(dataclasses.replace(result, master=master), axes)
+        (line,) = axes[0].lines
+        assert len(line.get_xdata()) == points
+        assert ("not solved" in line.get_label()) == (points == 0)
+
+
+def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:
+    drive = {"to": 1e-7, "points": 3}
+    for own, label in ((drive | {"area": 1e-6}, "(N/m)"), (drive, "langle k")):
+        one = compare([toolkit.load_scene(scene(ROUGH, drive=own, master=None), solved=False)])
+        springs = draw_comparison(one).axes[1]
+        assert label in springs.get_xlabel()
+        (bar,) = springs.patches
+        assert springs.get_xlim()[0] < bar.get_width() < springs.get_xlim()[1]

@@ -29,7 +29,7 @@ class Verdict:
     K* is infinite, and what is at the limits of the law; `found` describes the law. `evidence` is the ensemble's: its
     force over the exact F_k, with one standard error, where the master equation's force is largest (its own, without
     [master]), the master's there, and the largest difference of both over the path in standard errors, or why there is
-    none; None without [eq].
+    none; None without [eq]. `stiffness` is N_c<k> in N/m on the nominal area of the scene's surface, None without.
     """
 
     name: str
@@ -39,9 +39,15 @@ class Verdict:
     evidence: dict[str, Any] | None
     found: Description
     result: Result
+    stiffness: float | None = None
 
     def value(self, name: str) -> float:
         return self.numbers[name].value
+
+    def spring(self, newtons: bool) -> Number:
+        """K*, in N/m or over N_c<k>."""
+        own, scale = self.numbers["critical_spring"], (self.stiffness or 1.0) if newtons else 1.0
+        return Number(own.value * scale, (own.error or 0.0) * scale, "N/m" if newtons else "")
 
     def plain(self) -> dict[str, Any]:
         """The content of a file; times in s."""
@@ -53,11 +59,21 @@ class Verdict:
         for name in _SHOWN:
             number = self.numbers.get(name, Number(np.nan, None, ""))
             kept |= {name: number.value, f"{name}_error": number.error}
+        if self.stiffness is not None:
+            spring = self.spring(newtons=True)
+            kept |= {"critical_spring_newtons": spring.value}
+            kept |= {"critical_spring_newtons_error": spring.error}
         return kept
 
 
+def in_newtons(verdicts: Sequence[Verdict]) -> bool:
+    """Whether K* is ranked in N/m: where each scene is of a surface with drive.area. N_c<k> differs between surfaces,
+    so that springs in its units may be in another order."""
+    return all(verdict.stiffness is not None for verdict in verdicts)
+
+
 def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -> list[Verdict]:
-    """A verdict per scene, the one most prone to stick-slip (largest K*) first.
+    """A verdict per scene, the one most prone to stick-slip (largest K*, in N/m if all have an area) first.
 
     The scenes' own [master] and [eq] are run too, for the picture and the evidence, except where a spring pulls or the
     slider turns: forces along such paths are not compared, and a caution says so. `comm` is as for toolkit.run;
@@ -68,7 +84,8 @@ def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -
     for scene in scenes:
         with inside(scene.name, {}):
             verdicts.append(_judge(scene, comm, progress))
-    return sorted(verdicts, key=lambda one: [-one.value(name) for name in PROPENSITY[:2]])
+    newtons, ratio = in_newtons(verdicts), PROPENSITY[1]
+    return sorted(verdicts, key=lambda one: [-one.spring(newtons).value, -one.value(ratio)])
 
 
 def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
@@ -97,7 +114,10 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
         cautions = [f"F(X) is left out: {error}", *cautions]
     result = solve(scene, comm, show_progress=progress)[0]
     evidence = _evidence(result, numbers["kinetic_force"].value * unit)
-    return Verdict(scene.name, numbers, held, cautions, evidence, found, result)
+    surface, stiffness = contacts.interface, None
+    if surface is not None and scene.area is not None:
+        stiffness = surface.contact_density * scene.area * surface.mean_stiffness
+    return Verdict(scene.name, numbers, held, cautions, evidence, found, result, stiffness)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
@@ -118,13 +138,21 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:
     """The comparison as lines of text, every number with its error, and run times; then the notes of each scene."""
-    rows, notes = [["", "scene", *_HEADS.split(",")]], list[str]()
+    heads, newtons = _HEADS.split(","), in_newtons(verdicts)
+    if newtons:
+        heads.insert(heads.index("time"), "K* (N/m)")
+    rows, notes = [["", "scene", *heads]], list[str]()
     for rank, verdict in enumerate(verdicts, start=1):
         cells, own = [str(rank), verdict.name], [*verdict.conditions, *verdict.cautions]
         for name in _SHOWN:
             number = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
             text = with_error(number.value, number.error or 0.0, 4 if name == "onset_power" else 6)
             cells.append({"inf": "infinite", "nan": ""}.get(text, text))
+        if newtons:
+            spring = verdict.spring(newtons=True)
+            cells.append(
+                with_error(spring.value, spring.error or 0.0, 6).replace("inf", "infinite")
+            )
         cells.append(f"{verdict.found.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
             worst, expected = seen["worst_deviation"], seen["expected"]
@@ -142,6 +170,10 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         names = ", ".join(name for name, start in started.items() if start is not None)
         hint = "K* and F_s/F_k depend on it; compare scenes of one start"
         notes.append(f"starts differ, and contacts of {names} do not start relaxed: {hint}")
+    if not newtons and all(one.result.interface is not None for one in verdicts):
+        notes.append(
+            "ranked by K*/(N_c<k>); give each drive.area, and K* is ranked in N/m, which may be another order"
+        )
     widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
     padded = ([f"{cell:>{n}}" for cell, n in zip(row, widths, strict=False)] for row in rows)
     head, *lines = ("  ".join(row).rstrip() for row in padded)

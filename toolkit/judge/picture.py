@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.judge.compare import Verdict
+from toolkit.judge.compare import Verdict, in_newtons
 from toolkit.pictures.thresholds import highest, some_of
+from toolkit.results.records import is_known
 
 # colours by Okabe and Ito, which the colour-blind can distinguish; dashes keep coinciding curves visible
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
@@ -61,7 +62,7 @@ def _forces(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
         unit, solved, eq = verdict.result.mean_threshold, verdict.result.master, verdict.result.eq
         scale = verdict.value("kinetic_force") * unit
         reaches += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
-        if solved is not None:
+        if solved is not None and is_known(solved):
             axes.plot(solved.path / unit, solved.force / scale, zorder=3, **style)
         if eq is not None:
             some = some_of(eq.path.size, 33)
@@ -80,10 +81,13 @@ def _forces(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
 
 
 def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
-    """K*/(N<k>) of each scene: a softer driving spring is unstable. Infinite ones reach the edge."""
-    springs = [verdict.value("critical_spring") for _, verdict in styled]
+    """K* of each scene, in N/m if all have an area, else over N<k>: a softer driving spring is unstable. Infinite ones
+    reach the edge."""
+    newtons = in_newtons([verdict for _, verdict in styled])
+    springs = [verdict.spring(newtons).value for _, verdict in styled]
     finite = [spring for spring in springs if 0.0 < spring < np.inf]
-    low, high = min([*finite, 1e-3]) / 3.0, max([*finite, 1.0]) * 3.0
+    usual = [] if newtons and finite else [1e-3, 1.0]
+    low, high = min([*finite, *usual]) / 3.0, max([*finite, *usual]) * 3.0
     for row, (spring, (style, _)) in enumerate(zip(springs, styled, strict=True)):
         width = min(max(spring, low), high) - low
         bars = axes.barh(row, width, left=low, color=style["color"], height=0.6)
@@ -94,5 +98,6 @@ def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     axes.set_yticks(range(len(styled)), [style["label"] for style, _ in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
-    axes.set(xscale="log", xlim=(low, high * room), xlabel=r"$K^*/(N_c\langle k\rangle)$")
+    label = "$K^*$ (N/m)" if newtons else r"$K^*/(N_c\langle k\rangle)$"
+    axes.set(xscale="log", xlim=(low, high * room), xlabel=label)
     axes.set_title("a slider slips below this spring")

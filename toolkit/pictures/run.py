@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
-from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled, is_heavy
+from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled, is_heavy, is_known
 
 _BARS = 61  # error bars; with more the line would be hidden
 _REPLICAS = 5  # as can be distinguished
@@ -51,8 +51,10 @@ def plot_force(axes: Any, result: Result) -> Any:
             there = np.interp(slips.drive, solved.path, path).repeat(2)
             path, force = np.insert(path, at, there), np.insert(force, at, ends)
         line = "-" if solved.success else "--"
+        if not is_known(solved):
+            label, path, force = "master equation: not solved", path[:0], force[:0]
         axes.plot(path, force, line, color=INK["master"], lw=1.4, zorder=3, label=label)
-        if solved.outrun is not None and solved.outrun < path[-1]:
+        if solved.outrun is not None and path.size and solved.outrun < path[-1]:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):

@@ -61,6 +61,11 @@ def record_of(answer: Any) -> SolvedRecord:
     return SolvedRecord(**values)
 
 
+def is_known(solved: SolvedRecord) -> bool:
+    """Whether the force is known well enough to be drawn: to a tenth of <x_s>, where F_k is about half of it."""
+    return solved.success or solved.force_error < 0.1
+
+
 def is_coupled(eq: object) -> bool:
     """Whether an ensemble's answer is that of contacts on a soft slider."""
     return hasattr(eq, "avalanches")
