@@ -193,10 +193,10 @@ def test_replicas_are_the_same_one_by_one_on_threads_and_from_where_another_run_
 
 @njit
 def _nearest_after(near, contacts, places, asked, found):  # type: ignore[no-untyped-def]
-    """The nearest place after each change, where it is asked for."""
+    """The nearest place after each change, or a bound; the place itself where it is asked for."""
     for k in range(contacts.size):
         set_place(near, contacts[k], places[k])
-        found[k] = nearest(near) if asked[k] else np.int64(0)
+        found[k] = nearest(near)
         while asked[k] and near.at[KNOWN] == 0:
             look_through(near)
             found[k] = nearest(near)
@@ -216,4 +216,4 @@ def test_the_nearest_of_changing_places(trend):
     for k in range(many):
         now[contacts[k]] = places[k]
         least[k] = now.min()
-    assert (found[asked] == least[asked]).all() and asked.sum() > 5000
+    assert (found <= least).all() and (found[asked] == least[asked]).all() and asked.sum() > 5000

@@ -4,8 +4,18 @@ import numpy as np
 
 from eq_model.compiling import bare, entry, inlined, unsigned
 from eq_model.coupled.mass.motion import first_passage
-from eq_model.coupled.mass.moves import motion_of, quick_move, slow_move
-from eq_model.coupled.mass.nearest import FAR, KNOWN, WHO, look_through, nearest, set_place
+from eq_model.coupled.mass.moves import MOVED, motion_of, quick_move, slow_move
+from eq_model.coupled.mass.nearest import (
+    FAR,
+    FETCHED,
+    KNOWN,
+    NEXT,
+    WHO,
+    fetch,
+    look_through,
+    nearest,
+    set_place,
+)
 from eq_model.coupled.mass.state import (
     CONTACT_FORCE,
     FORCE,
@@ -53,6 +63,8 @@ def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
 def _break(s, contacts, side, supply, pull):  # type: ignore[no-untyped-def]
     """The nearest contact ahead (side 1) or behind (-1) breaks; it forms again at once, or waits."""
     if side > 0:
+        if contacts.ahead.at[NEXT] >= contacts.ahead.at[FETCHED]:
+            fetch(contacts.ahead, contacts.behind)
         i = contacts.ahead.at[WHO]
         go_to(s, contacts.ahead.places[i])
     else:
@@ -128,7 +140,9 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             net = spring_force(s, pull) - contact_force(s, pull)
             if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
-            if side == 0:
+            if side == MOVED:
+                side = 0
+            elif side == 0:
                 motion = motion_of(s, pull, net, stiffness)
                 t, side = first_passage(motion, ahead, behind, most)
                 if side == 0 or (known if side > 0 else known_behind):

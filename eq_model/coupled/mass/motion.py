@@ -97,29 +97,37 @@ def next_extreme(m, u, change):  # type: ignore[no-untyped-def]
     return ratio if m.beat == 0.0 else np.arctanh(m.beat * ratio) / m.beat
 
 
-@bare
-def meets(m, is_speed, level, low, high):  # type: ignore[no-untyped-def]
-    """The time between `low` and `high` when the way (or the speed) is `level`; it goes one way, and gets there.
+@inlined
+def begin_of(m):  # type: ignore[no-untyped-def]
+    """The Place at t = 0."""
+    return Place(0.0, m.u, m.speed, m.drift + m.speed)
 
-    Newton's method, and halving where that leaves the interval.
+
+@bare
+def meets(m, is_speed, rises, level, low, high, guess):  # type: ignore[no-untyped-def]
+    """The time between `low` and `high` when the way (or the speed), which only rises (or only falls) in between, is
+    `level`, as it is at some time.
+
+    Newton's method from `guess`, and halving where that leaves the interval.
     """
-    end = place_at(m, high)
-    above = (end.speed if is_speed else end.way) >= level
-    t = 0.5 * (low + high)
+    t = guess if low < guess < high else 0.5 * (low + high)
     for _ in range(200):
         here = place_at(m, t)
         value, slope = here.way - level, here.speed
         if is_speed:
             value, slope = here.speed - level, acceleration(m, here.u, here.change)
-        if (value >= 0.0) == above:
+        if (value >= 0.0) == rises:
             high = t
         else:
             low = t
         new = t - value / slope if slope != 0.0 else low
-        if not low < new < high:
+        if low <= new <= high:
+            if abs(new - t) <= 1e-12 * t:  # the next step would be below rounding
+                return new
+        else:
             new = 0.5 * (low + high)
-        if abs(new - t) <= 1e-16 * t:
-            return new
+            if new <= low or new >= high:
+                return new
         t = new
     return t
 
@@ -150,7 +158,7 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
     Between two extremes of the speed the slider turns at most once, so that its way has two parts that go one way each.
     Oscillations that cannot reach a position are passed over.
     """
-    t, here = 0.0, place_at(m, 0.0)
+    t, here = 0.0, begin_of(m)
     while t < most:
         safe = min(_safe_until(m, t, here, ahead, behind), most)
         if safe > t:
@@ -161,16 +169,18 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
         there = place_at(m, end)
         turn, middle = end, there.way
         if here.speed * there.speed < 0.0:
-            turn = meets(m, True, 0.0, t, end)
+            turn = meets(m, True, there.speed > 0.0, 0.0, t, end, t)
             middle = place_at(m, turn).way
         if middle >= ahead:
-            return meets(m, False, ahead, t, turn), 1
+            guess = t + (ahead - here.way) / here.speed
+            return meets(m, False, True, ahead, t, turn, guess), 1
         if middle <= -behind:
-            return meets(m, False, -behind, t, turn), -1
+            guess = t - (behind + here.way) / here.speed
+            return meets(m, False, False, -behind, t, turn, guess), -1
         if there.way >= ahead:
-            return meets(m, False, ahead, turn, end), 1
+            return meets(m, False, True, ahead, turn, end, turn), 1
         if there.way <= -behind:
-            return meets(m, False, -behind, turn, end), -1
+            return meets(m, False, False, -behind, turn, end, turn), -1
         t, here = end, there
     return most, 0
 
@@ -183,7 +193,7 @@ def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
     One that does not ring and drifts at `speed`, as no contact holds or the drive holds, only comes close to it: that
     is where the excess is down to SLOW of the largest.
     """
-    t, here = 0.0, place_at(m, 0.0)
+    t, here = 0.0, begin_of(m)
     top = max(top, here.speed)
     comes_close = not m.rings and m.drift >= (1.0 - 1e-12) * speed
     while t < most:
@@ -194,7 +204,7 @@ def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
         if here.speed <= level:
             return t, top
         if there.speed <= level:
-            return meets(m, True, level, t, end), top
+            return meets(m, True, False, level, t, end, t), top
         t, here = end, there
     return most, top
 
@@ -217,15 +227,14 @@ def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
         begin = max(before if k else extreme, 0.0)
         there = place_at(m, begin)
         if there.speed <= speed:
-            return meets(m, True, speed, begin, end), top
+            return meets(m, True, True, speed, begin, end, begin), top
         top, end = max(top, there.speed), begin
     return end, top
 
 
 @bare
-def squared_speed(m, t):  # type: ignore[no-untyped-def]
-    """The integral of the squared speed up to t."""
-    there = place_at(m, t)
+def squared_speed(m, t, there):  # type: ignore[no-untyped-def]
+    """The integral of the squared speed up to t, where the slider is `there`."""
     gone = there.u - m.u
     steady = m.drift * (m.drift * t + 2.0 * gone)
     if m.beat * m.beat < CRITICAL * m.own * m.own:  # from the energy that is lost

@@ -22,11 +22,13 @@ from eq_model.coupled.mass.state import (
     speed_limit,
 )
 
+MOVED = 2  # what quick_move returns where no contact breaks
+
 
 @bare
 def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no-untyped-def]
-    """Move to the next break by the power series of the way, if it comes so soon that six terms are exact. Returns
-    which break (1 ahead, -1 behind), or 0 if nothing was done.
+    """Move to the next break, or for the time `most` if that ends before, by the power series of the way, if this is so
+    soon that six terms are exact. Returns which break (1 ahead, -1 behind), MOVED if none, or 0 if nothing was done.
 
     net : force on the slider without damping. Nothing is done either where the slider becomes faster or slower than
     the drive, or its speed has an extreme.
@@ -36,10 +38,11 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
         side, level = -1, -behind
     drive, per_mass, rate = pull.speeds[unsigned(s.leg)], pull.per_mass, pull.rate
     slow = 1.0 / v if v != 0.0 else np.inf
-    t = level * slow
+    ends = level * slow >= most
+    t = most if ends else level * slow
     square, a2 = stiffness * per_mass, net * per_mass - rate * v
     # the first term left out is below 1e-15 of |a2| t², and so below 1e-16 of the way
-    soon = t < most and square * t * t < 2.5e-5 and rate * t < 5e-3
+    soon = square * t * t < 2.5e-5 and rate * t < 5e-3
     if not (soon and abs(a2) * t < 0.05 * abs(v)):
         return 0
     # derivatives of the way, each from the two before
@@ -48,10 +51,13 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     a5 = -square * a3 - rate * a4
     b2, b3, b4, b5 = 0.5 * a2, a3 * (1.0 / 6.0), a4 * (1.0 / 24.0), a5 * (1.0 / 120.0)
     b6 = (-square * a4 - rate * a5) * (1.0 / 720.0)
-    t -= b2 * t * t * slow
+    t -= 0.0 if ends else b2 * t * t * slow
+    step = 0.0
     for _ in range(8):
         way = t * (v + t * (b2 + t * (b3 + t * (b4 + t * (b5 + t * b6)))))
         speed = v + t * (a2 + t * (3.0 * b3 + t * (4.0 * b4 + t * (5.0 * b5 + t * 6.0 * b6))))
+        if ends:
+            break
         step = (way - level) / speed
         t -= step
         if abs(step) <= 1e-9 * t:  # the next one would be below rounding
@@ -60,14 +66,15 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     speed -= step * a2
     middle = v + h * (a2 + h * (3.0 * b3 + h * (4.0 * b4 + h * 5.0 * b5)))
     limit, later = speed_limit(drive), a2 + t * (a3 + t * 0.5 * a4)
-    if t >= most or (v > limit) != s.falling or (speed > limit) != s.falling or a2 * later < 0.0:
+    misses = side * way >= side * level if ends else t >= most
+    if misses or (v > limit) != s.falling or (speed > limit) != s.falling or a2 * later < 0.0:
         return 0
     squares = t * (1.0 / 6.0) * (v * v + 4.0 * middle * middle + speed * speed)  # Simpson's rule
     way_integral = t * t * (0.5 * v + t * (b2 * (1.0 / 3.0) + t * (b3 * 0.25 + t * b4 * 0.2)))
-    pass_time(s, pull, t, level, speed, way_integral, squares)
+    pass_time(s, pull, t, way if ends else level, speed, way_integral, squares)
     if s.falling:
         pull.fall[TOP_SPEED] = max(pull.fall[TOP_SPEED], speed)
-    return side
+    return MOVED if ends else side
 
 
 @inlined
@@ -84,7 +91,7 @@ def slow_move(s, pull, motion, t, side, way):  # type: ignore[no-untyped-def]
     """Move for a time t in closed form, with a break after it (side 1 or -1) by `way`. Returns whether a slip ends."""
     there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
     way = way if side != 0 else there.way
-    squares = squared_speed(motion, t) if pull.damping > 0.0 else 0.0
+    squares = squared_speed(motion, t, there) if pull.damping > 0.0 else 0.0
     slipped, limit, slower = False, speed_limit(drive), np.inf
     if s.falling:
         slower, pull.fall[TOP_SPEED] = first_slower(motion, limit, t, pull.fall[TOP_SPEED])

@@ -20,8 +20,10 @@ NUMBER_BITS = (
 )
 WIDEST = 32  # most bits of a horizon's distance
 # In Nearest.at: the next sorted key and their end; the first place and the bits of the horizon's distance; how many
-# came later; the bound; whether all before the horizon are known; and the contact that is the nearest.
-NEXT, END, LOW, WIDTH, LATER, BOUND, KNOWN, WHO = range(8)
+# came later; the bound; whether all before the horizon are known; the contact that is the nearest; and up to which key
+# places are fetched, with what became of them.
+NEXT, END, LOW, WIDTH, LATER, BOUND, KNOWN, WHO, FETCHED, SUM = range(10)
+TOGETHER = 64  # places that are fetched together; a core waits for some ten at once
 
 
 class Nearest(NamedTuple):
@@ -33,13 +35,13 @@ class Nearest(NamedTuple):
     counts: Whole  # of the 256 values of a digit, to sort them
     heap: Whole  # places that came later
     heap_of: Whole  # and whose they are
-    at: Whole  # (8,), see NEXT
+    at: Whole  # (10,), see NEXT
 
 
 def make_nearest(n: int, width: float) -> Nearest:
     """For n contacts, none of which holds; `width` : a length (units) within which a sixteenth of them break."""
     heap = n // 16 + 64
-    at = np.zeros(8, np.int64)
+    at = np.zeros(10, np.int64)
     at[WIDTH], at[BOUND] = min(max(int(np.log2(max(width, 2.0))), 1), WIDEST), FAR
     keys = np.empty(n, np.uint64), np.empty(n, np.uint64)
     more = np.empty(256, np.int64), np.empty(heap, np.int64), np.empty(heap, np.int64), at
@@ -72,6 +74,18 @@ def nearest(near):  # type: ignore[no-untyped-def]
         at[KNOWN] = 0  # the bound is the horizon
         found = at[BOUND]
     return found
+
+
+@bare
+def fetch(near, other):  # type: ignore[no-untyped-def]
+    """Read the places of the next contacts, on both sides, so that they are in the cache when each is met: the reads of
+    one break after the other would wait for memory one by one."""
+    at, found = near.at, np.int64(0)
+    end = min(at[NEXT] + TOGETHER, at[END])
+    for k in range(unsigned(at[NEXT]), unsigned(end)):
+        i = near.keys[k] & unsigned((1 << NUMBER_BITS) - 1)
+        found ^= near.places[i] ^ other.places[i]
+    at[FETCHED], at[SUM] = end, found  # kept, or the compiler would leave the reads out
 
 
 @inlined
@@ -125,7 +139,7 @@ def look_through(near):  # type: ignore[no-untyped-def]
     low = np.int64(FAR)
     for i in range(unsigned(n)):
         low = min(low, near.places[i])
-    at[LOW], at[NEXT], at[LATER], at[KNOWN] = low, 0, 0, 1
+    at[LOW], at[NEXT], at[LATER], at[KNOWN], at[FETCHED] = low, 0, 0, 1, 0
     at[BOUND] = min(low + (np.int64(1) << width), np.int64(FAR))
     passes, many = (width + 7) // 8, np.int64(0)
     old, new = (near.spare, near.keys) if passes % 2 else (near.keys, near.spare)

@@ -168,7 +168,7 @@ class HeavySliders:
         own = state.Contacts(
             make_nearest(n, width),
             make_nearest(n, width),
-            np.empty(waits, np.int64),
+            np.empty(waits, np.int32),
             np.empty(waits),
         )
         mean = contacts.mean_threshold / self._unit if contacts.stiffness == "linked" else 0.0
@@ -197,12 +197,14 @@ class HeavySliders:
         """Energy of the spring, the contacts that hold and the motion, each anew, per N <k> in whole units squared."""
         from eq_model.coupled.mass.nearest import FAR
 
-        n, drive = self._n, self._drive
-        ahead, behind = contacts.ahead.places, contacts.behind.places
-        holds = ahead != FAR
-        ahead, behind = ahead[holds], behind[holds]
-        x = 0.5 * (ahead + behind)
-        stretch = 0.5 * (2 * s["at"] + (behind - ahead)) + s["off"]
-        k = self._contacts.relative_stiffness(x * self._unit)
-        parts = spring_force**2 / (drive.spring or 1.0), k @ stretch**2 / n
+        n, drive, total = self._n, self._drive, 0.0
+        for begin in range(0, n, 1 << 16):  # in parts, which take little memory
+            part = slice(begin, begin + (1 << 16))
+            ahead, behind = contacts.ahead.places[part], contacts.behind.places[part]
+            holds = ahead != FAR
+            ahead, behind = ahead[holds], behind[holds]
+            stretch = 0.5 * (2 * s["at"] + (behind - ahead)) + s["off"]
+            k = self._contacts.relative_stiffness(0.5 * (ahead + behind) * self._unit)
+            total += float(k @ stretch**2)
+        parts = spring_force**2 / (drive.spring or 1.0), total / n
         return 0.5 * np.array([*parts, (drive.mass or 0.0) * s["speed"] ** 2])

@@ -4,6 +4,7 @@ from math import frexp
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from eq_model.blocks import Whole
 from eq_model.compiling import inlined, unsigned
@@ -43,7 +44,7 @@ class Contacts(NamedTuple):
 
     ahead: Nearest
     behind: Nearest  # with the opposite sign
-    out: Whole  # numbers of those that wait for their return
+    out: npt.NDArray[np.int32]  # numbers of those that wait for their return
     waits: Array  # time between each break that waits and the one before, a ring
 
 
