@@ -17,6 +17,7 @@ import toolkit
 from origins.errors import InputError
 from toolkit.running.checkpoint import identity
 from toolkit.scene import laws
+from toolkit.scene.interfaces import foreseen
 from toolkit.scene.scene import SHIPPED
 from toolkit.scene.tables import to_toml
 
@@ -236,6 +237,18 @@ def test_mass_and_damping_of_the_slider() -> None:
         with pytest.raises(InputError, match=rule) as caught:
             pulled(**drive)
         assert "\n" not in str(caught.value)
+
+
+def test_a_soft_spring_is_stretched_far() -> None:
+    """1e6 mean thresholds are little for the drive of a machine's spring, and much for a rigid slider."""
+    drive, eq = {"to": 2e6, "points": 5, "spring": 1e-6}, {"contacts": 10}
+    assert toolkit.load_scene(scene(drive=drive, eq=eq)).drive.spring == 1e-6
+    assert foreseen(toolkit.load_scene(scene(drive=drive))) == []
+    (note,) = foreseen(toolkit.load_scene(scene(drive=drive | {"to": 4e6, "spring": 1.0})))
+    assert "in that unit?" in note
+    del drive["spring"]
+    with pytest.raises(InputError, match=r"drive: goes as far as 2e\+06 mean thresholds"):
+        toolkit.load_scene(scene(drive=drive, eq=eq))
 
 
 def test_files_dicts_and_names(tmp_path: Path) -> None:

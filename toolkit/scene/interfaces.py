@@ -100,6 +100,10 @@ def foreseen(scene: Scene) -> list[str]:
     contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
     surface, mean = contacts.interface, contacts.mean_threshold
     reach = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
+    if (
+        reach and scene.drive.spring is not None
+    ):  # a soft spring is stretched by some <x_s>/K before its slider moves
+        reach /= 1.0 + 1.0 / scene.drive.spring
     if reach > 1e6 or 0.0 < reach < 1e-2:  # probably a mistake
         unit = "" if surface is None else " m"
         said.append(f"the drive goes {reach:.1g} times <x_s> = {mean:.3g}{unit}: in that unit?")
