@@ -11,7 +11,7 @@ import numpy.typing as npt
 from origins import Contacts, Drive
 from origins.contacts import check_contacts
 from origins.errors import whole
-from origins.start import Births
+from origins.start import FormationLaw
 from origins.thresholds.law import Array
 
 
@@ -25,7 +25,7 @@ def closest(
     check_contacts(contacts, "eq_model.closest")
     positions = Drive(path).only_forward("the algorithm of the closest contact").path
     generator = np.random.default_rng(whole("seed", seed, 0))
-    births = Births("start", contacts.start, contacts.thresholds)
+    births = FormationLaw("start", contacts.start, contacts.thresholds)
     x, threshold = births.draw(whole("n_contacts", n_contacts, 1), generator)
     gap = threshold - x
     fresh = chain.from_iterable(contacts.thresholds.rvs(1024, generator) for _ in count())

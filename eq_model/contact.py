@@ -11,9 +11,9 @@ import numpy as np
 from numba.extending import overload
 
 from eq_model.compiling import bare, inlined, real, unsigned, whole
-from eq_model.draws.births import LEVEL_UNIT, Births
+from eq_model.draws.births import LEVEL_UNIT, DrawnBirths
 from eq_model.draws.streams import Stream
-from eq_model.draws.tables import Table
+from eq_model.draws.tables import QuantileTable
 from eq_model.whole_drive import STIFFNESS_UNIT, WholeDrive
 from origins.laws.compiled import CompiledRates
 
@@ -49,9 +49,9 @@ class Work(NamedTuple):
     """All that is needed to follow a block of contacts."""
 
     stream: Any  # Stream of the block
-    starts: Births  # at X = 0
-    again: Births
-    exposures: Table  # logs of the integrals of rates at which contacts break
+    starts: DrawnBirths  # at X = 0
+    again: DrawnBirths
+    exposures: QuantileTable  # logs of the integrals of rates at which contacts break
     law: Any
     forward: bool  # whether it is a Forward
     way: WholeDrive

@@ -15,7 +15,7 @@ from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.rate_law import RateLaw
 from origins.laws.thermal import RATE_LAWS, BreakingRate, Thermal, as_thermal
-from origins.start import Births, as_start
+from origins.start import FormationLaw, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
@@ -117,7 +117,7 @@ class Contacts:
     cut_weight : float
         Starting weight that lay beyond every threshold and was cut off; 0 by default.
     thermal, ageing, delay, reforming
-        The laws; None where the law is absent. `thermal.rates` is the RateLaw, `reforming` a Births.
+        The laws; None where the law is absent. `thermal.rates` is the RateLaw, `reforming` a FormationLaw.
     laws : tuple of str
         Names of the laws that are present, from origins.contacts.LAWS.
 
@@ -142,8 +142,8 @@ class Contacts:
         self.interface = self.thresholds.interface
         self.start = as_start(start)
         self.mean_threshold = _checked_mean(self.thresholds)
-        self.cut_weight = Births("start", self.start, self.thresholds).cut_weight
-        again = Births("reforming", as_start(reforming, "reforming"), self.thresholds)
+        self.cut_weight = FormationLaw("start", self.start, self.thresholds).cut_weight
+        again = FormationLaw("reforming", as_start(reforming, "reforming"), self.thresholds)
         self.reforming = None if again.law.span == (0.0, 0.0) else again
         self.thermal = as_thermal(thermal)
         self.ageing, self.delay, self.stiffness = ageing, delay, stiffness

@@ -103,7 +103,7 @@ def as_start(start: object, name: str = "start") -> Start:
     return found
 
 
-class Births:
+class FormationLaw:
     """Stretches from `law`, each with a threshold from P_c conditional on x_s > |x|.
 
     This is the state of the contacts that hold at X = 0, and of broken contacts as they re-form.

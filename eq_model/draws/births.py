@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from eq_model.compiling import bare, bits_of, double_of, inlined, real, unsigned, whole
 from eq_model.draws.streams import LANES, ROW, STARTS, THRESHOLDS, draw, uniform, words_at
-from eq_model.draws.tables import CELL_BITS, DEEPEST, FAR, OCTAVES, SIDE, Table, make_table
+from eq_model.draws.tables import CELL_BITS, DEEPEST, FAR, OCTAVES, SIDE, QuantileTable, make_table
 from origins import Contacts
 from origins.errors import InputError
 from origins.start import Start
@@ -21,11 +21,11 @@ from origins.start import Start
 LEVEL_UNIT = 2.0**-40  # logs of exposures are drawn as whole multiples of this
 
 
-class Births(NamedTuple):
+class DrawnBirths(NamedTuple):
     """The laws of contacts that form, in whole units."""
 
-    thresholds: Table
-    stretches: Table  # used if `drawn`
+    thresholds: QuantileTable
+    stretches: QuantileTable  # used if `drawn`
     single: np.int64  # the stretch of all contacts, if not `drawn`
     drawn: bool
     largest: np.int64  # upper end of the thresholds: larger stretches are drawn again
@@ -34,10 +34,10 @@ class Births(NamedTuple):
 
 
 # runs with many seeds share the tables of the same contacts
-_known: WeakKeyDictionary[Contacts, dict[str, Table]] = WeakKeyDictionary()
+_known: WeakKeyDictionary[Contacts, dict[str, QuantileTable]] = WeakKeyDictionary()
 
 
-def tables_of(contacts: Contacts) -> dict[str, Table]:
+def tables_of(contacts: Contacts) -> dict[str, QuantileTable]:
     """Tables (lengths) of "thresholds" and, unless these are single values, "start" and "reforming"; made once.
 
     Raises InputError where they cannot be certified, and where stretches reach so far that the
@@ -66,17 +66,17 @@ def laws_of(contacts: Contacts) -> dict[str, Start]:
     return {"start": contacts.start} | ({"reforming": again.law} if again else {})
 
 
-def births_of(contacts: Contacts, unit: float) -> tuple[Births, Births]:
+def births_of(contacts: Contacts, unit: float) -> tuple[DrawnBirths, DrawnBirths]:
     """Births at X = 0 and later on, in whole multiples of the length `unit`."""
     tables = {name: table.in_units(unit) for name, table in tables_of(contacts).items()}
     thresholds = tables["thresholds"]
     largest = np.int64(min(contacts.thresholds.support()[1] / unit, float(FAR)))
     relaxed = all(law.span == (0.0, 0.0) for law in laws_of(contacts).values())
 
-    def make(name: str, purpose: np.int64) -> Births:
+    def make(name: str, purpose: np.int64) -> DrawnBirths:
         law, stretches = laws_of(contacts).get(name), tables.get(name, thresholds)
         single = np.int64(round(law.mean() / unit) if law else 0)
-        return Births(thresholds, stretches, single, name in tables, largest, purpose, relaxed)
+        return DrawnBirths(thresholds, stretches, single, name in tables, largest, purpose, relaxed)
 
     return make("start", STARTS), make("reforming", THRESHOLDS)
 
@@ -190,7 +190,7 @@ def beyond(x, share, table, known):  # type: ignore[no-untyped-def]
 
 
 @cache
-def exposures() -> Table:
+def exposures() -> QuantileTable:
     """Table of ln ξ, ξ of the exponential law of mean 1: contacts break where the integral of their rate is ξ."""
     law = SimpleNamespace(
         cdf=lambda x: -np.expm1(-np.exp(x)),

@@ -6,14 +6,20 @@ import numpy as np
 
 from eq_model.blocks import Whole
 from eq_model.compiling import bare, inlined
-from eq_model.draws.births import Births, Scratch, draw_stretches, draw_thresholds, make_scratch
+from eq_model.draws.births import (
+    DrawnBirths,
+    Scratch,
+    draw_stretches,
+    draw_thresholds,
+    make_scratch,
+)
 from eq_model.draws.streams import LANES, Stream
 
 
 class Supply(NamedTuple):
     """Draws the contacts of one replica that form, 4 LANES at a time."""
 
-    births: Births
+    births: DrawnBirths
     stream: Stream
     scratch: Scratch
     ready: Whole  # (2, 4, LANES): thresholds and stretches
@@ -21,7 +27,7 @@ class Supply(NamedTuple):
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
 
 
-def make_supply(births: Births, stream: Stream, mean: float = 0.0) -> Supply:
+def make_supply(births: DrawnBirths, stream: Stream, mean: float = 0.0) -> Supply:
     """The supply before its first draw."""
     ready, at = np.empty((2, 4, LANES), np.int64), np.array([4 * LANES, 0])
     return Supply(births, stream, make_scratch(), ready, at, mean)

@@ -28,7 +28,7 @@ FAR = 1 << 58  # whole length beyond every path; in a quick cell it refers to th
 DEEPEST = 2.0**-64  # smallest v that 64 random bits resolve
 
 
-class Table(NamedTuple):
+class QuantileTable(NamedTuple):
     """Quantiles for kernels: SIDE cells from below, then their trees, and the same from above.
 
     A cell's value is c0 + t (c1 + t c2), with t the share of the cell below v; in the tail, the first
@@ -41,7 +41,7 @@ class Table(NamedTuple):
     cells: Array  # (nodes, 5): lower edge, width, c0, c1, c2
     above: np.int64  # first cell of the side from above
 
-    def in_units(self, unit: float) -> Table:
+    def in_units(self, unit: float) -> QuantileTable:
         """This table in units of a length, with quick cells for draws, halved while trees remain."""
         cells = self.cells.copy()
         cells[:, 2:] /= unit
@@ -71,7 +71,7 @@ class Table(NamedTuple):
         return float(np.abs(self.cells[:, 2:4]).max())
 
 
-def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> Table:
+def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> QuantileTable:
     """The table of a law, in its lengths, down to v = `deepest` from above: |cdf(Q(u)) - u| <= 1e-6 min(u, 1 - u).
 
     law : with cdf, sf, ppf and isf, as Thresholds, Start and distributions of scipy.stats have them. It is certified at
@@ -85,7 +85,9 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
     upper += len(below) * (upper >= 0)
     child = np.append(lower, upper).astype(np.int32)
     cells = np.concatenate([below, above])
-    return Table(np.zeros(0, np.int64), np.int64(CELL_BITS), child, cells, np.int64(len(below)))
+    return QuantileTable(
+        np.zeros(0, np.int64), np.int64(CELL_BITS), child, cells, np.int64(len(below))
+    )
 
 
 def _side(

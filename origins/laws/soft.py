@@ -55,11 +55,13 @@ class SoftRates(ActivatedRates):
     ) -> Array:
         """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         spring = self.spring * np.asarray(stiffness)
-        level = log_amount - self.log_scale + 0.5 * np.log(spring) + spring * threshold * threshold
+        log_growth = (
+            log_amount - self.log_scale + 0.5 * np.log(spring) + spring * threshold * threshold
+        )
         if np.any(near):
             y = np.sqrt(spring) * near
-            level = np.logaddexp(level, y * y + np.log(scipy.special.dawsn(y)))
-        x = inverse_log_growth(level) / np.sqrt(spring)
+            log_growth = np.logaddexp(log_growth, y * y + np.log(scipy.special.dawsn(y)))
+        x = inverse_log_growth(log_growth) / np.sqrt(spring)
         return np.minimum(np.maximum(x, near), threshold)
 
     def compiled(self) -> CompiledRates:
@@ -68,14 +70,14 @@ class SoftRates(ActivatedRates):
 
 
 @quiet
-def inverse_log_growth(level: npt.ArrayLike) -> Array:
-    """The y >= 0 at which the integral of exp(t²) from 0 to y is e^level, to a relative 1e-14; shape as level.
+def inverse_log_growth(log_growth: npt.ArrayLike) -> Array:
+    """The y >= 0 at which the integral of exp(t²) from 0 to y is e^log_growth, to a relative 1e-14; same shape.
 
     By Halley's steps in ln y for the logarithm of the integral, y² + ln D(y), whose slope there is y/D(y).
     """
-    level = np.asarray(level, dtype=float)
+    log_growth = np.asarray(log_growth, dtype=float)
     # below exp(-667), where the square of y underflows, the integral is y to the last bit
-    goal = np.clip(level, -667.0, 1e300)
+    goal = np.clip(log_growth, -667.0, 1e300)
     # the integral is above y, and above exp(y²)/(2y + 1)
     rough = np.sqrt(np.maximum(goal, 0.0) + 1.0)
     y = np.minimum(np.exp(goal), np.sqrt(np.maximum(goal, 0.0) + np.log(2.0 * rough + 3.0)))
@@ -84,7 +86,7 @@ def inverse_log_growth(level: npt.ArrayLike) -> Array:
         newton = (y * y + np.log(y / slope) - goal) / slope
         bend = np.clip(1.0 + 2.0 * y * y - slope, 0.0, 3.0)  # where y is large it is 2 and cancels
         y = y * np.exp(-newton / (1.0 - 0.5 * bend * newton))
-    return np.where(level == goal, y, np.exp(level))[()]
+    return np.where(log_growth == goal, y, np.exp(log_growth))[()]
 
 
 class SoftLaw(NamedTuple):
@@ -98,7 +100,7 @@ class SoftLaw(NamedTuple):
 
 
 # Cells of the table of D along 1/(1 + y): cubics are exact to a relative 1e-9. That of the inverse goes along the
-# level y² + ln D(y) from _LOW, below which y = e^level to 1e-11, to _HIGH: cubics are exact to a relative 2e-10.
+# log, y² + ln D(y), from _LOW, below which y is its exponential to 1e-11, to _HIGH: cubics are exact to 2e-10.
 _CELLS, _LOW, _HIGH, _STEP = 2048.0, -12.0, 64.0, 1.0 / 64.0
 
 
@@ -130,15 +132,15 @@ def _formulas() -> tuple[Any, ...]:
         return cubic(_CELLS / (1.0 + y), law.dawson)
 
     @inlined
-    def inverse(level, law):  # type: ignore[no-untyped-def]
-        if level < _LOW:
-            return np.exp(level)
-        if level < _HIGH:
-            return cubic((level - _LOW) / _STEP, law.inverse)
+    def inverse(log_growth, law):  # type: ignore[no-untyped-def]
+        if log_growth < _LOW:
+            return np.exp(log_growth)
+        if log_growth < _HIGH:
+            return cubic((log_growth - _LOW) / _STEP, law.inverse)
         # a step of Newton's from y² of D(y) = 1/2y, to a relative 5e-9
-        square = level + 0.5 * np.log(4.0 * level)
+        square = log_growth + 0.5 * np.log(4.0 * log_growth)
         slope = dawson(np.sqrt(square), law)
-        return np.sqrt(square) - (square + np.log(slope) - level) * slope
+        return np.sqrt(square) - (square + np.log(slope) - log_growth) * slope
 
     def passed(law, far, threshold, stiffness):  # type: ignore[no-untyped-def]
         root = np.sqrt(law.spring * stiffness)
@@ -146,8 +148,10 @@ def _formulas() -> tuple[Any, ...]:
 
     def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
         spring = law.spring * stiffness
-        level = log_amount + (0.5 * np.log(spring) - law.log_scale) + spring * threshold * threshold
-        return min(inverse(level, law) / np.sqrt(spring), threshold)
+        log_growth = (
+            log_amount + (0.5 * np.log(spring) - law.log_scale) + spring * threshold * threshold
+        )
+        return min(inverse(log_growth, law) / np.sqrt(spring), threshold)
 
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return np.exp(log_rate(law, min(largest_x, least_y), least_y, stiffness))

@@ -19,11 +19,11 @@ NonNegative = Annotated[float, Meta(ge=0.0, le=sys.float_info.max)]
 Count = Annotated[int, Meta(ge=1)]
 
 
-class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class KeyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A table of the scene file: its fields are the keys it may hold."""
 
 
-class ContactsTable(Table, frozen=True):
+class ContactsTable(KeyTable, frozen=True):
     thresholds: dict[str, Any]
     start: dict[str, Any] | None = None
     thermal: dict[str, Any] | None = None
@@ -33,7 +33,7 @@ class ContactsTable(Table, frozen=True):
     stiffness: str = "independent"
 
 
-class DriveTable(Table, frozen=True):
+class DriveTable(KeyTable, frozen=True):
     points: Annotated[int, Meta(ge=2, le=10_000_000)] = 501
     to: Positive | None = None
     begin: Finite | None = msgspec.field(default=None, name="from")
@@ -48,11 +48,11 @@ class DriveTable(Table, frozen=True):
     area: Positive | None = None
 
 
-class MasterTable(Table, frozen=True):
+class MasterTable(KeyTable, frozen=True):
     tolerance: Annotated[float, Meta(gt=0.0, lt=1.0)] = 1e-8
 
 
-class EqTable(Table, frozen=True):
+class EqTable(KeyTable, frozen=True):
     contacts: Count = 100_000
     replicas: Count = 16
     seed: Annotated[int, Meta(ge=0)] = 1
@@ -63,7 +63,7 @@ class EqTable(Table, frozen=True):
     histogram_times: list[Finite] | None = None
 
 
-class RangeTable(Table, frozen=True):
+class RangeTable(KeyTable, frozen=True):
     begin: float = msgspec.field(name="from")
     to: float
     points: Annotated[int, Meta(ge=2, le=100_000)]
@@ -73,7 +73,7 @@ class RangeTable(Table, frozen=True):
 Values = NonNegative | Annotated[list[NonNegative], Meta(min_length=1)] | RangeTable
 
 
-class SweepTable(Table, frozen=True):
+class SweepTable(KeyTable, frozen=True):
     velocity: Positive | Annotated[list[Positive], Meta(min_length=1)] | RangeTable | None = None
     temperature: Values | None = None
     kelvin: Values | None = None
@@ -82,13 +82,13 @@ class SweepTable(Table, frozen=True):
     critical_spring: bool = False
 
 
-class VerdictTable(Table, frozen=True):
+class VerdictTable(KeyTable, frozen=True):
     readings: Annotated[list[str], Meta(min_length=1, max_length=20)] | None = None
     steps: Annotated[list[Count], Meta(min_length=1, max_length=10)] | None = None
     rules: Annotated[list[str], Meta(min_length=1, max_length=3)] | None = None
 
 
-class SceneTable(Table, frozen=True):
+class SceneTable(KeyTable, frozen=True):
     contacts: ContactsTable
     drive: DriveTable | None = None
     title: Annotated[str, Meta(max_length=1000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$")] = ""
