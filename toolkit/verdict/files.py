@@ -60,7 +60,7 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
     for name, factor in factors.items():
         quantity = getattr(answer, name)
         out[name] = {key: value and value * factor for key, value in asdict(quantity).items()}
-    out["spring"] = answer.spring and answer.spring * scale.spring
+    out["spring"] = answer.machine and answer.machine.spring * scale.spring
     out["behaviours"] = [_of_behaviour(one, scale.force) for one in answer.behaviours]
     return out
 

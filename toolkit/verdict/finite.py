@@ -8,8 +8,10 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
-from toolkit.scene.tables import DriveTable
+from toolkit.verdict.follow import Machine
 
+# rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
+FLOWING = ("instant", "mass")
 # sliders, which differ by chance; most contacts of each; most breaks of all, some 10 s at 25 ns each
 SLIDERS, MOST_CONTACTS, MOST_BREAKS = 4, 2_000_000, 4e8
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
@@ -38,26 +40,25 @@ class Finite:
 
 
 def follow_finite(
-    table: DriveTable,
+    machine: Machine,
     contacts: Contacts,
     number: float,
-    spring: float,
     rule: str,
     static: float,
     slips: bool,
 ) -> Finite:
     """Follow sliders of so many contacts; `slips`: whether infinitely many stick and slip.
 
-    spring : K/(N_c <k>); static : F_s/(N_c <k>) (a length)
+    static : F_s/(N_c <k>) (a length)
     """
     import eq_model
 
     held = max(round(number), 1)
     mean = contacts.mean_threshold
-    loading = static / spring + mean
+    loading = static / machine.spring + mean
     # in a slip that renews contacts all break once; contacts that re-form at once break at each threshold passed
     end = LOADINGS * loading if slips else loading + BEYOND * mean
-    lives = LOADINGS if slips and rule != "instant" else end / mean if slips else 2.0 + BEYOND
+    lives = LOADINGS if slips and rule not in FLOWING else end / mean if slips else 2.0 + BEYOND
     breaks = SLIDERS * held * lives
     if held > MOST_CONTACTS:
         return Finite(
@@ -70,15 +71,10 @@ def follow_finite(
             "unknown",
             message=f"some {breaks:.1g} breaks are more than are followed here",
         )
-    path = contacts.start.mean() / spring + np.linspace(0.0, end, POINTS)
-    given: dict[str, Any] = {
-        "velocity": table.velocity,
-        "spring": spring,
-        "slip": rule,
-        "seed": SEED,
-    }
+    path = contacts.start.mean() / machine.spring + np.linspace(0.0, end, POINTS)
+    given: dict[str, Any] = {"n_contacts": held, "n_replicas": SLIDERS, "seed": SEED}
     try:
-        found = eq_model.simulate(contacts, path, n_contacts=held, n_replicas=SLIDERS, **given)
+        found = eq_model.simulate(contacts, path, **given, **machine.keywords(rule))
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from origins.contacts import Contacts
-from origins.errors import InputError
+from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
+from toolkit.scene.drive import machine_number
 from toolkit.scene.tables import DriveTable
 
 # slips after which stick-slip is believed, and points of a path
@@ -19,10 +20,43 @@ TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
+class Machine:
+    """What pulls the slider, in the units of the solvers: spring K/(N_c <k>), mass M/(N_c <k>) (time²; None: none),
+    damping γ/(N_c <k>) (time), and the drive's velocity."""
+
+    spring: float
+    mass: float | None
+    damping: float
+    velocity: float
+
+    def keywords(self, rule: str) -> dict[str, Any]:
+        """Keywords of both solvers under this slip rule; "mass": with mass and damping in its place."""
+        given: dict[str, Any] = {"velocity": self.velocity, "spring": self.spring}
+        if rule == "mass":
+            return given | {"mass": self.mass, "damping": self.damping}
+        return given | {"slip": rule}
+
+
+def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:
+    """The machine of a scene's [drive] on these contacts; None without a spring. Raises InputError, also for a mass
+    without a spring."""
+    spring, mass, damping = (
+        machine_number(name, table, contacts) for name in ("spring", "mass", "damping")
+    )
+    if spring is None:
+        if mass is not None:
+            refuse("drive.mass", table.mass, "needs a spring that pulls it; give drive.spring")
+        return None
+    if mass is None and damping:
+        refuse("drive.damping", table.damping, "needs a mass; give drive.mass too")
+    return Machine(spring, mass, damping or 0.0, table.velocity)
+
+
+@dataclass(frozen=True)
 class Behaviour:
     """What a slider does under one rule; forces F/(N_c <k>) and distances are lengths.
 
-    rule : "reset", "reform-after" or "instant"
+    rule : "reset", "reform-after" or "instant"; "mass" where mass, damping and delay decide
     kind : "stick-slip", "smooth", or "undecided"
     before, after : spring force before and after a slip, the last one; both the sliding force where it is smooth
     period : of the drive, between the last two slips; slips : how many there were
@@ -48,25 +82,26 @@ class Behaviour:
 
 
 def follow(
-    table: DriveTable, contacts: Contacts, spring: float, rule: str, static: float, wall_time: float
+    machine: Machine, contacts: Contacts, rule: str, static: float, wall_time: float
 ) -> Behaviour:
     """Pull the slider until it has slipped five times or slides steadily.
 
-    spring : K/(N_c <k>); static : about the largest force, F_s/(N_c <k>) (a length); wall_time : s
+    static : about the largest force, F_s/(N_c <k>) (a length); wall_time : s
     A combination that the solver does not take is "undecided", and its message says why.
     """
     import master
 
-    loading = static / spring + contacts.mean_threshold
-    begin = contacts.start.mean() / spring
+    loading = static / machine.spring + contacts.mean_threshold
+    begin = contacts.start.mean() / machine.spring
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     tolerance = TOLERANCE_IN_TIME if in_time else TOLERANCE
     found = _refused(rule, "not followed")
     for loadings in LOADINGS:
         path = begin + np.linspace(0.0, loadings * loading, POINTS)
-        given: dict[str, Any] = {"velocity": table.velocity, "spring": spring, "slip": rule}
         try:
-            solved: Any = master.solve(contacts, path, tolerance, wall_time=wall_time, **given)
+            solved: Any = master.solve(
+                contacts, path, tolerance, wall_time=wall_time, **machine.keywords(rule)
+            )
         except InputError as error:
             return _refused(rule, str(error))
         found = _behaviour(rule, solved)

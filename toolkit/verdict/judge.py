@@ -9,11 +9,10 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.samples.from_samples import bootstrap_laws, sampled_parts
-from toolkit.scene.drive import spring_number
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.finite import Finite, follow_finite
-from toolkit.verdict.follow import Behaviour, follow
+from toolkit.verdict.follow import Behaviour, Machine, follow, machine_of
 from toolkit.verdict.readings import readings_of
 from toolkit.verdict.scale import Scale, scale_of
 
@@ -38,7 +37,7 @@ class Quantity:
 class Answer:
     """What one reading says. Forces F/(N_c <k>) are lengths, springs are per N_c<k>.
 
-    spring : of the machine; None where the scene has none
+    machine : what pulls; None where the scene has no spring
     behaviours : of the machine's slider, one for each rule
     """
 
@@ -48,7 +47,7 @@ class Answer:
     kinetic: Quantity
     static: Quantity
     critical_spring: Quantity
-    spring: float | None
+    machine: Machine | None
     behaviours: tuple[Behaviour, ...]
 
 
@@ -107,7 +106,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             if reading.own:
                 raise
             left_out[reading.name] = str(error)
-    finite = _finite(scene, table, answers[0], progress)
+    finite = _finite(scene, answers[0], progress)
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
@@ -119,27 +118,26 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
     )
 
 
-def _finite(
-    scene: Scene, table: DriveTable, own: Answer, progress: Callable[[str], None]
-) -> tuple[Finite, ...]:
+def _finite(scene: Scene, own: Answer, progress: Callable[[str], None]) -> tuple[Finite, ...]:
     """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading."""
     number = own.scale.contacts
     if number is None and scene.eq is not None:
         number = float(scene.eq.contacts)
-    if number is None or own.spring is None:
+    if number is None or own.machine is None:
         return ()
     progress(f"sliders of {number:,.0f} contacts")
     static = own.static.value
     return tuple(
-        follow_finite(
-            table, own.contacts, number, own.spring, one.rule, static, one.kind == "stick-slip"
-        )
+        follow_finite(own.machine, own.contacts, number, one.rule, static, one.kind == "stick-slip")
         for one in own.behaviours
     )
 
 
 def _rules(scene: Scene, table: DriveTable) -> tuple[str, ...]:
-    """The slip rules to compare: those of [verdict], else all, that of [drive] first."""
+    """The slip rules to compare: those of [verdict], else all, that of [drive] first; with a mass
+    none of them, but "mass"."""
+    if table.mass is not None:
+        return ("mass",)
     if scene.verdict is not None and scene.verdict.rules is not None:
         for rule in scene.verdict.rules:
             if rule not in RULES:
@@ -163,17 +161,12 @@ def _answer(
     critical = Quantity(found.critical_spring, found.critical_spring_error)
     if sampled_parts(contacts.thresholds):
         kinetic, static, critical = _with_sampling(contacts, velocity, [kinetic, static, critical])
-    if table.mass is not None:
-        hint = (
-            "a verdict does not follow a slider with mass; leave it out, or run the scene with [eq]"
-        )
-        refuse("drive.mass", table.mass, hint)
-    spring, behaviours = spring_number(table, contacts), list[Behaviour]()
+    machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
-        if spring is None:
+        if machine is None:
             break
         began, share = time.monotonic(), max(seconds / left, LEAST)
-        behaviours.append(follow(table, contacts, spring, rule, static.value, share))
+        behaviours.append(follow(machine, contacts, rule, static.value, share))
         seconds = max(seconds - (time.monotonic() - began), 0.0)
     return Answer(
         name,
@@ -182,7 +175,7 @@ def _answer(
         kinetic=kinetic,
         static=static,
         critical_spring=critical,
-        spring=spring,
+        machine=machine,
         behaviours=tuple(behaviours),
     )
 

@@ -125,7 +125,7 @@ def _bar(axes: Any, row: int, number: int, answer: Answer) -> None:
 
 def _mark_machine(axes: Any, rows: list[tuple[int, Answer]], scale: Scale) -> None:
     """The machine's spring: one line where it is the same for all readings, else a mark a reading."""
-    springs = [one.spring * one.scale.spring for _, one in rows if one.spring]
+    springs = [one.machine.spring * one.scale.spring for _, one in rows if one.machine]
     if not springs:
         return
     axes.axvline(springs[0], color="0.3", ls="--", lw=1.2, label="the machine's spring $K$")

@@ -14,6 +14,7 @@ NAMED = {
     "reset": "a slip renews all contacts",
     "reform-after": "contacts re-form after the slip",
     "instant": "contacts re-form at once",
+    "mass": "mass, damping and delay decide",
 }
 
 
@@ -29,7 +30,7 @@ def page(verdict: Verdict) -> list[str]:
 def sentence(verdict: Verdict) -> str:
     """The answer in one sentence; where readings or rules disagree, the disagreement."""
     own = verdict.own
-    if own.spring is None:
+    if own.machine is None:
         return _without_spring(verdict)
     kinds = {
         behaviour.kind
@@ -161,8 +162,8 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     critical = [one.critical_spring for one in answers]
     springs = [one.scale.spring for one in answers]
     yield _row("slips below the spring K*", critical, springs, scale.spring_unit)
-    if own.spring is not None:
-        each = [Quantity(one.spring or 0.0, 0.0) for one in answers]
+    if own.machine is not None:
+        each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
         yield _row("the machine's spring K", each, springs, scale.spring_unit)
     if scale.contacts is not None:
         held = [Quantity(one.scale.contacts or 0.0, 0.0) for one in answers]
