@@ -24,8 +24,9 @@ SEED = 1
 class Finite:
     """What sliders of `contacts` contacts each do under a slip rule.
 
-    kind : "stick-slip" where each slider slips, "smooth" where none does on its way of some 40 mean thresholds, "now
-        and then" between; "unknown" where they were not followed, for the reason in `message`
+    kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
+        where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
+        followed, for the reason in `message`
     before, before_error : mean spring force before a slip, F/(N_c <k>) (a length), and its standard error
     slips : number of slips of a slider, mean
     """
@@ -46,8 +47,10 @@ def follow_finite(
     rule: str,
     static: float,
     slips: bool,
+    transient: int,
 ) -> Finite:
-    """Follow sliders of so many contacts; `slips`: whether infinitely many stick and slip.
+    """Follow sliders of so many contacts; `slips`: whether infinitely many stick and slip, `transient`: how often they
+    slip before they slide, where they do.
 
     static : F_s/(N_c <k>) (a length)
     """
@@ -78,7 +81,9 @@ def follow_finite(
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
-    kind = "stick-slip" if counts.min() >= 1 else "now and then" if counts.any() else "smooth"
+    # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
+    more = counts - (0 if slips else transient)
+    kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     last = int(max(counts.min() - 1, 0))
     before, error = found.slips.mean("force_before", last) if counts.any() else (np.nan, np.nan)
     return Finite(rule, held, kind, before, error, float(counts.mean()))

@@ -126,9 +126,16 @@ def _finite(scene: Scene, own: Answer, progress: Callable[[str], None]) -> tuple
     if number is None or own.machine is None:
         return ()
     progress(f"sliders of {number:,.0f} contacts")
-    static = own.static.value
     return tuple(
-        follow_finite(own.machine, own.contacts, number, one.rule, static, one.kind == "stick-slip")
+        follow_finite(
+            own.machine,
+            own.contacts,
+            number,
+            one.rule,
+            own.static.value,
+            slips=one.kind == "stick-slip",
+            transient=one.slips,
+        )
         for one in own.behaviours
     )
 

@@ -168,8 +168,7 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     if scale.contacts is not None:
         held = [Quantity(one.scale.contacts or 0.0, 0.0) for one in answers]
         yield _row("contacts on the area", held, [1.0] * len(held), "")
-    for behaviour in own.behaviours:
-        yield from _of_slips(verdict, behaviour)
+    yield from _of_slips(verdict)
 
 
 def _row(name: str, each: Sequence[Quantity], factors: Sequence[float], unit: str) -> list[str]:
@@ -186,19 +185,24 @@ def _row(name: str, each: Sequence[Quantity], factors: Sequence[float], unit: st
     ]
 
 
-def _of_slips(verdict: Verdict, behaviour: Behaviour) -> Iterator[list[str]]:
-    """Rows of the slips under one rule of the own reading."""
-    scale = verdict.own.scale
-    if behaviour.kind != "stick-slip":
-        return
-    name, drop = behaviour.rule, (behaviour.before - behaviour.after) * scale.force
-    yield [f"drop of a slip, {name}", written(drop, scale.force_unit), "", ""]
-    if behaviour.period is not None:
-        period = f"{written(behaviour.period, scale.length_unit)}"
-        seconds = written(behaviour.period / verdict.velocity, scale.time_unit)
-        yield [f"period, {name}", f"{period}, {seconds}", "", ""]
-    if behaviour.slip_time is not None:
-        yield [f"time of a slip, {name}", written(behaviour.slip_time, scale.time_unit), "", ""]
+def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
+    """Rows of the slips of the own reading; rules that give the same numbers share a row."""
+    scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
+    for behaviour in verdict.own.behaviours:
+        if behaviour.kind != "stick-slip":
+            continue
+        drop = (behaviour.before - behaviour.after) * scale.force
+        told = {"drop of a slip": written(drop, scale.force_unit)}
+        if behaviour.period is not None:
+            period = written(behaviour.period, scale.length_unit)
+            seconds = written(behaviour.period / verdict.velocity, scale.time_unit)
+            told["period"] = f"{period}, {seconds}"
+        if behaviour.slip_time is not None:
+            told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
+        for row in told.items():
+            rows.setdefault(row, []).append(behaviour.rule)
+    for (name, value), rules in sorted(rows.items()):
+        yield [f"{name} ({', '.join(rules)})", value, "", ""]
 
 
 def numerical_errors(verdict: Verdict) -> str:
@@ -222,7 +226,7 @@ def dependence(verdict: Verdict) -> list[str]:
             each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
             lines.append(
                 f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
-                "run it with drive.mass and [eq]"
+                "give drive.mass, drive.damping and [contacts.delay]"
             )
         else:
             lines.append("not the slip rule: all rules agree on stick-slip or smooth")
@@ -252,5 +256,7 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     if finite.kind == "smooth":
         return said
     before = written(finite.before * scale.force, scale.force_unit)
+    if not np.isfinite(finite.before_error):
+        return f"{said}, from {before}"
     error = written(finite.before_error * scale.force, scale.force_unit, digits=1)
     return f"{said}, from {before} ± {error}"
