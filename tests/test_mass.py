@@ -217,3 +217,14 @@ def test_the_nearest_of_changing_places(trend):
         now[contacts[k]] = places[k]
         least[k] = now.min()
     assert (found <= least).all() and (found[asked] == least[asked]).all() and asked.sum() > 5000
+
+
+def test_energies_and_falls_of_light_sliders_beyond_critical_damping():
+    """Where one contact returns while the slider is fast, and where the slider hardly moves against its damping."""
+    one = origins.Contacts(origins.gaussian(1.0, 0.3), delay=origins.Delay(5e-6))
+    found = pulled(one, [6000.0], 3e-4, 8e-12, n=1, damping=2.8e-5, velocity=400.0)
+    assert (found.slips.drop > 0.0).all() and found.slips.drop.size > 5
+    assert (found.slips.duration < 0.02).all()
+    slow = pulled(CONTACTS["exponential"], [2.7], 0.16, 6e-7, damping=700.0, velocity=600.0)
+    for result in (found, slow):
+        assert np.abs(result.energy.imbalance).max() < 1e-10

@@ -39,9 +39,10 @@ class Motion(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where the slider is at some time: its way since the last event, u, u' and its speed."""
+    """Where the slider is at some time: its way since the last event, u - u(0), u, u' and its speed."""
 
     way: float
+    gone: float  # of a motion that is short beside u it has more digits than the difference
     u: float
     change: float
     speed: float
@@ -72,7 +73,7 @@ def place_at(m, t):  # type: ignore[no-untyped-def]
         slope = left * fast + slow * d
     gone = m.u * c + m.speed * d
     change = m.speed * slope - m.own * (m.own * m.u) * d
-    return Place(m.drift * t + gone, m.u + gone, change, m.drift + change)
+    return Place(m.drift * t + gone, gone, m.u + gone, change, m.drift + change)
 
 
 @inlined
@@ -100,7 +101,7 @@ def next_extreme(m, u, change):  # type: ignore[no-untyped-def]
 @inlined
 def begin_of(m):  # type: ignore[no-untyped-def]
     """The Place at t = 0."""
-    return Place(0.0, m.u, m.speed, m.drift + m.speed)
+    return Place(0.0, 0.0, m.u, m.speed, m.drift + m.speed)
 
 
 @bare
@@ -120,7 +121,7 @@ def meets(m, is_speed, rises, level, low, high, guess):  # type: ignore[no-untyp
             high = t
         else:
             low = t
-        new = t - value / slope if slope != 0.0 else low
+        new = t - value / slope if slope != 0.0 else np.inf
         if low <= new <= high:
             if abs(new - t) <= 1e-12 * t:  # the next step would be below rounding
                 return new
@@ -235,8 +236,7 @@ def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
 @bare
 def squared_speed(m, t, there):  # type: ignore[no-untyped-def]
     """The integral of the squared speed up to t, where the slider is `there`."""
-    gone = there.u - m.u
-    steady = m.drift * (m.drift * t + 2.0 * gone)
+    steady = m.drift * (m.drift * t + 2.0 * there.gone)
     if m.beat * m.beat < CRITICAL * m.own * m.own:  # from the energy that is lost
         lost = m.speed * m.speed - there.change * there.change
         lost += m.own * m.own * (m.u - there.u) * (m.u + there.u)
@@ -263,6 +263,5 @@ def squared_speed(m, t, there):  # type: ignore[no-untyped-def]
 @inlined
 def integral(m, t, there):  # type: ignore[no-untyped-def]
     """The integral of the way up to t, where the slider is `there`; from the equation of motion of u."""
-    gone = there.u - m.u
-    whole = -(there.change - m.speed + 2.0 * m.decay * gone) / (m.own * m.own)
+    whole = -(there.change - m.speed + 2.0 * m.decay * there.gone) / (m.own * m.own)
     return 0.5 * m.drift * t * t + whole - m.u * t

@@ -7,6 +7,7 @@ import numpy as np
 
 from eq_model.compiling import bare, inlined, unsigned
 from eq_model.coupled.mass.motion import (
+    acceleration,
     first_slower,
     integral,
     last_faster,
@@ -90,15 +91,21 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 def slow_move(s, pull, motion, t, side, way):  # type: ignore[no-untyped-def]
     """Move for a time t in closed form, with a break after it (side 1 or -1) by `way`. Returns whether a slip ends."""
     there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
-    way = way if side != 0 else there.way
+    speed = there.speed
+    if side == 0:
+        way = there.way
+    else:
+        # a time of 1e8 oscillations has eight digits of their phase: the speed is that at the break's place
+        slope = acceleration(motion, there.u, there.change) * (way - there.way)
+        speed += slope / speed if abs(slope) < 1e-3 * speed * speed else 0.0
     squares = squared_speed(motion, t, there) if pull.damping > 0.0 else 0.0
     slipped, limit, slower = False, speed_limit(drive), np.inf
     if s.falling:
         slower, pull.fall[TOP_SPEED] = first_slower(motion, limit, t, pull.fall[TOP_SPEED])
-    pass_time(s, pull, t, way, there.speed, integral(motion, t, there), squares)
+    pass_time(s, pull, t, way, speed, integral(motion, t, there), squares)
     if s.falling and slower < t:
         slipped = end_fall(s, pull, t - slower, way - place_at(motion, slower).way)
-    if not s.falling and there.speed > limit:
+    if not s.falling and speed > limit:
         faster, top = last_faster(motion, limit, t)
         begin_fall(s, pull, t - faster, way - place_at(motion, faster).way, top)
     return slipped
