@@ -19,6 +19,7 @@ import master
 import toolkit
 from origins.errors import InputError
 from toolkit.commands import report
+from toolkit.results.records import MotionEnergy
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 
 EQ = {"contacts": 400, "replicas": 2, "seed": 1}
@@ -376,3 +377,25 @@ def test_a_run_says_where_the_slip_rule_decides() -> None:
     (share,) = (note for note in small if note.startswith("the first slip is small"))
     assert 0.001 < float(share.split(" by ")[1].split()[0]) < 0.03
     assert toolkit.run(scene(wide, drive=drive | {"spring": 2.0})).notes == ()
+
+
+def test_the_motion_of_a_slider_with_mass_is_kept_with_the_master_equation(tmp_path: Path) -> None:
+    """Its fields are written with units, read back and reported; here they are made up."""
+    result = toolkit.run(scene(drive={"to": 4.0, "points": 21, "spring": 0.7}))
+    size, slips = result.master.path.size, result.master.slips.drive.size
+    rows = np.arange(6.0 * size).reshape(6, size)
+    moving = {"velocity": rows[0], "contact_force": rows[1], "contact_force_error": 1e-9}
+    moving |= {"slip_duration": np.full(slips, 0.3), "slip_top_speed": np.full(slips, 4.0)}
+    master_with_mass = dataclasses.replace(result.master, energy=MotionEnergy(*rows), **moving)
+    toolkit.save(dataclasses.replace(result, master=master_with_mass), tmp_path / "out")
+    again = toolkit.load(tmp_path / "out").master
+    for name, value in moving.items():
+        np.testing.assert_array_equal(getattr(again, name), value)
+    np.testing.assert_array_equal(again.energy.released, rows[5])
+    np.testing.assert_array_equal(again.slips.drop, result.master.slips.drop)
+    assert "motion  slips last 0.3 units of time on average, top speed 4" in report(
+        toolkit.load(tmp_path / "out")
+    )
+    with h5py.File(tmp_path / "out" / "result.h5") as store:
+        assert store["master/energy_drive"].attrs["units"].endswith("^2")
+    assert toolkit.load(tmp_path / "out").master.velocity.shape == (size,) and slips > 0

@@ -80,6 +80,12 @@ def report(result: Any) -> list[str]:
         period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
         period_text = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
         lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
+        if solved.slip_duration is not None and solved.slip_duration.size:
+            clock = "s" if result.thresholds.in_metres else "units of time"
+            lasts, fastest = solved.slip_duration.mean(), abs(solved.slip_top_speed).max()
+            lines.append(
+                f"motion  slips last {lasts:.3g} {clock} on average, top speed {fastest:.3g}"
+            )
     if solved is not None and solved.outrun is not None:
         where = f"from X = {solved.outrun:.4g} on" if solved.outrun < float("inf") else "nowhere"
         lines.append(

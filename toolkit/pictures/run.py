@@ -115,10 +115,13 @@ def plot_deviation(axes: Any, result: Result) -> Any:
 
 
 def plot_velocity(axes: Any, result: Result) -> Any:
-    """The speed of a slider with mass, in some replicas, at the points of the path."""
-    eq: Any = result.eq
-    style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7}
-    axes.plot(along(result, eq), eq.velocities[:_REPLICAS].T, **style)
+    """The speed of a slider with mass at the points of the path: of the master equation, and in some replicas."""
+    solved, eq = result.master, result.eq
+    if eq is not None:
+        style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7}
+        axes.plot(along(result, eq), eq.velocities[:_REPLICAS].T, **style)
+    if solved is not None and solved.velocity is not None and is_known(solved):
+        axes.plot(along(result, solved), solved.velocity, color=INK["master"], lw=1.2)
     axes.set_ylabel("$dX/dt$ (m/s)" if result.thresholds.in_metres else "$dX/dt$")
     write_along(axes, result)
     return axes
@@ -169,7 +172,7 @@ def save_picture(result: Result, path: Path) -> None:
     solved, below = result.master, list[Callable[[Any, Result], Any]]()
     if result.curves and result.timed:
         below.append(plot_position)
-    if is_heavy(result.eq):
+    if is_heavy(result.eq) or getattr(solved, "velocity", None) is not None:
         below.append(plot_velocity)
     if any((curve.holding < 1.0 - 1e-9).any() for curve in result.curves):
         below.append(plot_holding)

@@ -15,6 +15,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.folders import opened, write_sealed
 from toolkit.results.records import (
+    MotionEnergy,
     Result,
     SolvedRecord,
     ThresholdCurve,
@@ -34,6 +35,7 @@ stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_befor
 contact_force contact_force_standard_error contact_forces"""
 # of a slider with mass: what the drive's work became
 _PARTS = ("work", "spring", "contacts", "kinetic", "damped", "released")
+_ENERGIES = tuple(f"energy_{part}" for part in ("drive", *_PARTS))
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -176,8 +178,11 @@ def units_of(result: Result, short: bool = False) -> dict[str, str]:
     units |= dict.fromkeys(inverse.split(), f"1 / {unit}")
     units |= {"delay": clock, "time": clock, "kelvin": "K", "velocity": f"{unit} / {clock}"}
     speeds = "velocities velocity_standard_error slip_top_speed"
-    units |= dict.fromkeys(speeds.split(), f"{unit} / {clock}") | {"slip_duration": clock}
-    units |= dict.fromkeys((f"energy_{part}" for part in _PARTS), f"({unit})^2")
+    units |= dict.fromkeys(speeds.split(), f"{unit} / {clock}") | {
+        "slip_duration": clock,
+        "slip_time": clock,
+    }
+    units |= dict.fromkeys(_ENERGIES, f"({unit})^2")
     return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
 
 
@@ -242,8 +247,9 @@ def _read_master(group: Any) -> SolvedRecord:
     from master.soft.regime import Regime, Slips
 
     slips = _read(group, Slips, "slip_")
+    energy = _read(group, MotionEnergy, "energy_") if "energy_drive" in group else None
     regime = _read(group, Regime, slips=int(slips.drive.size), trend=group.attrs.get("trend"))
-    return _read(group, SolvedRecord, slips=slips, regime=regime)
+    return _read(group, SolvedRecord, slips=slips, regime=regime, energy=energy)
 
 
 def _read_eq(group: Any) -> Any:

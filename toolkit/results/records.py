@@ -22,12 +22,34 @@ _FEWEST = 30  # least number of broken contacts for which standard errors are me
 
 
 @dataclass(frozen=True)
+class MotionEnergy:
+    """Energies per N_c<k> (lengths squared) of a slider with mass, at each point of the path, arrays of shape (n,).
+
+    drive : the drive's work since t = 0; damped, released : what damping and breaks took since then; spring, contacts,
+    kinetic : stored in them.
+    """
+
+    drive: Array
+    spring: Array
+    contacts: Array
+    kinetic: Array
+    damped: Array
+    released: Array
+
+    __repr__ = brief
+
+
+@dataclass(frozen=True)
 class SolvedRecord:
     """A master equation's answer: F = `force` over `path` (lengths, shape (n,)), `holding`, the fraction of contacts
     that hold, `force_error` in mean thresholds, `run_time` in s.
 
     A soft slider's `path` is the drive's; `position` (n,) the slider's, `balance` the drive's position at t = 0,
     `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve.
+
+    Of a slider with mass `force` is the spring's; `contact_force` is that of the contacts, with an error of its own,
+    `velocity` the slider's at each point, `energy` a MotionEnergy or the solver's own; `slip_duration` and
+    `slip_top_speed` have an entry for each slip.
 
     The paper's closure of ageing (Q15) has defects at each X of `path`, which may end early: the mass of P_c minus 1
     and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do.
@@ -45,6 +67,12 @@ class SolvedRecord:
     period: float | None = None
     slips: Any = None
     regime: Any = None
+    velocity: Array | None = None
+    contact_force: Array | None = None
+    contact_force_error: float | None = None
+    energy: Any = None
+    slip_duration: Array | None = None
+    slip_top_speed: Array | None = None
     mass_defect: Any = None
     positivity_defect: Any = None
     outrun: float | None = None
@@ -58,6 +86,8 @@ def record_of(answer: Any) -> SolvedRecord:
     values: dict[str, Any] = {name: getattr(answer, name, None) for name in names}
     if values["slips"] is not None and values["period"] is None:
         values["period"] = np.nan
+    for name in ("duration", "top_speed"):  # slips without mass take no time
+        values[f"slip_{name}"] = getattr(values["slips"], name, None)
     return SolvedRecord(**values)
 
 
