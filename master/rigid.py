@@ -115,7 +115,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     times = np.geomspace(1e-3, 1e50, 54)[:, None] / scale
     at_rest = Motion(np.array([0.0, times[-1, 0]]), np.zeros(2))
     history = at_rest.history(times, np.zeros((1, 1)))
-    held = life.survival_and_force(reforming_law(contacts), history).share[:, 0]
+    held = life.survival_and_force(reforming_law(contacts), history).survival[:, 0]
     lasts = float(times[min(int((held > 0.5).sum()), times.size - 1), 0])
     moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
     most = FURTHEST if motion.one_leg else MOST_LIVES_TURN

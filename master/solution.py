@@ -45,7 +45,7 @@ class StretchDistribution:
             within = (origin > low) & (origin < high) & (np.abs(origin) < life.largest_stretch)
             inside = np.flatnonzero(within)
             origin, history = origin[inside], motion.history(at, np.zeros((inside.size, 1)))
-            held = life.survival_and_force(origin[:, None], history).share[:, 0]
+            held = life.survival_and_force(origin[:, None], history).survival[:, 0]
             out[inside] = start.pdf(origin) * held
         slopes = march.breaks @ polynomials.SLOPES.T / march.width[:, None]
         for leg in np.flatnonzero(motion.speeds):
@@ -57,7 +57,7 @@ class StretchDistribution:
             place = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
             rate = polynomials.legendre_sum(slopes[panel], 2.0 * place[:, None] - 1.0)[:, 0]
             history = motion.history(at, s[here, None])
-            held = life.survival_and_force(law, history).share[:, 0]
+            held = life.survival_and_force(law, history).survival[:, 0]
             out[here] += held * rate / abs(speed)
         return out.reshape(shape)[()]
 
@@ -156,7 +156,7 @@ def _deltas(march: March, t: float) -> dict[float, float]:
         if lump.time <= t and lump.law.is_single:
             history = motion.history(at, np.full((1, 1), lump.time))
             stretch = float(lump.law.mean() + history.now[0, 0])
-            held = float(march.life.survival_and_force(lump.law, history).share[0, 0])
+            held = float(march.life.survival_and_force(lump.law, history).survival[0, 0])
             found[stretch] = found.get(stretch, 0.0) + lump.weight * held
     for leg in np.flatnonzero((motion.speeds == 0.0) & (motion.times[:-1] < t)):
         stretch = float(law.mean() + motion.at(np.array(t)) - motion.positions[leg])

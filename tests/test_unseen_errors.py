@@ -70,7 +70,7 @@ class FixedNodes(ColdLife):
             super(FixedNodes, self).survival_and_force(np.array([[r]]), history) for r in stretch
         ]
         weight /= weight.sum()
-        share, force = np.tensordot(weight, [(part.share, part.force) for part in parts], 1)
+        share, force = np.tensordot(weight, [(part.survival, part.force) for part in parts], 1)
         return Survivors(share, force, 0.0)
 
 

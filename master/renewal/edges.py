@@ -115,7 +115,7 @@ class _Moments:
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
                 if time > self.since + self._close(time):
-                    yield Moment(time, size * (self.life.atom_share(bend, stretch) or SMOOTHER))
+                    yield Moment(time, size * (self.life.atom_fraction(bend, stretch) or SMOOTHER))
 
     def following(self, first: Sequence[Moment], least: float) -> Iterator[Moment]:
         """All moments, in the order of time, of a size above the least: the first ones, and those that follow.

@@ -15,7 +15,7 @@ from master.numerics.polynomials import Pieces
 from master.numerics.table import Table
 from master.outcome import stop_after
 from master.renewal.births import Births, Nodes
-from master.survival.life import NONE_LEFT, TIE, Life, Survivors
+from master.survival.life import NO_SURVIVAL, TIE, Life, Survivors
 from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -117,7 +117,7 @@ class Straight:
         holds = (middle < self._last) | (lag < self._last * (1.0 - TIE))
         lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
         found = self._read(lag)
-        return Survivors(found.share * holds, found.force * holds * self.scale, found.error)
+        return Survivors(found.survival * holds, found.force * holds * self.scale, found.error)
 
     def _bends(self, marks: Array) -> Array:
         """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
@@ -147,7 +147,7 @@ class Straight:
         while held[-1] * (lags[-1] / self.typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
             lags = np.append(lags, 2.0 * lags[-1])
             held = np.append(held, self._for_table(lags[-1:, None])[0])
-        over = held < NONE_LEFT
+        over = held < NO_SURVIVAL
         count = lags.size if steady or not over.any() else int(np.argmax(over)) + 1
         return lags[:count], held[:count]
 

@@ -21,7 +21,7 @@ from master.renewal.births import MOST_WORK, Births, Lump, Panels
 from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
-from master.survival.life import NONE_LEFT
+from master.survival.life import NO_SURVIVAL
 from origins.start import Start
 from origins.thresholds.law import Array
 
@@ -71,7 +71,9 @@ class March:
         self.begin = self.since = self.width = self.error = np.empty(0)
         self.breaks = self.force = np.empty((0, polynomials.DEGREE + 1))
         self.lumps = [Lump(0.0, 1.0, start)]
-        self._as_births = start.is_single and start.span == births.law.span and self.life.fresh
+        self._as_births = (
+            start.is_single and start.span == births.law.span and self.life.start_as_births
+        )
         self.kernels, self._past = Kernels(births), Past(births)
         self.steady_since = self.widest = np.inf
 
@@ -213,7 +215,7 @@ class March:
 
     def on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t on a leg, counted from its beginning, of births on it."""
-        broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NONE_LEFT)
+        broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NO_SURVIVAL)
         if not broken.size:
             return np.zeros((2, t.size))
         panels = Panels(*(part[broken[0] : broken[-1] + 1] for part in panels))

@@ -81,7 +81,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
         if contacts.reforming and not contacts.reforming.law.is_single:
             resolved = 1e-9 if life.quick else 1e-7  # the error of an average is about its square
             life = copy(life)  # its owner may ask for more
-            life.resolved = max(life.resolved, resolved)
+            life.coefficient_limit = max(life.coefficient_limit, resolved)
         travel = Travel(contacts, life, velocity)
         if isinstance(life, ThermalLife) and contacts.reforming is None:
             # sums over single contacts resolve the strongest, which bear F_k where the others hardly hold
@@ -109,7 +109,7 @@ def _held(travel: Travel, x: Array) -> Array:
     life, births = travel.life, travel.born
     if births.is_single:
         way = x[:, None] - births.mean()
-        return np.asarray((way >= 0.0) * travel.scaled(np.maximum(way, 0.0)).share)[:, 0]
+        return np.asarray((way >= 0.0) * travel.scaled(np.maximum(way, 0.0)).survival)[:, 0]
     low, high = np.clip(births.span, -life.largest_stretch, life.largest_stretch)
     # twelve panels, and edges where the survival bends
     even = np.linspace(low, high, 13)
@@ -118,5 +118,5 @@ def _held(travel: Travel, x: Array) -> Array:
     pieces = Pieces.between(np.clip(cuts, low, np.clip(x, low, high)[:, None]))
     born, weights = gauss(pieces.low, pieces.high)
     weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
-    held = travel.scaled(x[pieces.owner, None] - born, born).share
+    held = travel.scaled(x[pieces.owner, None] - born, born).survival
     return np.asarray(np.bincount(pieces.owner, (weights * held).sum(axis=1), x.size), float)

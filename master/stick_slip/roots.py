@@ -96,7 +96,7 @@ class Transform:
         life, edges = travel.life, travel.table.edges
         for _ in range(40):  # doublings of the way
             edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
-            held = travel.scaled(edges[:, None] * (1.0 - 1e-12)).share[:, 0]
+            held = travel.scaled(edges[:, None] * (1.0 - 1e-12)).survival[:, 0]
             felt = _count_felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
             if felt < edges.size:
                 break
@@ -117,7 +117,7 @@ class Transform:
             """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
             held = np.abs(values[0])
             held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
-            known = held * self._survival_error / np.maximum(held, FEW) + life.left_out
+            known = held * self._survival_error / np.maximum(held, FEW) + life.neglected
             return np.maximum(held, np.stack([known, known + life.kernel_error]) / accuracy)
 
         shortest = NARROWEST_PANEL * min(travel.typical, float(edges[1]))
@@ -141,7 +141,7 @@ class Transform:
             held < 1e-120, 1.0, self._survival_error / np.maximum(held, FEW) + SUM_ROUNDING
         )
         errors = np.abs(values) * share
-        errors += life.left_out * np.stack([np.ones(way.shape), way / scale])
+        errors += life.neglected * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
         errors[1] = (errors[1] + life.kernel_error * (way < life.largest_stretch)) * scale
         some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
@@ -183,7 +183,7 @@ def crowding(travel: Travel) -> float:
     ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
     # the share that breaks at each is that just before less that just after it
     sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], ways)
-    before, after = travel.scaled(sides.reshape(-1, 1)).share.reshape(sides.shape)
+    before, after = travel.scaled(sides.reshape(-1, 1)).survival.reshape(sides.shape)
     ways, shares = ways[before > after] + travel.wait, (before - after)[before > after]
     if not ways.size or shares.sum() > 1.0 - 1e-14:
         return 0.0 if ways.size else np.inf

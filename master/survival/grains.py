@@ -3,16 +3,16 @@
 Each contact keeps its quantile for life. It breaks where the cumulative hazard H(|x|; age) of the law
 of thresholds at its age reaches that of its quantile, so that of the contacts that pinned together
 
-    share that holds = exp(-(H_worst - H_0)),      H_worst = the largest H since the birth,
+    fraction that holds = exp(-(H_worst - H_0)),      H_worst = the largest H since the birth,
 
 H_0 being H at t = 0 of contacts that are stretched then. On a straight leg H first falls, while the
 contact relaxes or its threshold outgrows the stretch, and then rises: it is largest at an end.
 
 With heat a contact whose quantile has the hazard η, and so the threshold x_s(η; age), may break early. Then
 
-    share that holds = integral over η > H_worst of e^{-(η - H_0)} e^{-A(η)},
+    fraction that holds = integral over η > H_worst of e^{-(η - H_0)} e^{-A(η)},
 
-A(η) being the integral over time of the rate h(|x|; x_s).
+A(η), the integrated rate, being the integral over time of the rate h(|x|; x_s).
 """
 
 from copy import copy
@@ -27,11 +27,16 @@ from origins import Contacts, GrainContact
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# H above which the survival e^-H, below 1e-17, counts as 0.
-GONE = 39.2
-# Edges of the first pieces of sums over quantiles, as η - H_worst; and last coefficients below which pieces are not
-# halved, of these sums and, relative to 1 + A, of A over the logarithm of time.
-HAZARDS, RESOLVED = np.array([0.0, 0.25, 4.0, GONE]), 1e-6
+# H above which the survival e^-H, below 1e-17, counts as 0; and that survival.
+LARGEST_HAZARD, NEGLECTED = 39.2, 1e-17
+# Edges of the first pieces of sums over quantiles, as η - H_worst.
+HAZARDS = np.array([0.0, 0.25, 4.0, LARGEST_HAZARD])
+# Last coefficients below which pieces are not halved, of these sums and, relative to 1 + A, of A over the logarithm of
+# time: errors are about the square.
+COEFFICIENT_LIMIT = 1e-6
+# With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
+# look-ups in a table (measured).
+WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 1000
 
 
 class GrainLife(Life):
@@ -43,90 +48,111 @@ class GrainLife(Life):
     and have the grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
     """
 
-    error = 1e-13  # the share's error by that of the hazards
-    left_out, fresh = 1e-17, False  # e^-GONE
+    error = 1e-13  # of the survival, by rounding of the hazards
+    neglected = NEGLECTED
+    start_as_births = False
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
+        """Find how far contacts may be stretched, and how finely their survival varies."""
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         self.grains: GrainContact = grains
-        self.start, self._of_start = contacts.start, False
-        self.start_since = grains.age - grains.growth.first_pinning_time
-        self.largest_stretch = float(grains.quantile(-np.expm1(-GONE), grains.age + longest))
+        self.start = contacts.start
+        self._thermal = contacts.thermal
+        self._is_of_start = False  # set for each query, in a copy
+        self._start_pinned_for = grains.age - grains.growth.first_pinning_time
+        fraction = -np.expm1(-LARGEST_HAZARD)
+        self.largest_stretch = float(grains.quantile(fraction, grains.age + longest))
         # no contact of the start is stretched beyond the largest threshold at t = 0
         self.largest_birth_stretch = grains.at_start.support()[1]
-        self.resolution_length, self._thermal = 0.25 * grains.at_start.std(), contacts.thermal
+        self.resolution_length = 0.25 * grains.at_start.std()  # a first guess
         if contacts.thermal is not None:
-            # with this `resolved` normal laws are summed to 1e-8
-            self.pair_work, self.resolved = 1000, 1e-5
+            self.pair_work = WARM_WORK
+            self.coefficient_limit = WARM_COEFFICIENT_LIMIT
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """See Life."""
         life = copy(self)
-        life._of_start = born is self.start if isinstance(born, Start) else bool(np.any(born))
+        life._is_of_start = born is self.start if isinstance(born, Start) else bool(np.any(born))
         return super(GrainLife, life).survival_and_force(born, history)
 
     def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
-        displacement, lived, speed = history.legs()
+        displacement, duration, speed = history.legs()
         stretch = born[:, None] + displacement
-        since = np.cumsum(np.insert(lived, 0, self.start_since * self._of_start, axis=1), axis=1)
-        hazards = self.grains.hazard_at(stretch, self.grains.growth.excess_after(since))
+        pinned_for = np.insert(duration, 0, self._start_pinned_for * self._is_of_start, axis=1)
+        pinned_for = np.cumsum(pinned_for, axis=1)
+        hazards = self.grains.hazard_at(stretch, self.grains.growth.excess_after(pinned_for))
         worst = hazards.max(axis=1)
-        if not self._of_start:
+        if not self._is_of_start:
             # right after pinning some are stretched faster than their thresholds grow
             lost = np.array([self.grains.lost_hazard(abs(float(v))) for v in speed])
-            birth = np.where(lived.any(axis=1), np.argmax(lived > 0.0, axis=1), speed.size - 1)
-            worst = np.maximum(worst, lost[birth])
+            has_moved = duration.any(axis=1)
+            birth_leg = np.where(has_moved, np.argmax(duration > 0.0, axis=1), speed.size - 1)
+            worst = np.maximum(worst, lost[birth_leg])
         # contacts with |x| above the largest threshold at t = 0 never hold
-        share = np.exp(np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf) - worst)
+        at_birth = np.where(np.isfinite(hazards[:, 0]), hazards[:, 0], -np.inf)
+        survival = np.exp(at_birth - worst)
         error = self.error
         if self._thermal is not None:
-            alive = share > 0.0
-            unbroken, of_heat = self._unbroken(stretch[alive], since[alive], worst[alive])
-            share[alive] *= unbroken
-            error += of_heat
-        return Survivors(share, share * stretch[:, -1], error)
+            some = survival > 0.0
+            of_heat, heat_error = self._heat_survival(stretch[some], pinned_for[some], worst[some])
+            survival[some] *= of_heat
+            error += heat_error
+        return Survivors(survival, survival * stretch[:, -1], error)
 
-    def _unbroken(self, stretch: Array, since: Array, worst: Array) -> tuple[Array, float]:
-        """Share that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,), by stretches and
-        times since pinning at both ends of one leg, (n, 2); and its error."""
-        of_spent = [0.0]
+    def _heat_survival(
+        self, stretch: Array, pinned_for: Array, worst: Array
+    ) -> tuple[Array, float]:
+        """Fraction that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,), by stretches
+        and times since pinning at both ends of one leg, (n, 2); and its error."""
+        rate_errors = [0.0]
 
-        def held(row: Rows, hazard: Array) -> Array:
-            spent, missed = self._spent(hazard, stretch[row], since[row])
-            of_spent.append(missed)
-            return np.exp(worst[row, None] - hazard - spent)[None]
+        def survival(row: Rows, hazard: Array) -> Array:
+            integrated, error = self._integrated_rate(hazard, stretch[row], pinned_for[row])
+            rate_errors.append(error)
+            return np.exp(worst[row, None] - hazard - integrated)[None]
 
-        found = integrals_above(held, worst, worst[:, None] + HAZARDS, True, RESOLVED)
-        of_sums = MARGIN * float(found.missed[0].max(initial=0.0))
-        return found.value[0], of_sums + max(of_spent)
+        ends = worst[:, None] + HAZARDS
+        found = integrals_above(survival, worst, ends, True, COEFFICIENT_LIMIT)
+        sums_error = MARGIN * float(found.missed[0].max(initial=0.0))
+        return found.value[0], sums_error + max(rate_errors)
 
-    def _spent(self, hazard: Array, stretch: Array, since: Array) -> tuple[Array, float]:
-        """A of contacts whose quantiles have these hazards (n, k), with moves (n, 2), shape (n, k); and the error of
-        e^-A."""
+    def _integrated_rate(
+        self, hazard: Array, stretch: Array, pinned_for: Array
+    ) -> tuple[Array, float]:
+        """A of contacts whose quantiles have these hazards (n, k), with stretches and times since pinning at both ends
+        of a leg (n, 2), shape (n, k); and the error of e^-A."""
         assert self._thermal is not None
-        law, count, (first, last) = self._thermal.rates, hazard.shape[1], stretch.T
-        begin, end = since.T
+        rates, growth = self._thermal.rates, self.grains.growth
+        count = hazard.shape[1]
+        first, last = stretch.T
+        begin, end = pinned_for.T
         speed = np.divide(last - first, end - begin, out=np.zeros(end.size), where=end > begin)
         # the rate bends where x = 0
-        across = np.where(first * last < 0.0, begin - first / np.where(speed, speed, 1.0), end)
+        crosses_0 = first * last < 0.0
+        at_0 = np.where(crosses_0, begin - first / np.where(speed, speed, 1.0), end)
         # grains grow in the logarithm of the time; at the end the rate may vanish as a root
-        unit = self.grains.growth.first_pinning_time
-        log_times = np.log1p(np.stack([begin, across, end], axis=1) / unit)
-        earlier = np.repeat((log_times[:, -1:] - log_times)[:, ::-1], count, axis=0)
+        unit = growth.first_pinning_time
+        log_times = np.log1p(np.stack([begin, at_0, end], axis=1) / unit)
+        before_ends = np.repeat((log_times[:, -1:] - log_times)[:, ::-1], count, axis=0)
+        span = log_times[:, -1] - log_times[:, 0]
 
-        def rate(owner: Rows, before_end: Array) -> Array:
+        def rate_and_1(owner: Rows, before_end: Array) -> Array:
+            """The rate per logarithm of time, and this plus 1/span, whose integral is A + 1."""
             row = owner // count
             time = unit * np.expm1(log_times[row, -1:] - before_end)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
-            excess = self.grains.growth.excess_after(time)
-            limit = self.grains.threshold_at(hazard.ravel()[owner, None], excess)
-            rates = law.rate(np.minimum(x, limit), limit, 1.0) * (unit + time)
-            return np.stack([rates, rates + 1.0 / span[row, None]])
+            excess = growth.excess_after(time)
+            threshold = self.grains.threshold_at(hazard.ravel()[owner, None], excess)
+            rate = rates.rate(np.minimum(x, threshold), threshold, 1.0) * (unit + time)
+            return np.stack([rate, rate + 1.0 / span[row, None]])
 
-        # the share e^-A is as good as the error of A relative to 1 + A, the integral of the second function
-        span = log_times[:, -1] - log_times[:, 0]
-        found = integrals_above(rate, np.zeros(hazard.size), earlier, True, RESOLVED, relative=True)
-        spent, missed = found.value[0], found.missed[0] / np.maximum(found.value[1], 1.0)
-        return spent.reshape(hazard.shape), MARGIN * float(missed.max(initial=0.0))
+        # the survival e^-A is as good as the error of A relative to 1 + A, the integral of the second function
+        least = np.zeros(hazard.size)
+        found = integrals_above(
+            rate_and_1, least, before_ends, True, COEFFICIENT_LIMIT, relative=True
+        )
+        integrated = found.value[0].reshape(hazard.shape)
+        error = found.missed[0] / np.maximum(found.value[1], 1.0)
+        return integrated, MARGIN * float(error.max(initial=0.0))

@@ -17,10 +17,23 @@ from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
 
 # Last two Legendre coefficients below which pieces of the stretches at birth, and panels of H, are not halved.
-RESOLVED = 1e-9
-# Above ln A = _GONE a share e^-A < 1e-29 is negligible, even where few contacts hold, and above _DEAD it is
-# 0 in floating point. Panels with a share of contacts below _NO_WEIGHT are left out.
-_GONE, _DEAD, _NO_WEIGHT = np.log(67.0), 7.0, 1e-18
+COEFFICIENT_LIMIT = 1e-9
+# ln A from which on the survival e^-A < 1e-29 is negligible, even where few contacts hold; and at which it is cut, as
+# e^-A is then 0 in floating point.
+_NEGLIGIBLE_FROM, _ZERO_FROM = np.log(67.0), 7.0
+# ln A where A is 0 or underflows.
+_LEAST_LOG = -740.0
+# Fraction of the contacts below which those with thresholds on one panel are left out.
+_NO_WEIGHT = 1e-18
+# Fraction of the contacts that rounding in sums over thresholds loses; and ln A at which, surely, a contact has broken.
+_ROUNDED_FRACTION, _SURELY_BROKEN = 3e-14, 3.0
+# Survival below which errors of sums count more, as the few contacts that hold are stretched far.
+_FEW = 1e-4
+# Finest last coefficients of sums over thresholds: their error is about the square, far below rounding, but larger
+# ones would show as roughness in tables.
+_FINEST = 2e-12
+# Rates evaluated together, as many as stay in the processor's cache.
+_TOGETHER = 4096
 # Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35
 _EPSILON = float(np.finfo(float).eps)
@@ -33,133 +46,169 @@ class ThermalLife(LawLife):
 
         E = integral over x_s > m of P_c(x_s) e^(-A(x_s)) / S(|r|),
 
-    A the integral of h over the time since its birth; of independent or linked stiffness; `resolved`: see Life.
+    A the integral of h over the time since its birth, the integrated rate; of independent or linked stiffness;
+    `coefficient_limit`: see Life.
     """
 
-    pair_work = 6
+    pair_work = 6  # measured
 
-    def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
+    def __init__(self, contacts: Contacts, coefficient_limit: float = COEFFICIENT_LIMIT) -> None:
         super().__init__(contacts)
-        self.resolved, self.largest_birth_stretch, self._contacts = (
-            resolved,
-            self.largest_stretch,
-            contacts,
-        )
-        self._mass = -np.diff(self.law.sf(self.panels))
-        self.left_out = float(np.minimum(self._mass, _NO_WEIGHT).sum())
+        self._contacts = contacts
+        self.coefficient_limit = coefficient_limit
+        self.largest_birth_stretch = self.largest_stretch
+        self._weights = -np.diff(self.law.sf(self.panels))  # of the thresholds on each panel
+        self.neglected = float(np.minimum(self._weights, _NO_WEIGHT).sum())
 
     def rounded_away(self, velocity: float) -> Array:
-        """Bounds of what the strongest contacts would add to the integrals of E and K over the way, shape (2,): a share
-        of 3e-14, which rounding in sums over thresholds loses. Each breaks at its threshold, or before A is 20."""
+        """Bounds of what the strongest contacts would add to the integrals of E and K over the distance since birth,
+        shape (2,): a fraction of 3e-14, which rounding in sums over thresholds loses. Each breaks at its threshold, or
+        before A is e^3 = 20."""
         assert self._contacts.thermal is not None
-        x = float(self.law.isf(3e-14)) * np.geomspace(1.0, 1e60, 2001)
-        stiff, lost = self._contacts.relative_stiffness(x), -np.diff(self.law.sf(x), append=0.0)
+        # thresholds up to lengths beyond which no law has weight
+        x = float(self.law.isf(_ROUNDED_FRACTION)) * np.geomspace(1.0, 1e60, 2001)
+        stiffness = self._contacts.relative_stiffness(x)
+        weight = -np.diff(self.law.sf(x), append=0.0)
+        log_integral = np.log(velocity) + _SURELY_BROKEN  # of h over the stretch
         with np.errstate(all="ignore"):
-            at = self._contacts.thermal.rates.reached(np.log(velocity) + 3.0, 0.0, x, stiff)
-        at = np.fmin(at, x)  # nan where barriers overflow
-        return np.array([lost @ at, lost @ (stiff * at**2)])
+            broken_at = self._contacts.thermal.rates.reached(log_integral, 0.0, x, stiffness)
+        broken_at = np.fmin(broken_at, x)  # nan where barriers overflow
+        return np.array([weight @ broken_at, weight @ (stiffness * broken_at**2)])
 
     def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
-        out, error = np.zeros((2, born.size)), self.error
+        sums = np.zeros((2, born.size))
+        error = self.error
         for some, moves in history.by_birth():
-            replay = Replay(self._contacts, born[some], moves.legs())
-            weight = 1.0 / self.law.sf(np.abs(born[some]))
-            out[:, some], of_sums = self._held(replay, weight, side[some])
-            error = max(error, of_sums)
-        return Survivors(np.minimum(out[0], 1.0), out[1] * (born + history.now), error)
+            integrated = IntegratedRate(self._contacts, born[some], moves.legs())
+            per_survival = 1.0 / self.law.sf(np.abs(born[some]))
+            sums[:, some], sums_error = self._sums(integrated, per_survival, side[some])
+            error = max(error, sums_error)
+        survival, by_stiffness = sums
+        force = by_stiffness * (born + history.now)
+        return Survivors(np.minimum(survival, 1.0), force, error)
 
-    def _held(self, replay: "Replay", weight: Array, side: Array) -> tuple[Array, float]:
+    def _sums(
+        self, integrated: "IntegratedRate", per_survival: Array, side: Array
+    ) -> tuple[Array, float]:
         """Sums over thresholds of P_c e^-A, and of this times k_i/<k> where linked, shape (1 or 2, n); and the error.
-        The weight, shape (n,), is the factor on P_c: 1/(the survival at birth)."""
-        every, linked = np.arange(weight.size), self._contacts.stiffness == "linked"
+        P_c is multiplied by `per_survival`, shape (n,): 1/(the survival of P_c at birth)."""
+        every = np.arange(per_survival.size)
+        is_linked = self._contacts.stiffness == "linked"
 
-        def held(contact: Rows, threshold: Array) -> Array:
-            level = np.minimum(replay.log_spent(contact, threshold), _DEAD)
-            share = (weight[contact, None] * np.exp(-np.exp(level)))[None]
-            stiff = share * self._contacts.relative_stiffness(threshold) if linked else share[:0]
-            return np.concatenate([share, stiff])
+        def survival(contact: Rows, threshold: Array) -> Array:
+            log_rate = np.minimum(integrated.log(contact, threshold), _ZERO_FROM)
+            fraction = (per_survival[contact, None] * np.exp(-np.exp(log_rate)))[None]
+            if not is_linked:
+                return fraction
+            by_stiffness = fraction * self._contacts.relative_stiffness(threshold)
+            return np.concatenate([fraction, by_stiffness])
 
-        def held_by_density(contact: Rows, threshold: Array) -> Array:
-            return held(contact, threshold) * finite_density(self.law, threshold)
+        def survival_by_density(contact: Rows, threshold: Array) -> Array:
+            return survival(contact, threshold) * finite_density(self.law, threshold)
 
-        least = np.maximum(replay.furthest, SMALLEST)
-        level = replay.log_spent(every, np.maximum(self.panels, least[:, None]))
-        felt = self._mass * weight[:, None] > _NO_WEIGHT
+        least = np.maximum(integrated.furthest, SMALLEST)
+        log_rate = integrated.log(every, np.maximum(self.panels, least[:, None]))
+        counted = self._weights * per_survival[:, None] > _NO_WEIGHT
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
-        felt &= np.minimum(level[:, 1:], level[:, :-1]) < _GONE
-        # where few contacts hold, each is stretched far, so that their error counts the more
-        few = np.maximum(weight * self.law.sf(least), 1e-4)
-        # the error of a sum is about the square of this; a larger one would show as roughness in tables
-        accuracy = max(0.1 * self.resolved, 2e-12) * few
-        out, missed, _ = integrals_above(held_by_density, least, self.panels, felt, accuracy)
-        for position, share in zip(self.atoms, self.atom_weights, strict=True):
-            each = held(every, np.full((every.size, 1), position))[..., 0]
-            out += share * each * (side < position * (1.0 - TIE))
-        return out, MARGIN * float(missed.max(initial=0.0))
+        counted &= np.minimum(log_rate[:, 1:], log_rate[:, :-1]) < _NEGLIGIBLE_FROM
+        few = np.maximum(per_survival * self.law.sf(least), _FEW)
+        accuracy = max(0.1 * self.coefficient_limit, _FINEST) * few
+        sums, missed, _ = integrals_above(
+            survival_by_density, least, self.panels, counted, accuracy
+        )
+        for position, weight in zip(self.atoms, self.atom_weights, strict=True):
+            each = survival(every, np.full((every.size, 1), position))[..., 0]
+            sums += weight * each * (side < position * (1.0 - TIE))
+        return sums, MARGIN * float(missed.max(initial=0.0))
 
 
-class Replay:
-    """The rate of n contacts, born at stretches of shape (n,), integrated over time: leg by leg, the mean rate times
-    the duration. furthest : the largest |x| of each, shape (n,), below its threshold."""
+class IntegratedRate:
+    """A, the rate of n contacts integrated over time, for contacts born at stretches of shape (n,): leg by leg, the
+    mean rate times the duration.
+
+    furthest : the largest |x| of each contact, shape (n,), below its threshold
+    """
 
     def __init__(self, contacts: Contacts, born: Array, legs: Legs) -> None:
         assert contacts.thermal is not None
-        self._rates, self._stiffness = contacts.thermal.rates, contacts.relative_stiffness
-        self._stretch, self._duration = born[:, None] + legs.displacement, legs.duration
+        self._rates = contacts.thermal.rates
+        self._stiffness = contacts.relative_stiffness
+        self._stretch = born[:, None] + legs.displacement
+        self._duration = legs.duration
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
-        self._offset: Array | None = None
+        self._log_relaxed_time: Array | None = None  # where the rate is separable
         if self._rates.separable and contacts.stiffness != "linked":
-            # h = f(x) g(x_s): A at one x_s gives all others; on all legs but the last those born together share it
-            births = np.stack([born, self._duration[:, :-1].sum(axis=1)])
-            first = np.any(np.diff(births, prepend=np.nan) != 0.0, axis=0)
-            last = np.append(np.zeros(legs.speed.size - 1), 1.0)
-            shared = self._log_spent_at_0(np.flatnonzero(first), 1.0 - last)[np.cumsum(first) - 1]
-            self._offset = np.logaddexp(shared, self._log_spent_at_0(np.arange(born.size), last))
+            self._log_relaxed_time = self._log_relaxed_times(born)
 
-    def _log_spent_at_0(self, row: Rows, on: Array) -> Array:
-        """ln[A/h(0; x_s)], the same at all x_s, of contacts on the legs where `on` is 1; shape (n, 1)."""
-        ends = np.abs(self._stretch[row]) * np.maximum(np.append(on, 0.0), np.append(0.0, on))
-        furthest = ends.max(axis=1, keepdims=True, initial=SMALLEST)
-        return self.log_spent(row, furthest, on) - self._rates.log_rate(0.0, furthest, 1.0)
+    def _log_relaxed_times(self, born: Array) -> Array:
+        """Logarithm of the relaxed time of each contact, shape (n, 1): the time at x = 0 that gives it the same A.
 
-    def log_spent(self, row: Rows, threshold: Array, on: Array | float = 1.0) -> Array:
-        """ln A of the contacts `row`, shape (n,), on all legs or those where `on` is 1, at thresholds of shape
-        (n, k), which |x| has exceeded there at most by rounding; finite."""
-        least = -740.0  # where A = 0 or underflows
-        if self._offset is not None:
-            return np.maximum(self._rates.log_rate(0.0, threshold, 1.0) + self._offset[row], least)
-        spent, (contact, leg) = np.zeros(threshold.shape), np.nonzero(self._duration[row] * on)
-        # moves whose rates stay in the processor's cache
-        together = max(4096 // max(threshold.shape[1], 1), 1)
-        for begin in range(0, contact.size, together):
-            which, some = leg[begin : begin + together, None], contact[begin : begin + together]
-            own = row[some, None]
-            near, far = self._stretch[own, which], self._stretch[own, which + 1]
-            passed = self._mean_rate(near, far, threshold[some]) * self._duration[own, which]
+        For a rate h = f(x) g(x_s) the relaxed time is the integral of f(x)/f(0) over time, the same for all thresholds:
+        one of them gives A at every other. Contacts born together, neighbours here, move together on all legs but the
+        last, so that the relaxed time of these legs is computed once for each birth.
+        """
+        births = np.stack([born, self._duration[:, :-1].sum(axis=1)])  # stretch, and time since
+        is_first = np.any(np.diff(births, prepend=np.nan) != 0.0, axis=0)
+        birth_of_each = np.cumsum(is_first) - 1
+        on_last = np.zeros(self._duration.shape[1])
+        on_last[-1] = 1.0
+        of_births = self._log_relaxed_time_on(np.flatnonzero(is_first), 1.0 - on_last)
+        of_last = self._log_relaxed_time_on(np.arange(born.size), on_last)
+        return np.logaddexp(of_births[birth_of_each], of_last)
+
+    def _log_relaxed_time_on(self, contact: Rows, on: Array) -> Array:
+        """Logarithm of the relaxed time of these contacts, shape (n, 1), on the legs where `on` is 1 and not 0."""
+        is_end = np.maximum(np.append(on, 0.0), np.append(0.0, on))  # of a leg that counts
+        ends = np.abs(self._stretch[contact]) * is_end
+        # the least threshold that the contact has not met there; any other gives the same
+        threshold = ends.max(axis=1, keepdims=True, initial=SMALLEST)
+        rate_at_0 = self._rates.log_rate(0.0, threshold, 1.0)
+        return self.log(contact, threshold, on) - rate_at_0
+
+    def log(self, contact: Rows, threshold: Array, on: Array | float = 1.0) -> Array:
+        """ln A of the contacts, shape (n,), on all legs or those where `on` is 1, at thresholds of shape (n, k), which
+        |x| has exceeded there at most by rounding; finite."""
+        if self._log_relaxed_time is not None:
+            rate_at_0 = self._rates.log_rate(0.0, threshold, 1.0)
+            return np.maximum(rate_at_0 + self._log_relaxed_time[contact], _LEAST_LOG)
+        total = np.zeros(threshold.shape)
+        row, leg = np.nonzero(self._duration[contact] * on)
+        together = max(_TOGETHER // max(threshold.shape[1], 1), 1)
+        for begin in range(0, row.size, together):
+            some = row[begin : begin + together]
+            which = leg[begin : begin + together, None]
+            own = contact[some, None]
+            ends = self._stretch[own, which], self._stretch[own, which + 1]
+            on_leg = self._mean_rate(*ends, threshold[some]) * self._duration[own, which]
             first = np.flatnonzero(np.diff(some, prepend=-1))
-            spent[some[first]] += np.add.reduceat(passed, first, axis=0)
-        return np.log(np.maximum(spent, np.exp(least)))
+            total[some[first]] += np.add.reduceat(on_leg, first, axis=0)
+        return np.log(np.maximum(total, np.exp(_LEAST_LOG)))
 
-    def _mean_rate(self, near: Array, far: Array, threshold: Array) -> Array:
+    def _mean_rate(self, begin: Array, end: Array, threshold: Array) -> Array:
         """Mean of h over straight moves, at thresholds of shape (n, k); ends of shape (n, 1)."""
-        stiffness, across = self._stiffness(threshold), near * far < 0.0
-        first, last = (np.minimum(np.abs(end), threshold) for end in (near, far))
-        low, high = np.minimum(first, last), np.maximum(first, last)
-        begin = np.where(across, 0.0, low)
-        passed, way = self._passed(begin, high, threshold, stiffness), high - begin
-        if across.any():  # |x| falls to 0 and rises again
-            some = np.flatnonzero(across)
-            back, way[some] = low[some], high[some] + low[some]
-            passed[some] += self._passed(0.0 * back, back, threshold[some], stiffness[some])
-        # rounding of the way's ends hardly matters for this mean, unlike for the integral
-        mean = passed if way.all() else self._rates.rate(high, threshold, stiffness)
-        return np.divide(passed, way, out=mean, where=way > 0.0)
+        stiffness = self._stiffness(threshold)
+        first = np.minimum(np.abs(begin), threshold)
+        last = np.minimum(np.abs(end), threshold)
+        low = np.minimum(first, last)
+        high = np.maximum(first, last)
+        crosses_0 = begin * end < 0.0
+        from_0 = np.where(crosses_0, 0.0, low)
+        integral = self._integral(from_0, high, threshold, stiffness)
+        distance = high - from_0
+        if crosses_0.any():  # |x| falls to 0 and rises again
+            some = np.flatnonzero(crosses_0)
+            to_0 = low[some]
+            distance[some] = to_0 + high[some]
+            integral[some] += self._integral(0.0 * to_0, to_0, threshold[some], stiffness[some])
+        # rounding of the ends hardly matters for this mean, unlike for the integral
+        mean = integral if distance.all() else self._rates.rate(high, threshold, stiffness)
+        return np.divide(integral, distance, out=mean, where=distance > 0.0)
 
-    def _passed(self, low: Array, high: Array, threshold: Array, stiffness: Array) -> Array:
+    def _integral(self, low: Array, high: Array, threshold: Array, stiffness: Array) -> Array:
         """Integral of h over stretches from low to high; all of one shape."""
-        log_passed = self._rates.log_passed(low, high, threshold, stiffness)
-        return np.exp(np.minimum(log_passed, LARGEST_EXPONENT))
+        log_integral = self._rates.log_passed(low, high, threshold, stiffness)
+        return np.exp(np.minimum(log_integral, LARGEST_EXPONENT))
 
 
 class MeanRateLife(LawLife):
@@ -167,47 +216,61 @@ class MeanRateLife(LawLife):
 
     H(x), the integral of h(x; x_s) P_c(x_s) over x_s > |x|, is the rate of all contacts, and
 
-        E = product over all ways out of S(|x_end|)/S(|x_begin|) exp(-integral of H over time),
+        E = product over all outward moves of S(|x_end|)/S(|x_begin|) exp(-integral of H over time),
 
-    a way out being one on which |x| grows beyond |r|. As in App. C, a contact that was pulled back and goes out
-    again may break at thresholds that it has passed before; on one leg the product is S(|x|)/S(|r|).
-    Contacts have independent stiffness; `resolved`: see Life.
+    an outward move being one on which |x| grows beyond |r|. As in App. C, a contact that was pulled back and moves
+    outward once more may break at thresholds that it has passed before; on one leg the product is S(|x|)/S(|r|).
+    Contacts have independent stiffness; `coefficient_limit`: see Life.
     """
 
-    pair_work = 6
+    pair_work = 6  # measured
 
-    def __init__(self, contacts: Contacts, resolved: float = RESOLVED) -> None:
+    def __init__(self, contacts: Contacts, coefficient_limit: float = COEFFICIENT_LIMIT) -> None:
         """Tabulate the mean rate H and its integral."""
         super().__init__(contacts)
         assert contacts.thermal is not None
-        self.resolved, self.largest_birth_stretch = resolved, self.largest_stretch
+        self.coefficient_limit = coefficient_limit
+        self.largest_birth_stretch = self.largest_stretch
         rates = self._rates = contacts.thermal.rates
-        edges = np.unique(np.concatenate([[0.0, self.largest_stretch], self.bends, self.panels]))
-        scale, far = rates.scale, self.largest_stretch
-        barrier = float(np.log(scale) - rates.log_rate(0.0, far, 1.0))
-        self._accuracy = 0.1 * resolved  # relative last coefficients of H in its table
+        self._accuracy = 0.1 * coefficient_limit  # relative last coefficients of H in its table
+        self._table = self._tabulated()
+        # the table is checked away from its nodes; an error of H counts by its part of L, the integral
+        # of H, and one of ln L changes the survival e^-L by at most 1/e of it
+        table = self._table
+        at = table.begin + 0.02 * table.widths
+        off = np.abs(self.rate(at) - self.mean_rate(at)[0]) + self._above(at, checked=1).missed[0]
+        least = _NEVER * rates.scale * self.largest_stretch
+        integral = np.maximum(self.rate_integral(table.edges[1:]), least)
+        self.error = float((np.cumsum(off * table.widths) / integral).max(initial=0.0)) / np.e
+
+    def _tabulated(self) -> Table:
+        """The table of H up to the largest stretch."""
+        rates, far = self._rates, self.largest_stretch
+        edges = np.unique(np.concatenate([[0.0, far], self.bends, self.panels]))
         # relative rounding of h per k_BT of the barrier, divided by the accuracy; halving cannot reduce it
+        barrier = float(np.log(rates.scale) - rates.log_rate(0.0, far, 1.0))
         rounding = 16.0 * _EPSILON * max(barrier, 1.0) / self._accuracy
 
         def looser(values: Array, widths: Array) -> Array:
-            most = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * scale)
+            largest = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * rates.scale)
             # near a bend panels get narrow and add little to L
-            return np.asarray(most / np.minimum(1.0, widths / (1e-3 * far)))
+            return np.asarray(largest / np.minimum(1.0, widths / (1e-3 * far)))
 
-        found = self.mean_rate, edges[edges <= far], self._accuracy, 1e-13 * far
-        table = self._table = Table(*found, size=14, looser=looser, rounding=rounding)
-        # the table is checked away from its nodes; an error of H counts by its part of L, the integral
-        # of H, and one of ln L changes the survival e^-L by at most 1/e of it
-        at = table.begin + 0.02 * table.widths
-        wrong = np.abs(self.rate(at) - self.mean_rate(at)[0]) + self._above(at, checked=1).missed[0]
-        grown = np.maximum(self.grown(table.edges[1:]), _NEVER * scale * far)
-        self.error = float((np.cumsum(wrong * table.widths) / grown).max(initial=0.0)) / np.e
+        return Table(
+            self.mean_rate,
+            edges[edges <= far],
+            self._accuracy,
+            1e-13 * far,  # narrower panels are rounding
+            size=14,
+            looser=looser,
+            rounding=rounding,
+        )
 
     def rate(self, x: Array) -> Array:
         """H at x >= 0, from the table; same shape."""
         return np.asarray(self._table(x)[0])
 
-    def grown(self, x: Array) -> Array:
+    def rate_integral(self, x: Array) -> Array:
         """L, the integral of H from 0 to x, of either sign; same shape."""
         return np.sign(x) * self._table.up_to(np.abs(x))
 
@@ -222,36 +285,43 @@ class MeanRateLife(LawLife):
     def _above(self, x: Array, checked: int = CHECKED) -> Integrals:
         """h averaged over the thresholds above x, without exact ones; shape (1, n)."""
 
-        def breaking(row: Rows, xi: Array) -> Array:
-            return (self._rates.rate(x[row, None], xi, 1.0) * finite_density(self.law, xi))[None]
+        def rate_by_density(row: Rows, threshold: Array) -> Array:
+            rate = self._rates.rate(x[row, None], threshold, 1.0)
+            return (rate * finite_density(self.law, threshold))[None]
 
         # right below an edge the distance of thresholds from x suffers from rounding, by 1e-14 of x
         away = np.append(self.panels, np.inf)[np.searchsorted(self.panels, x, "right")] - x
-        relative = np.maximum(20.0 * self._accuracy, 1e-14 * x / np.maximum(away, 1e-14 * x))
-        given = breaking, np.maximum(x, SMALLEST), self.panels, True
-        return integrals_above(*given, relative, True, checked)
+        accuracy = np.maximum(20.0 * self._accuracy, 1e-14 * x / np.maximum(away, 1e-14 * x))
+        least = np.maximum(x, SMALLEST)
+        return integrals_above(rate_by_density, least, self.panels, True, accuracy, True, checked)
 
-    def unmet(self, begin: Array, end: Array, first: Array, side: Array) -> Array:
-        """Share that meets no threshold on a straight move; |r| = first at birth; arrays that broadcast."""
-        # a way out through 0 begins at |r|; a way towards 0 has the factor 1
+    def cold_survival(self, begin: Array, end: Array, first: Array, side: Array) -> Array:
+        """Fraction that meets no threshold on a straight move; |r| = first at birth; arrays that broadcast."""
+        # an outward move through 0 begins at |r|; one towards 0 has the factor 1
         least = np.where(begin * end < 0.0, first, np.maximum(np.abs(begin), first))
-        held, whole = (
-            self.threshold_survival(m, side) for m in (np.maximum(np.abs(end), least), least)
-        )
-        return np.divide(held, whole, out=np.zeros_like(whole), where=whole > 0.0)
+        largest = np.maximum(np.abs(end), least)
+        before = self.threshold_survival(least, side)
+        after = self.threshold_survival(largest, side)
+        return np.divide(after, before, out=np.zeros_like(before), where=before > 0.0)
 
     def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
-        share, error = np.zeros(born.size), self.error
+        survival = np.zeros(born.size)
+        error = self.error
         for some, moves in history.by_birth():
-            displacement, duration, speeds = moves.legs()
-            x, rests = born[some, None] + displacement, speeds == 0.0
-            grown, speeds = self.grown(x), np.where(rests, np.inf, np.abs(speeds))
-            spent = np.abs(np.diff(grown)) / speeds
-            spent[:, rests] = duration[:, rests] * self.rate(np.abs(x[:, 1:][:, rests]))
+            displacement, duration, speed = moves.legs()
+            x = born[some, None] + displacement
+            rests = speed == 0.0
+            per_speed = 1.0 / np.where(rests, np.inf, np.abs(speed))
+            integral = self.rate_integral(x)
+            over_time = np.abs(np.diff(integral)) * per_speed
+            over_time[:, rests] = duration[:, rests] * self.rate(np.abs(x[:, 1:][:, rests]))
             # may exceed the difference
-            rounded = (_EPSILON * np.abs(grown[:, 1:]) / speeds * (duration > 0.0)).sum(axis=1)
-            unmet = self.unmet(x[:, :-1], x[:, 1:], np.abs(born[some, None]), side[some, None])
-            share[some] = np.minimum(unmet.prod(axis=1), 1.0) * np.exp(-spent.sum(axis=1))
-            error = max(error, float((share[some] * rounded).max(initial=0.0)))
-        return Survivors(share, share * (born + history.now), error)
+            rounding = _EPSILON * np.abs(integral[:, 1:]) * per_speed * (duration > 0.0)
+            cold = self.cold_survival(
+                x[:, :-1], x[:, 1:], np.abs(born[some, None]), side[some, None]
+            )
+            survival[some] = np.minimum(cold.prod(axis=1), 1.0) * np.exp(-over_time.sum(axis=1))
+            rounded = survival[some] * rounding.sum(axis=1)
+            error = max(error, float(rounded.max(initial=0.0)))
+        return Survivors(survival, survival * (born + history.now), error)

@@ -14,38 +14,45 @@ from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
 # Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of sums of them.
-NONE_LEFT = 1e-18
+NO_SURVIVAL = 1e-18
 # An exact threshold within this relative distance above |x| counts as met: a turning point placed
 # exactly at it may be off by rounding.
 TIE = 1e-12
+# Relative distance from an exact threshold within which rounding may put |x| on its wrong side.
+ROUNDED_SIDE = 1e-9
 # Factor on the largest measured error of an integral: halving shows only two thirds of the error where
 # the integrand begins as a square root, and only some integrals are measured.
 MARGIN = 4.0
-SMALLEST = 1e-100  # a length: no rate is defined at a threshold of 0
-# Thresholds below this many mean thresholds underflow in sums.
-LOWEST = 1e-290
+# The least threshold (a length) at which a rate is evaluated: no rate is defined at a threshold of 0.
+SMALLEST = 1e-100
+# Thresholds below this many mean thresholds underflow in sums; and the largest weight that may lie there.
+LOWEST, MOST_BELOW_LOWEST = 1e-290, 1e-12
+# Survival of P_c at which panels for sums over thresholds end: e^-69, which not even the stiffest contacts outweigh.
+PANELS_END = 1e-30
+# Weight of exact thresholds, short of 1, from which on the rest is their rounding and no spread of thresholds.
+ALL_ATOMS = 1.0 - 1e-14
 
 
 class Survivors(NamedTuple):
-    """What is left of contacts that were born together; share and force are arrays of one shape.
+    """The fraction of contacts born together that still holds, and its force; arrays of one shape.
 
-    share : E, the share that still holds, between 0 and 1
-    force : K, their mean force per contact born, in units of <k>: a length
-    error : estimate from above of the largest error of these shares, which finer panels do not reduce
+    survival : E, the fraction that still holds, between 0 and 1
+    force : K, the mean force per contact born, in units of <k>: a length
+    error : estimate from above of the largest error of these survivals, which finer panels do not reduce
     """
 
-    share: Array
+    survival: Array
     force: Array
     error: float
 
     @property
     def both(self) -> Array:
-        """Share and force as one array, whose first axis has the length 2."""
-        return np.stack([self.share, self.force])
+        """Survival and force as one array, whose first axis has the length 2."""
+        return np.stack([self.survival, self.force])
 
     def reshape(self, *shape: int) -> "Survivors":
         """The same in arrays of another shape."""
-        return Survivors(self.share.reshape(shape), self.force.reshape(shape), self.error)
+        return Survivors(self.survival.reshape(shape), self.force.reshape(shape), self.error)
 
 
 class Life:
@@ -60,44 +67,46 @@ class Life:
     safe_stretch : length; a contact whose |x| has never been beyond it still holds (its survival is 1 to
         rounding); 0 where there is no such length
     largest_birth_stretch : length; stretches of the start beyond it are left out
-    atoms : array of shape (n,), exact thresholds (lengths), at which finite shares of contacts break together
+    atoms : array of shape (n,), exact thresholds (lengths), at which finite fractions of contacts break together
     bends : array of shape (n,), sorted lengths: the largest |x| at which the survival of a contact is not
         smooth, such as jumps of P_c and exact thresholds
     marks : array of shape (n,), where `quick`: |x| between which the survival is nearly a polynomial
     resolution_length : length over which the survival has to be resolved
     quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
     pair_work : work of `survival_and_force` for one birth at one moment, in look-ups in a table
-    timeless : whether the survival depends only on the way, and not on the time that it took
-    error : the least error of a share that `survival_and_force` can return, known when the life is made; no query
+    timeless : whether the survival depends only on the distance moved, and not on the time that it took
+    error : the least error of a survival that `survival_and_force` can return, known when the life is made; no query
         changes it, as each returns its own error
-    left_out : share of the contacts that the survival may leave out: its error is never below that
+    neglected : fraction of the contacts that the survival may leave out: its error is never below that
     kernel_error : further error of K, in units of the stretches at a break; only transforms need it
-    resolved : last coefficients, on a piece of the stretches at birth, below which it is not halved
-    fresh : whether contacts of the start survive as those born later at the same stretch
+    coefficient_limit : last coefficients, on a piece of the stretches at birth, below which it is not halved
+    start_as_births : whether contacts of the start survive as those born later at the same stretch
     has_strands : whether births of earlier legs have to be followed, since `survival_and_force` does not know them
     """
 
     largest_stretch: float
     resolution_length: float
-    safe_stretch, quick, timeless, has_strands, left_out, kernel_error = (
-        0.0,
-        False,
-        False,
-        False,
-        0.0,
-        0.0,
-    )
-    pair_work, fresh, error, resolved, largest_birth_stretch = 1, True, 0.0, 1e-12, np.inf
+    safe_stretch = 0.0
+    largest_birth_stretch = np.inf
+    quick = False
+    timeless = False
+    has_strands = False
+    start_as_births = True
+    pair_work = 1
+    error = 0.0
+    neglected = 0.0
+    kernel_error = 0.0
+    coefficient_limit = 1e-12
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
     marks: Array = np.empty(0)
 
-    def atom_share(self, atom: float, stretch: float) -> float:
-        """Upper bound of the share of contacts born at a stretch that have the exact threshold `atom`."""
+    def atom_fraction(self, atom: float, stretch: float) -> float:
+        """Upper bound of the fraction of contacts born at a stretch that have the exact threshold `atom`."""
         return 0.0
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
-        """Share of contacts that still hold, their mean force per contact born, and the error of the share.
+        """The fraction of contacts that still holds, its force per contact born, and the error of the fraction.
 
         born : the law of the stretches at birth, or an array of single stretches that broadcasts
             with the history; thresholds follow P_c conditional on x_s > |stretch|
@@ -110,7 +119,8 @@ class Life:
         if isinstance(born, Start) and not born.is_single:
             return self._averaged(born, history.pick(slice(None))).reshape(*shape)
         single = born.mean() if isinstance(born, Start) else born
-        stretch, moves = np.broadcast_to(single, shape).ravel(), history.pick(slice(None))
+        stretch = np.broadcast_to(single, shape).ravel()
+        moves = history.pick(slice(None))
         side = np.repeat(moves.largest(stretch).reshape(shape)[:, shape[1] // 2], shape[1])
         return self.survivors(stretch, side, moves).reshape(*shape)
 
@@ -132,24 +142,24 @@ class Life:
         pieces = Pieces.between(np.clip(np.concatenate(cuts, axis=1), first, last))
         middle = 0.5 * (pieces.low + pieces.high)
         pieces = pieces.pick(history.pick(pieces.owner).largest(middle) < furthest)
-        kept = law.cdf(self.largest_birth_stretch) - law.cdf(-self.largest_birth_stretch)
+        weight = law.cdf(self.largest_birth_stretch) - law.cdf(-self.largest_birth_stretch)
 
-        of_shares = [self.error]
+        survival_errors = [self.error]
 
-        def weighed(row: Rows, born: Array) -> Array:
+        def weighted(row: Rows, born: Array) -> Array:
             nodes = born.shape[1]
             side = history.pick(row).largest(born[:, nodes // 2])
             moves = history.pick(np.repeat(row, nodes))
             found = self.survivors(born.ravel(), np.repeat(side, nodes), moves)
-            of_shares.append(found.error)
-            return found.both.reshape(2, *born.shape) * (finite_density(law, born) / kept)
+            survival_errors.append(found.error)
+            return found.both.reshape(2, *born.shape) * (finite_density(law, born) / weight)
 
         # densities of a law far narrower than its distance from 0 are rounded
         rounding = 100.0 * np.finfo(float).eps * max(abs(first), abs(last)) / (last - first)
-        found = integrals(weighed, pieces, now.size, max(self.resolved, rounding))
-        of_average = MARGIN * float(found.missed[0].max(initial=0.0))
-        share, force = found.value
-        return Survivors(share, force, max(of_shares) + of_average)
+        found = integrals(weighted, pieces, now.size, max(self.coefficient_limit, rounding))
+        average_error = MARGIN * float(found.missed[0].max(initial=0.0))
+        survival, force = found.value
+        return Survivors(survival, force, max(survival_errors) + average_error)
 
 
 class LawLife(Life):
@@ -166,22 +176,21 @@ class LawLife(Life):
         self.atoms, self.atom_weights = law.atoms
         # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
-        least = float(law.sf(max(abs(end) for born in births for end in born.span)))
-        furthest = float(law.isf(NONE_LEFT * max(least, 1e-280)))
+        at_birth = float(law.sf(max(abs(end) for born in births for end in born.span)))
+        furthest = float(law.isf(NO_SURVIVAL * max(at_birth, 1e-280)))  # less underflows
         self.largest_stretch = max([min(float(law.support()[1]), furthest), *self.atoms])
         marks = np.concatenate([law.breakpoints, self.atoms])
         self.bends = np.unique(marks[(marks > 0.0) & (marks <= self.largest_stretch)])
-        spread = float(self.atom_weights.sum()) < 1.0 - 1e-14
-        self.panels: Array = panel_edges(law, tail=1e-30) if spread else np.empty(0)
-        self.panels = np.maximum(self.panels, SMALLEST)
+        is_spread = float(self.atom_weights.sum()) < ALL_ATOMS
+        edges: Array = panel_edges(law, tail=PANELS_END) if is_spread else np.empty(0)
+        self.panels: Array = np.maximum(edges, SMALLEST)
         inner = self.panels[self.panels < self.largest_stretch]
         broken = -np.diff(law.sf(inner))
-        length = (
-            np.average(np.diff(inner), weights=broken) if broken.any() else self.largest_stretch
-        )
-        self.resolution_length = float(length)
+        self.resolution_length = self.largest_stretch
+        if broken.any():
+            self.resolution_length = float(np.average(np.diff(inner), weights=broken))
 
-    def atom_share(self, atom: float, stretch: float) -> float:
+    def atom_fraction(self, atom: float, stretch: float) -> float:
         """See Life; an upper bound, as heat may break some before."""
         return float(self.atom_weights[self.atoms == atom].sum() / self.law.sf(abs(stretch)))
 
@@ -189,10 +198,10 @@ class LawLife(Life):
         """Survival at m, shape (n,); exact thresholds close to m are broken where they lie below `side`."""
         out = np.asarray(self.law.sf(m), dtype=float)
         for position, weight in zip(self.atoms, self.atom_weights, strict=True):
-            # rounding may put m on the wrong side
-            furthest = np.where(np.abs(m - position) <= 1e-9 * position, side, m)
-            here = np.less(furthest, position * (1.0 - TIE)).astype(float)
-            out = out + weight * (here - np.less(m, position))
+            is_near = np.abs(m - position) <= ROUNDED_SIDE * position
+            furthest = np.where(is_near, side, m)
+            holds = np.less(furthest, position * (1.0 - TIE)).astype(float)
+            out = out + weight * (holds - np.less(m, position))
         return out
 
 
@@ -202,52 +211,57 @@ class ColdLife(LawLife):
 
     quick = timeless = True
 
-    def __init__(self, contacts: Contacts, resolved: float = Life.resolved) -> None:
+    def __init__(
+        self, contacts: Contacts, coefficient_limit: float = Life.coefficient_limit
+    ) -> None:
         """Find where the survival bends; InputError where P_c has weight too near to 0."""
-        law, self._mean, self.resolved = contacts.thresholds, contacts.mean_threshold, resolved
+        law = contacts.thresholds
+        self._mean = contacts.mean_threshold
+        self.coefficient_limit = coefficient_limit
         beneath = float(law.cdf(LOWEST * self._mean))
-        if beneath > 1e-12:
+        if beneath > MOST_BELOW_LOWEST:
             fault = f"a weight of {beneath:.2g} lies below {LOWEST:g} of the mean"
             hint = "where floating point ends; leave such contacts out and count them apart"
             raise InputError(f"thresholds: {fault}, {hint}")
         super().__init__(contacts)
         self.resolution_length *= 0.5  # a first guess: no heat smooths the survival
         # a narrow law breaks only between `safe_stretch` and `largest_stretch`
-        self.safe_stretch = min([float(law.support()[0] or law.ppf(NONE_LEFT)), *self.atoms])
-        edges = np.unique(
-            np.concatenate(
-                [[0.0, self.safe_stretch, self.largest_stretch], self.bends, self.panels]
-            )
-        )
+        self.safe_stretch = min([float(law.support()[0] or law.ppf(NO_SURVIVAL)), *self.atoms])
+        lengths = [0.0, self.safe_stretch, self.largest_stretch]
+        edges = np.unique(np.concatenate([lengths, self.bends, self.panels]))
         self.marks = edges[edges <= self.largest_stretch]
         # where a start reaches into a heavy tail, the few contacts beyond may carry much force
-        self.largest_birth_stretch = (
-            self.largest_stretch if self.largest_stretch == law.support()[1] else np.inf
-        )
-        self._linked: Table | None = None
+        if self.largest_stretch == law.support()[1]:
+            self.largest_birth_stretch = self.largest_stretch
+        self._survival_table: Table | None = None  # where stiffness is linked
         if contacts.stiffness == "linked":
-            shortest = 1e-9 * self._mean
-            self._linked = Table(lambda x: law.sf(x)[None], self.marks, self.kernel_error, shortest)
+            shortest = (
+                1e-9 * self._mean
+            )  # of a panel: beside a density that diverges halving ends here
+            edges, accuracy = self.marks, self.kernel_error
+            self._survival_table = Table(lambda x: law.sf(x)[None], edges, accuracy, shortest)
 
-    def _borne(self, m: Array, held: Array) -> Array:
-        """Survivors weighted by their stiffness k_i/<k>: <x_s; x_s > m>/<x_s> where it is linked."""
-        if not self._linked:
-            return held
+    def _weighted_by_stiffness(self, m: Array, survival: Array) -> Array:
+        """The survival at m with each contact counted k_i/<k> times: where the stiffness is linked,
+        <x_s; x_s > m>/<x_s>, which by parts is m times the survival, and its integral beyond m, over <x_s>."""
+        table = self._survival_table
+        if table is None:
+            return survival
+        beyond = table.integrals()[0] - table.up_to(np.minimum(m, self.largest_stretch))
         # thresholds lie below `largest_stretch`: in the far tail this bound is more accurate than the table
-        most = np.maximum(self.largest_stretch - m, 0.0) * held
-        beyond = self._linked.integrals()[0] - self._linked.up_to(
-            np.minimum(m, self.largest_stretch)
-        )
-        return np.asarray((m * held + np.clip(beyond, 0.0, most)) / self._mean)
+        largest = np.maximum(self.largest_stretch - m, 0.0) * survival
+        return np.asarray((m * survival + np.clip(beyond, 0.0, largest)) / self._mean)
 
     def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
-        first, m = np.abs(born), history.largest(born)
-        whole, held = np.ones((2, *m.shape))
-        for share, x, edge in ((whole, first, first), (held, m, side)):
+        first = np.abs(born)
+        m = history.largest(born)
+        at_birth, now = np.ones((2, *m.shape))
+        for survival, x, edge in ((at_birth, first, first), (now, m, side)):
             # up to `safe_stretch` all contacts hold: the law need not be evaluated there
             some = x > self.safe_stretch * (1.0 - 2.0 * TIE)
-            share[some] = self.threshold_survival(x[some], edge[some])
-        out = np.stack([held, self._borne(m, held) * (born + history.now)])
-        share, force = np.divide(out, whole, out=np.zeros_like(out), where=whole > 0.0)
-        return Survivors(share, force, self.error)
+            survival[some] = self.threshold_survival(x[some], edge[some])
+        force = self._weighted_by_stiffness(m, now) * (born + history.now)
+        out = np.stack([now, force])
+        survival, force = np.divide(out, at_birth, out=np.zeros_like(out), where=at_birth > 0.0)
+        return Survivors(survival, force, self.error)

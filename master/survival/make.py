@@ -5,10 +5,21 @@ import numpy as np
 from master.motion import Motion
 from master.survival.age.ageing import AgeingLife
 from master.survival.grains import GrainLife
-from master.survival.heat import RESOLVED, MeanRateLife, ThermalLife
+from master.survival.heat import COEFFICIENT_LIMIT, MeanRateLife, ThermalLife
 from master.survival.life import ColdLife, Life
 from origins import Contacts, InputError
 from origins.errors import refuse
+
+# Error of the survival of contacts that age, in tolerances of the force, of which it is one part of several; and the
+# least, to which first passages are solved in a time that users wait for.
+AGEING_PART, AGEING_FINEST = 0.2, 1e-10
+# Power of the density of fresh thresholds at 0 below which panels of the first passage, which follow the breaks right
+# after a birth, would have to be shorter than rounding allows (measured).
+STEEPEST_ONSET = -0.15
+# Largest hazard lost right after pinning, of contacts with growing grains: the survival e^-300 is close to underflow.
+MOST_LOST = 300.0
+# Longest time for which contacts that age are followed, in mean thresholds divided by the speed: as long as any holds.
+LONGEST_AGE = 1e9
 
 
 def life_of(
@@ -16,7 +27,7 @@ def life_of(
 ) -> Life:
     """The life of these contacts.
 
-    tolerance : of the force, in mean thresholds; 0 where it is not known: to RESOLVED, with ageing to 1e-10
+    tolerance : of the force, in mean thresholds; 0 where it is not known: as fine as a table needs
     motion : of the slider; needed for contacts that age or have growing grains
     until : reading of time.monotonic() after which a life is not refined any more
 
@@ -39,13 +50,14 @@ def life_of(
             raise InputError(f"contacts.ageing: {fault}; {hint}")
         if refusal := why_no_passage(contacts):
             raise InputError(refusal)
-        return AgeingLife(contacts, motion, max(0.2 * tolerance, 1e-10), until)
+        accuracy = max(AGEING_PART * tolerance, AGEING_FINEST)
+        return AgeingLife(contacts, motion, accuracy, until)
     # the error of averages is the square of their last coefficients, or near an onset of P_c 1e-3 of them
-    resolved = float(np.clip(tolerance, 1e-12, 1e-6)) if tolerance else RESOLVED
+    limit = float(np.clip(tolerance, 1e-12, 1e-6)) if tolerance else COEFFICIENT_LIMIT
     if contacts.thermal is None:
-        return ColdLife(contacts, resolved)
+        return ColdLife(contacts, limit)
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
-    return life(contacts, resolved)
+    return life(contacts, limit)
 
 
 def why_no_passage(contacts: Contacts) -> str:
@@ -61,9 +73,8 @@ def why_no_passage(contacts: Contacts) -> str:
     if ageing.normal is None:
         fault = "on a rigid slider the master equation takes ageing towards a gaussian law alone"
         return f"contacts.ageing: final is no gaussian, and {fault}; {instead}"
-    # breaks right after a birth diverge as the density does: below this power (measured) panels of the first passage
-    # would have to be shorter than rounding allows
-    if fresh.support()[0] == 0.0 and fresh.onset_power < -0.15:
+    # breaks right after a birth diverge as the density does
+    if fresh.support()[0] == 0.0 and fresh.onset_power < STEEPEST_ONSET:
         power = f"as x^{fresh.onset_power:.3g}"
         fault = (
             f"their density diverges at 0 {power}, where contacts that age break as they are born"
@@ -79,18 +90,19 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
     if grains is not None:
         grains.check_speed(velocity)
         lost = grains.lost_hazard(velocity)
-        if lost > 300.0:  # a share of e^-300 is close to underflow
+        if lost > MOST_LOST:
             few = f"none holds but a fraction exp(-{lost:.4g})"
             why = "they are stretched before their grains have grown"
             hint = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
             refuse("velocity", velocity, hint)
         assert grains.age is not None
         # until even the strongest contacts of the start are broken
-        longest, behind = grains.growth.first_pinning_time, max(-contacts.start.span[0], 0.0)
-        while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - behind:
+        longest = grains.growth.first_pinning_time
+        to_0 = max(-contacts.start.span[0], 0.0)  # distance that the start has to go to x = 0
+        while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - to_0:
             longest *= 1.5
     elif contacts.ageing is not None:
-        longest = 1e9 * contacts.mean_threshold / velocity  # they are followed as long as any holds
+        longest = LONGEST_AGE * contacts.mean_threshold / velocity
     else:
         return life_of(contacts)
     motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * velocity]))

@@ -15,7 +15,7 @@ from scipy.special import exp1
 
 from master.motion import Legs
 from master.survival.age.extent import narrowest
-from master.survival.heat import MeanRateLife, Replay
+from master.survival.heat import IntegratedRate, MeanRateLife
 from master.survival.life import TIE
 from origins import Contacts
 from origins.thresholds.law import Array
@@ -149,9 +149,9 @@ class Memory:
         travel, count = leg.end - leg.begin, leg.end.size
         speed, duration = float(travel[0]) / leg.duration, np.full((count, 1), leg.duration)
         legs = Legs(np.stack([np.zeros(count), travel], axis=-1), duration, np.array([speed]))
-        replay = Replay(self._contacts, leg.begin, legs)
+        integrated = IntegratedRate(self._contacts, leg.begin, legs)
         above = np.maximum(thresholds, leg.largest[:, None])
-        return np.asarray(np.exp(replay.log_spent(np.arange(count), above)))
+        return np.asarray(np.exp(integrated.log(np.arange(count), above)))
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         """Survival and force, the mean of k x/<k> over all (lengths), shape (2, n). Both are multiplied by the
@@ -209,7 +209,7 @@ class MeanRateMemory(Memory):
         life, (survival, born) = self._life, record.T
         ends, middle = np.abs([leg.begin, leg.end]), 0.5 * np.abs(leg.begin + leg.end)
         mean = (life.rate(ends).sum(axis=0) + 4.0 * life.rate(middle)) / 6.0
-        survival = survival * life.unmet(leg.begin, leg.end, born, leg.largest)
+        survival = survival * life.cold_survival(leg.begin, leg.end, born, leg.largest)
         return np.stack([survival * np.exp(-mean * leg.duration), born], axis=1)
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:

@@ -67,7 +67,7 @@ class AgeingLife(Life):
     def _add_error(self, source: str, error: float) -> None:
         """Count an error of the fraction that holds: `error` sums the largest of each source, and 1e-13 by rounding."""
         self._errors[source] = max(self._errors.get(source, 0.0), error)
-        self.error = self.left_out = sum(self._errors.values()) + 1e-13
+        self.error = self.neglected = sum(self._errors.values()) + 1e-13
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """Those of contacts at any stretch; see Life.survival_and_force."""
