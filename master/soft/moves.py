@@ -17,7 +17,7 @@ from master.renewal.kernels import TARGETS, Run
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
 from master.soft.curve import LoadCurve, SlipBegin, SteadyForce
-from master.survival.life import NONE_LEFT, ColdLife
+from master.survival.life import NO_SURVIVAL, ColdLife
 from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -233,7 +233,7 @@ class MoveWithoutBirths(Move):
     def _steady_force(self) -> SteadyForce | None:
         """The force 0, once no contact holds any more."""
         number = self._march.known(np.full((1, TARGETS.size), self._march.reached))[0, 0, 0]
-        return SteadyForce(0.0, 0.0) if number <= NONE_LEFT else None
+        return SteadyForce(0.0, 0.0) if number <= NO_SURVIVAL else None
 
     def holds_none(self, y: float) -> bool:
         """Whether no contact holds any more after the travel y."""

@@ -15,7 +15,8 @@ from scipy.special import exp1
 
 from master.motion import Legs
 from master.survival.age.extent import narrowest
-from master.survival.heat import IntegratedRate, MeanRateLife
+from master.survival.heat import MeanRateLife
+from master.survival.integrated_rate import IntegratedRate
 from master.survival.life import TIE
 from origins import Contacts
 from origins.thresholds.law import Array
