@@ -45,13 +45,16 @@ def test_the_first_slip_ends_where_it_must(spring, rule):
 
 
 def test_a_slip_in_which_all_breaks_is_a_reset():
-    path = np.linspace(0.0, 3e4, 2001)
+    path, short = np.linspace(0.0, 3e4, 2001), [0.0, 1e3]
     one, other = (
         master.solve(CONTACTS, path, 1e-6, spring=1e-3, slip=rule)
         for rule in ("reset", "reform-after")
     )
     assert one.slips.drive.size == other.slips.drive.size > 30
     assert np.abs(one.force - other.force).max() <= one.force_error + other.force_error
+    for rule in ("reset", "reform-after"):
+        first = master.solve(CONTACTS, short, 1e-6, spring=1e-3, slip=rule)
+        assert first.slips.drive.size == 1 and first.regime.verdict == "stick-slip"
 
 
 def test_slips_of_contacts_that_all_break_are_solved_once():

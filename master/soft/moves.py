@@ -230,10 +230,12 @@ class Move:
 class MoveWithoutBirths(Move):
     """Contacts during a slip in which broken contacts stay out until the slider stops."""
 
+    # share of the contacts that hold where the last panel ends
+    _held = 1.0
+
     def _steady_force(self) -> SteadyForce | None:
         """The force 0, once no contact holds any more."""
-        number = self._march.known(np.full((1, TARGETS.size), self._march.reached))[0, 0, 0]
-        return SteadyForce(0.0, 0.0) if number <= NO_SURVIVAL else None
+        return SteadyForce(0.0, 0.0) if self._held <= NO_SURVIVAL else None
 
     def holds_none(self, y: float) -> bool:
         """Whether no contact holds any more after the travel y."""
@@ -252,18 +254,19 @@ class MoveWithoutBirths(Move):
             return False
         width = min(self._widest, float(later[0]) - begin)
         while True:
-            force = march.known(begin + width * TARGETS[None])[1, :, : polynomials.DEGREE + 1]
+            known = march.known(begin + width * TARGETS[None])[..., : polynomials.DEGREE + 1]
+            force = known[1]
             error = (
                 np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1)
                 / self.contacts.life.largest_stretch
             )
             if error[0] <= tolerance or width <= STILL * length:
                 break
-            width *= 0.5
-        # the error grows as the width to the power DEGREE: wider panels soon suffice in the tail of P_c
-        self._widest = (2.0 if error[0] < 1e-6 * tolerance else 1.0) * max(
-            width, 0.5 * self._widest
-        )
+            width = self._widest = 0.5 * width
+        self._held = float(known[0, 0, -1])
+        # the error grows as the width to the power DEGREE: twice as wide will do
+        if error[0] <= max(0.5**polynomials.DEGREE * tolerance, 1e-16):
+            self._widest *= 2.0
         leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
         march.keep(begin, width, Run(np.zeros_like(force), force, error), 1, begin - leg_begin)
         return True

@@ -166,6 +166,11 @@ def _by_slips(
     counted = f"{count} slips up to the end of the path"
     if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
+    if _first_slip_repeats(contacts, drive) and drops[0] == np.abs(slips.force_before[0]):
+        told = (
+            f"{counted}, and no contact holds on in a slip: all begin again, as they were at first"
+        )
+        return "stick-slip", told
     silent = abs(float(drive.path[-1] - slips.drive[-1]))
     first = (spring + 1.0) / spring * _oldest_threshold(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
@@ -182,6 +187,14 @@ def _by_slips(
     if trend is not None or late >= (1.0 - STEADY) * longer:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
+
+
+def _first_slip_repeats(contacts: Contacts, drive: Drive) -> bool:
+    """Whether contacts that all formed again are those of the start: relaxed, at T = 0, on a drive that goes forward,
+    and under a rule by which none forms again within a slip."""
+    relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
+    in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
+    return relaxed and not in_time and drive.forward and drive.slip != "instant"
 
 
 def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:
