@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 from master.motion import Motion
 from master.numerics import polynomials
 from master.renewal.births import Births, legendre_births
-from master.survival.age.ageing import AgeingLife
+from master.survival.age.ageing import ROUNDING, AgeingLife
 from master.survival.age.passages import over_root
 from origins.thresholds.law import Array
 
@@ -24,7 +24,7 @@ class StrandBirths:
     """The births of one finished leg, on panels that begin `since` its beginning, for contacts that age.
 
     missed : error of the number, as polynomials in the time of birth approximate the survival
-    survival_error : that of the survival at the strands
+    survival_error : that of the survival at the strands, on all legs so far
     """
 
     def __init__(self, births: Births, leg: int, since: Array, width: Array, breaks: Array) -> None:
@@ -38,13 +38,18 @@ class StrandBirths:
         left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
-        fresh = life.begin(life.stretches(births.law))
+        stretches = life.stretches(births.law)
+        fresh = life.begin(stretches.rule)
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
-        self._life, self._legs = life, life.follow(self._strands, leg + 1)
-        self.survival_error = life.error
+        self._legs, self._known_error = life.follow(self._strands, leg + 1), stretches.error
         births_on = legendre_births(ends, breaks @ polynomials.SLOPES.T, left, right, SIZE)
         self._weight = births_on @ basis.series.T  # of the pieces' nodes in a sum over all births
+
+    @property
+    def survival_error(self) -> float:
+        """By the stretches at birth, the first passages with splines between moments, and rounding."""
+        return self._known_error + self._strands.error + ROUNDING
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:
         """Follow the strands to the leg that begins at t = 0 of this motion; whether more than is negligible hold."""
@@ -54,7 +59,6 @@ class StrandBirths:
             if not np.abs(self._weight).ravel() @ self._strands.surviving_shares()[0] > negligible:
                 return False
             times, left = next(self._legs)
-            self.survival_error = self._life.error
             survivors = left.reshape(*left.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(survivors[:, 0], self._weight).sum()))
             self._sums = over_root(times, np.einsum("jkpi,pi->jk", survivors, self._weight))

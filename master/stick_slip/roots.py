@@ -117,12 +117,18 @@ class Transform:
             """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
             held = np.abs(values[0])
             held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
-            known = held * self._survival_error / np.maximum(held, FEW) + life.neglected
+            known = held * self._survival_error / np.maximum(held, FEW) + self._neglected
             return np.maximum(held, np.stack([known, known + life.kernel_error]) / accuracy)
 
         shortest = NARROWEST_PANEL * min(travel.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
         self.table = Table(for_table, edges, accuracy, shortest, looser=sizes, rounding=1e2)
+
+    @property
+    def _neglected(self) -> float:
+        """Error of the survival however few contacts hold, a fraction of them."""
+        life = self.travel.life
+        return life.neglected if life.error_is_relative else self._survival_error
 
     def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
         """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
@@ -141,7 +147,7 @@ class Transform:
             held < 1e-120, 1.0, self._survival_error / np.maximum(held, FEW) + SUM_ROUNDING
         )
         errors = np.abs(values) * share
-        errors += life.neglected * np.stack([np.ones(way.shape), way / scale])
+        errors += self._neglected * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
         errors[1] = (errors[1] + life.kernel_error * (way < life.largest_stretch)) * scale
         some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])

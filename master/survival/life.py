@@ -78,6 +78,7 @@ class Life:
     error : the least error of a survival that `survival_and_force` can return, known when the life is made; no query
         changes it, as each returns its own error
     neglected : fraction of the contacts that the survival may leave out: its error is never below that
+    error_is_relative : whether the error of a survival shrinks with it where few contacts hold; only transforms need it
     kernel_error : further error of K, in units of the stretches at a break; only transforms need it
     coefficient_limit : last coefficients, on a piece of the stretches at birth, below which it is not halved
     start_as_births : whether contacts of the start survive as those born later at the same stretch
@@ -95,6 +96,7 @@ class Life:
     pair_work = 1
     error = 0.0
     neglected = 0.0
+    error_is_relative = True
     kernel_error = 0.0
     coefficient_limit = 1e-12
     atoms: Array = np.empty(0)

@@ -7,6 +7,7 @@ Both come from the integral equation of the first passage (`Passage`).
 
 import time as clock
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -29,6 +30,22 @@ MOMENTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] 
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where survivals have a kink.
 BETWEEN, COUNTS = 22, (6, 9, 13, 19, 28)
 LONGEST_LIFE = 3.0  # reaches divided by the speed: a time after which hardly any contact holds
+# Rounding of a survival, a fraction of the contacts: it is a sum over panels of the first passage.
+ROUNDING = 1e-13
+
+
+class TimedSurvival(NamedTuple):
+    """Survival over the time since the birth, of contacts born at one stretch, and its largest error."""
+
+    at: Callable[[Array], Array]
+    error: float
+
+
+class BirthStretches(NamedTuple):
+    """Stretches that represent a law of births, and the error of a survival that is averaged over them."""
+
+    rule: StretchRule
+    error: float
 
 
 class AgeingLife(Life):
@@ -41,6 +58,8 @@ class AgeingLife(Life):
     width : narrowest width of the laws (a length)
     until : reading of time.monotonic() after which no finer averages over stretches at birth are tried
     """
+
+    error_is_relative = False
 
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
@@ -57,17 +76,15 @@ class AgeingLife(Life):
         longest = LONGEST_LIFE * self.largest_stretch / np.maximum(np.abs(motion.speeds), 1e-300)
         # of each leg the time until it ends or hardly any contact holds
         self._durations = np.minimum(np.diff(motion.times), longest)
-        self._stretches: dict[Start, StretchRule] = {}
-        self._tables: dict[tuple[float, float], Callable[[Array], Array]] = {}
-        self._errors: dict[str, float] = {}
+        self._stretches: dict[Start, BirthStretches] = {}
+        self._tables: dict[tuple[float, float], TimedSurvival] = {}
+        self.error = ROUNDING
         if self.has_strands:
-            start = self.follow(self.begin(self.stretches(contacts.start)), 0)
-            self._start = [over_root(times, found[..., 0]) for times, found in start]
-
-    def _add_error(self, source: str, error: float) -> None:
-        """Count an error of the fraction that holds: `error` sums the largest of each source, and 1e-13 by rounding."""
-        self._errors[source] = max(self._errors.get(source, 0.0), error)
-        self.error = self.neglected = sum(self._errors.values()) + 1e-13
+            stretches = self.stretches(contacts.start)
+            strand = self.begin(stretches.rule)
+            followed = list(self.follow(strand, 0))
+            self._start = [over_root(times, found[..., 0]) for times, found in followed]
+            self.error += stretches.error + strand.error
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """Those of contacts at any stretch; see Life.survival_and_force."""
@@ -76,28 +93,34 @@ class AgeingLife(Life):
         # on a motion of one leg, as that of a kernels.Straight, contacts of the start are looked up as births
         if born is self.contacts.start and not motion.one_leg:
             now = self._start[leg](history.t - motion.times[leg])
-            share, force = np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
-            return Survivors(share, force, self.error)
+            survival, force = np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
+            return Survivors(survival, force, self.error)
         if isinstance(born, Start):
-            rule = self.stretches(born)
+            rule, stretches_error = self.stretches(born)
             each = [
                 self.survival_and_force(np.full((1, 1), stretch), history)
                 for stretch in rule.stretch
             ]
-            share, force = np.tensordot(rule.weight, [found.both for found in each], 1)
-            return Survivors(share, force, self.error)
+            survival, force = np.tensordot(rule.weight, [found.both for found in each], 1)
+            error = max(found.error for found in each) + stretches_error
+            return Survivors(survival, force, error)
         # the speed of Straight's own motion is rounded; by the speed of this one its table is found again
         speed = float((motion if self.has_strands else self.motion).speeds[leg])
         lag = np.maximum(history.t - history.s, 0.0)
-        holding = self._fraction_holding(speed, born, lag)
-        return Survivors(holding, holding * (born + speed * lag), self.error)
+        holding, table_error = self._fraction_holding(speed, born, lag)
+        error = max(self.error, table_error + ROUNDING)
+        return Survivors(holding, holding * (born + speed * lag), error)
 
-    def _fraction_holding(self, speed: float, born: Array, lag: Array) -> Array:
-        """Of contacts born at these stretches the fraction that holds a time `lag` later; of many stretches on either
-        side of 0 it is interpolated by a polynomial."""
-        places, out = np.unique(born), np.zeros(lag.shape)
+    def _fraction_holding(self, speed: float, born: Array, lag: Array) -> tuple[Array, float]:
+        """Of contacts born at these stretches the fraction that holds a time `lag` later, and the largest error of the
+        tables; of many stretches on either side of 0 the fraction is interpolated by a polynomial."""
+        places, out, error = np.unique(born), np.zeros(lag.shape), 0.0
         if places.size <= BETWEEN:
-            return sum((self._table(speed, float(x))(lag) * (born == x) for x in places), out)
+            for x in places:
+                table = self._table(speed, float(x))
+                out += table.at(lag) * (born == x)
+                error = max(error, table.error)
+            return out, error
         stretch = np.broadcast_to(born, lag.shape)
         nodes = chebyshev.chebpts1(BETWEEN)
         to_series = np.linalg.inv(chebyshev.chebvander(nodes, BETWEEN - 1))
@@ -106,13 +129,14 @@ class AgeingLife(Life):
                 low = float(stretch[here].min())
                 span = max(float(np.ptp(stretch[here])), 1e-12 * self.largest_stretch)
                 tables = [self._table(speed, float(low + 0.5 * span * (1.0 + x))) for x in nodes]
-                at_nodes = np.array([table(lag[here]) for table in tables])
+                at_nodes = np.array([table.at(lag[here]) for table in tables])
+                error = max(error, *(table.error for table in tables))
                 z = 2.0 * (stretch[here] - low) / span - 1.0
                 found = chebyshev.chebval(z, to_series @ at_nodes, tensor=False)
                 out[here] = found.clip(0.0, 1.0)
-        return out
+        return out, error
 
-    def _table(self, speed: float, stretch: float) -> Callable[[Array], Array]:
+    def _table(self, speed: float, stretch: float) -> TimedSurvival:
         """Survival over the time of contacts born at this stretch on a slider that keeps this speed."""
         if (speed, stretch) not in self._tables:
             # |x| does not change when speed and stretch change sign
@@ -125,8 +149,7 @@ class AgeingLife(Life):
             passage.move(abs(speed), followed)
             # contacts that hold when they are followed no longer count as an error
             left = max(passage.left, 0.0) if followed < whole else 0.0
-            self._add_error("passages", passage.error + left)
-            self._tables[speed, stretch] = passage.survival
+            self._tables[speed, stretch] = TimedSurvival(passage.survival, passage.error + left)
         return self._tables[speed, stretch]
 
     def _passage(self, stretch: float) -> Passage:
@@ -145,9 +168,7 @@ class AgeingLife(Life):
         Passages.follow."""
         legs = zip(self.motion.speeds[first:], self._durations[first:], strict=True)
         for speed, duration in legs:
-            found = strands.follow(float(speed), float(duration))
-            self._add_error("followed", strands.error)
-            yield found
+            yield strands.follow(float(speed), float(duration))
 
     def _at_moments(self, strand: Passages) -> Array:
         """Fraction of a strand born at the beginning that holds at MOMENTS of all legs, shape (moments,)."""
@@ -159,10 +180,10 @@ class AgeingLife(Life):
         ]
         return np.concatenate(each)
 
-    def stretches(self, born: Start) -> StretchRule:
+    def stretches(self, born: Start) -> BirthStretches:
         """Stretches for births of the law `born`, as many as the survivals need."""
         if born.is_single:
-            return stretch_rule(born, self.largest_stretch, 1)
+            return BirthStretches(stretch_rule(born, self.largest_stretch, 1), 0.0)
         if born in self._stretches:
             return self._stretches[born]
         largest = self.contacts.thresholds.support()[1]
@@ -174,10 +195,9 @@ class AgeingLife(Life):
                 now = self._at_moments(self.begin(rule))
             else:
                 tables = [self._table(speed, x) for x in rule.stretch.tolist()]
-                now = rule.weight @ np.array([table(lags) for table in tables])
+                now = rule.weight @ np.array([table.at(lags) for table in tables])
             change, before = float(np.abs(now - before).max()), now
             if change <= self.accuracy or (count > COUNTS[0] and clock.monotonic() > self._until):
                 break
-        self._add_error("stretches", change)
-        self._stretches[born] = rule
-        return rule
+        self._stretches[born] = BirthStretches(rule, change)
+        return self._stretches[born]
