@@ -98,6 +98,8 @@ class Solution:
         leg : which straight leg of a path that turns round, counted from 0; may be omitted where
             the path passes X only once
 
+        No error is given with Q: that of the survivals is dropped here, and force_error is one of F alone.
+
         Raises InputError where the path does not pass X; for contacts that re-form at many stretches; and, along
         paths of several legs, for contacts that age or whose thresholds grow: Q is not computed there.
         """

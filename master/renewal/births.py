@@ -27,6 +27,8 @@ from origins.thresholds.law import Array
 TINY = float(np.finfo(float).tiny)
 # Work (see Births.work) after which nothing is halved any more: some 30 s, two minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
+# Work of a survival averaged over many stretches at birth, in that at one: a rough figure, for MOST_WORK alone.
+WORK_OF_AVERAGE = 40
 
 
 def reforming_law(contacts: Contacts) -> Start:
@@ -54,9 +56,10 @@ class Births:
     work: int = 0
 
     def add_work(self, pieces: int) -> None:
-        """Add the work of so many pieces: 1 each, or pair_work at a node; of many stretches at birth 40 times that."""
+        """Add the work of so many pieces: 1 each, or pair_work at a node; WORK_OF_AVERAGE times that where contacts are
+        born at many stretches."""
         cost = 1 if self.life.quick else polynomials.PANEL_NODES * self.life.pair_work
-        self.work += pieces * cost * (1 if self.law.is_single else 40)
+        self.work += pieces * cost * (1 if self.law.is_single else WORK_OF_AVERAGE)
 
 
 class Lump(NamedTuple):

@@ -19,15 +19,19 @@ FOR_BIRTHS, SMALLEST_FOR_BIRTHS = 3e-3, 1e-15
 
 @dataclass(frozen=True)
 class ErrorBudget:
-    """The parts of a tolerance, which add up to it as `solve_rigid` adds up force_error:
+    """The parts of a tolerance, beside which `solve_rigid` adds up force_error:
 
-        force_error = (worst panel + survivals + births) * stretch/mean + round_off <= tolerance.
+        force_error = (worst panel + survivals + births) * stretch/mean + round_off.
 
     An error of the number of contacts that hold counts as one of the force by the longest stretch that a contact can
     have. Errors of panels are not summed along the path: conservation fixes the number on each anew. The start is one
     of the survivals, and has no part of its own. Survivals known before are taken off first, with round-off; panels get
-    the rest, less FOR_SUMS of it for survivals that tell their error later; births get FOR_BIRTHS of a panel's part,
-    for which panels leave room, as each is halved until its error is below its part, and mostly far below.
+    the rest, less FOR_SUMS of it for survivals whose errors are known later.
+
+    Births have no part of their own: panels may use up theirs, and what births add then exceeds the sum. It is little.
+    On 32 random paths of three to five legs the estimated error of all births was at most 1.5e-3 of a panel's part
+    without heat (median 1e-7), and 0.06 of it with heat (median 5e-3), where sums over births are COARSER (see past).
+    The error that counts is in force_error, and where the sum is above the tolerance, `success` is False.
 
     panels : largest error of the number of breaks on a panel, a share of the contacts
     births : largest error of the number that the births on one leg contribute, a share of the contacts

@@ -30,6 +30,18 @@ TOGETHER_PIECES = 100_000
 NARROWEST_PANEL = 1e-13
 # Ratio of lags at which the survival is sampled to find where contacts break, and how many are sampled together.
 RATIO, LAGS_TOGETHER = 4.0, 6
+# Lags below this part of the longest one are not searched for breaks: their squares come near the smallest number.
+SHORTEST_LAG = 1e-150
+# Not even the heaviest tail is followed beyond this many times the longest stretch: squares stay far from overflow.
+FURTHEST_LAG = 1e120
+# Relative distance of two edges below which they count as one: some fifty times the rounding of a lag.
+SAME_EDGE = 1e-14
+# Smallest accuracy of a table, a fraction of the contacts: a finer one would follow the rounding of a survival. And the
+# accuracy of a table in that of the births, so that its error is small in theirs.
+FINEST_TABLE, FOR_TABLE = 1e-13, 0.1
+# Factor on the largest residual of conservation, and of the force, at a few points: it is at least half of the true one
+# (measured).
+BETWEEN_CHECKS = 2.0
 # Shares of contacts: AT_FIRST may break before a table's first edge; NEGLIGIBLE adds nothing to integrals.
 AT_FIRST, NEGLIGIBLE = 1e-3, 1e-17
 
@@ -47,7 +59,7 @@ class Straight:
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
     typical : a lag, to a factor of 4, after which half of the contacts have broken
     scale : a length, of the stretches at a break
-    survival_error : of the share that holds, as the life gave it for the table; known when this is made
+    survival_error : of the fraction that holds, as the life gave it for the table; known when this is made
     error : of a look-up: survival_error, and the table's own
 
     Raises InputError where contacts break within lags that underflow.
@@ -89,8 +101,8 @@ class Straight:
 
     def _from_table(self, lag: Array) -> Survivors:
         """As `scaled`, from the table."""
-        share, force = self.table(lag)
-        return Survivors(share, force, self.error)
+        survival, force = self.table(lag)
+        return Survivors(survival, force, self.error)
 
     def _for_table(self, lag: Array) -> Array:
         """As `scaled`, shape (2, rows, columns), while the table is made, which counts the errors of all its values."""
@@ -111,7 +123,8 @@ class Straight:
         return found._replace(force=found.force / self.scale)
 
     def look_up(self, lag: Array) -> Survivors:
-        """E and K after lags in rows, from a table if there is one; the middle column tells the side of a threshold."""
+        """E and K after lags in rows, from a table if there is one; the middle column of a row decides on which side of
+        a threshold it is."""
         ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         holds = (middle < self._last) | (lag < self._last * (1.0 - TIE))
@@ -136,14 +149,13 @@ class Straight:
         lags = np.array([longest])
         held = self._for_table(lags[:, None])[0, :, 0]
         while held[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
-            if lags[0] < 1e-150 * longest:
+            if lags[0] < SHORTEST_LAG * longest:
                 fault = "contacts break before they have moved a length that is a number"
                 refuse("velocity", abs(self._speed), f"{fault}; slide faster")
             lower = lags[0] * RATIO ** -np.arange(LAGS_TOGETHER, 0.0, -1.0)
             lags, held = np.append(lower, lags), np.append(self._for_table(lower[:, None])[0], held)
         self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
-        # not even the heaviest tail is followed beyond 1e120 times the reach
-        end = 1e120 * longest if steady else longest
+        end = FURTHEST_LAG * longest if steady else longest
         while held[-1] * (lags[-1] / self.typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
             lags = np.append(lags, 2.0 * lags[-1])
             held = np.append(held, self._for_table(lags[-1:, None])[0])
@@ -155,7 +167,7 @@ class Straight:
 def _edges(longest: float, lags: Array) -> Array:
     """Sorted edges from 0 to the longest lag, without those that are equal apart from rounding."""
     edges = np.unique(np.concatenate([[0.0], lags[(lags > 0.0) & (lags < longest)], [longest]]))
-    return np.append(edges[:-1][np.diff(edges) > 1e-14 * edges[1:]], longest)
+    return np.append(edges[:-1][np.diff(edges) > SAME_EDGE * edges[1:]], longest)
 
 
 class Kernel(NamedTuple):
@@ -194,14 +206,14 @@ class Kernels:
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, float(np.diff(motion.times)[motion.speeds == speed].max()))
-            # a table finer than 1e-13, or than the error of a cheap survival, would follow its rounding
+            # nor is it finer than the error of a survival that is looked up
             finest = self.error if life.pair_work == 1 else np.inf
-            accuracy = max(1e-13, min(0.1 * births.accuracy, finest))
+            accuracy = max(FINEST_TABLE, min(FOR_TABLE * births.accuracy, finest))
             self._table[speed] = Straight(life, births.law, speed, longest, accuracy, births.until)
         return self._table[speed]
 
     def look_up(self, speed: float, lag: Array) -> Array:
-        """Share and force, shape (2, rows, columns), after lags in rows; see Straight.look_up."""
+        """Survival and force, shape (2, rows, columns), after lags in rows; see Straight.look_up."""
         found = self.straight(speed).look_up(lag)
         self.error = max(self.error, found.error)
         return found.both
@@ -241,7 +253,7 @@ class Kernels:
         return np.concatenate(sums, axis=1)
 
     def _integrals(self, speed: float, t: Array, ends: Array) -> tuple[Nodes, Array]:
-        """Nodes of births on panels of a leg, as seen from times t, and share and force there times
+        """Nodes of births on panels of a leg, as seen from times t, and survival and force there times
         the weights, shape (2, parts, PANEL_NODES): exact for the polynomials of the table."""
         straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
@@ -273,6 +285,6 @@ def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> R
     of_number = np.abs(number[:, size:] - 1.0).max(axis=1)
     of_force = np.abs(force[:, :size] @ polynomials.AT_CHECKS.T - force[:, size:]).max(axis=1)
     # the residual of conservation is the share of contacts miscounted, which bear the longest stretch at
-    # most; of samples at a few points the largest is at least half of the true one (measured)
-    error = np.nan_to_num(2.0 * (of_number + of_force / stretch), nan=np.inf)
+    # most
+    error = np.nan_to_num(BETWEEN_CHECKS * (of_number + of_force / stretch), nan=np.inf)
     return Run(panels[before:], force[:, :size], error)

@@ -38,7 +38,7 @@ class WidthRules:
         hardly any contact breaks
     calm : part of the tolerance below which breaks on a panel are hardly any: polynomials of all widths fit them
     fills : part of the widest width that panels must have to tell whether it may grow; they are narrower where few
-        of them fill the way to the edge
+        of them fill the distance to the edge
     least_quick, least : narrowest width, in that of the first guess: beside a point that no panel resolves halving
         stops there; heat breaks contacts at rates of all sizes, of which the fastest need the narrowest panels
     least_of_time : narrowest width, in the time since the leg began, of which it keeps three digits
@@ -109,11 +109,12 @@ class PanelWidth:
         self._bad_width = self._bad_error = 0.0  # of the last attempt, 0 if that was good
 
     def reached(self, left: float) -> bool:
-        """Whether the way `left` to the edge is none but for rounding."""
+        """Whether the distance `left` to the edge is 0 but for rounding."""
         return left <= self.rules.same * min(self.widest, self.length)
 
     def propose(self, left: float) -> Proposal:
-        """Equal panels that fill the way `left` to the edge, none wider than the widest, and how many to solve now."""
+        """Equal panels that fill the distance `left` to the edge, none wider than the widest, and how many to solve
+        now."""
         rules = self.rules
         ahead = max(1, int(np.ceil(left / self.widest * (1.0 - rules.same))))
         # the same width, to the last bit, finds its kernel again

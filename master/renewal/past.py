@@ -141,7 +141,7 @@ class Past:
         return out
 
     def _survivors(self, law: Start, history: History) -> Array:
-        """Share and force of contacts born at stretches of a law, shape (2, rows, columns); their error is kept."""
+        """Survival and force of contacts born at stretches of a law, shape (2, rows, columns); their error is kept."""
         found = self._life.survival_and_force(law, history)
         self.survival_error = max(self.survival_error, found.error)
         return found.both

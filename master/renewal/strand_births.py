@@ -15,9 +15,14 @@ from master.survival.age.ageing import ROUNDING, AgeingLife
 from master.survival.age.passages import over_root
 from origins.thresholds.law import Array
 
-# Gauss nodes of a piece in the time of birth, its length divided by the narrowest width of the thresholds, and fewest
-# pieces of a leg: the error of the number is then 1e-10 (measured).
-SIZE, LENGTH, FEWEST_PIECES = 16, 4.0, 3
+# On these pieces of the time of birth the error of the number is 1e-10 (measured): Gauss nodes of a piece,
+SIZE = 16
+# the slider's travel on a piece, divided by the narrowest width of the thresholds,
+LENGTH = 4.0
+# and the fewest pieces of a leg.
+FEWEST_PIECES = 3
+# Factor on the geometric mean of the two estimates in `_missed`: it is about right, and twice it a bound (measured).
+SAFETY = 2.0
 
 
 class StrandBirths:
@@ -58,8 +63,8 @@ class StrandBirths:
             self._seen += 1
             if not np.abs(self._weight).ravel() @ self._strands.surviving_shares()[0] > negligible:
                 return False
-            times, left = next(self._legs)
-            survivors = left.reshape(*left.shape[:-1], -1, SIZE)
+            times, followed = next(self._legs)
+            survivors = followed.reshape(*followed.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(survivors[:, 0], self._weight).sum()))
             self._sums = over_root(times, np.einsum("jkpi,pi->jk", survivors, self._weight))
         return True
@@ -74,7 +79,7 @@ def _missed(survival: Array, weight: Array) -> Array:
 
     Its coefficients alone, extrapolated by their decay, overestimate the error up to 1e4 times, as the rate of
     births is nearly constant; what the last ones contribute to the sums underestimates it up to 20 times. The
-    geometric mean of both is about right, twice that a bound.
+    geometric mean of both is about right, SAFETY times that a bound.
     """
     basis = polynomials.gauss(SIZE)
     size = np.abs(survival @ basis.series)
@@ -82,4 +87,4 @@ def _missed(survival: Array, weight: Array) -> Array:
     alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)
     moments_of_births = np.abs(weight @ legendre.legvander(2.0 * basis.nodes - 1.0, SIZE - 1))
     changed = (size[..., -2:] * moments_of_births[:, -2:]).sum(axis=-1).max(axis=0)
-    return np.asarray(2.0 * np.sqrt(alone * changed))
+    return np.asarray(SAFETY * np.sqrt(alone * changed))
