@@ -120,7 +120,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
     most = FURTHEST if motion.one_leg else MOST_LIVES_TURN
     if moving > most * lasts:
-        many = f"contacts break some {moving / lasts:.0e} times on the way, of which {most:.0e}"
+        many = f"contacts break some {moving / lasts:.0e} times on the path, of which {most:.0e}"
         refuse("attempt_frequency or scale", scale, f"{many} can be followed there; slide faster")
     if lasts < 1e-12 * contacts.waiting_time:  # lost in the rounding of the times of re-forming
         fault = f"contacts hold for {lasts:.0e}, too short to follow beside the delay"
