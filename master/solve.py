@@ -64,22 +64,22 @@ def solve(
         hold; meanwhile these stretch and may break;
         "instant": contacts re-form at once, or after their delay, and X goes to the first X' with F(X') + K X' = K X_T.
     mass, damping : float, optional
-        M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, instead of a slip rule; refused as yet.
+        M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, M X'' + γ X' = K (X_T - X) - F, instead of a
+        slip rule; for contacts without laws, at T = 0.
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional
         Seconds after which the solver stops, success is False: the path is cut at the point reached, or solved with the
         steps so far under a spring with laws in time, and for the paper's closure of ageing with the coarsest at least.
 
-    Returns a Solution, with a spring a SoftSolution, for the paper's closure of ageing an AgeingTransient; with success
-    = False and the reason in `message` where the tolerance was not reached.
+    Returns a Solution, with a spring a SoftSolution, with a mass an InertialSolution, for the paper's closure of ageing
+    an AgeingTransient; with success = False and the reason in `message` where the tolerance was not reached.
 
     Raises InputError for a path that is not finite, for keywords outside the ranges above, and for laws of the contacts
     that cannot be solved on such a path yet.
     """
     tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip, mass, damping)
-    drive.without_mass("the master equation")
     until = np.inf if wall_time is None else clock.monotonic() + positive("wall_time", wall_time)
     check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
@@ -91,4 +91,8 @@ def solve(
         motion, _ = motion_of(drive, contacts.mean_threshold)
         life = life_of(contacts, tolerance, motion, until)
         return solve_rigid(contacts, drive, life, tolerance, progress, until)
+    if drive.mass is not None:
+        from master.soft.inertia.solution import solve_inertial  # integrators take long to import
+
+        return solve_inertial(contacts, drive, tolerance, progress, until)
     return solve_soft(contacts, drive, tolerance, progress, until)

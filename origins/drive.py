@@ -80,13 +80,6 @@ class Drive:
             return self.time
         return np.asarray(np.abs(np.diff(self.path, prepend=begin)).cumsum() / self.velocity)
 
-    def without_mass(self, solver: str) -> Drive:
-        """`self` without a mass; else InputError, which says that `solver` does not follow one yet."""
-        if self.mass is not None:
-            hint = "does not follow a slider with mass yet; leave it out"
-            refuse("mass", self.mass, f"{solver} {hint}")
-        return self
-
     def only_forward(self, solver: str) -> Drive:
         """`self` for a rigid slider that moves forward; else InputError, which says that `solver` takes only that."""
         if self.spring is not None:

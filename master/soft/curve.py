@@ -54,9 +54,13 @@ class LoadCurve:
         """F' + K at travels y."""
         return self._values(self._derivatives(1), y) + self.spring
 
+    def bend(self, y: float | Array) -> Array:
+        """F'' at travels y."""
+        return self._values(self._derivatives(2), y)
+
     def curvature(self, y: float | Array) -> Array:
         """|F''| at travels y."""
-        return np.abs(self._values(self._derivatives(2), y))
+        return np.abs(self.bend(y))
 
     def error_at(self, y: float | Array) -> Array:
         """Estimate from above of the error of the force at travels y."""

@@ -1,0 +1,162 @@
+"""A slider with mass that follows its drive slowly: nothing rings, and the balance of forces tells where it is."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from master.soft.inertia.body import Body, Mode
+from master.soft.inertia.slow import slow_motion
+from origins.thresholds.law import Array
+
+# Panels of F that are looked ahead, and points of each.
+PANELS, POINTS = 40, 17
+# F falls where F' is below this: above it is rounding.
+FALLS = -1e-9
+# Longest way that is looked ahead on a panel, in mean thresholds: steady breaks have an endless one.
+FURTHEST = 1e9
+
+
+class Ahead(NamedTuple):
+    """How far the slider goes slowly: up to a travel, where F drops, or behind which it is fast, or neither."""
+
+    travel: float
+    drops: bool
+    fast: bool
+
+
+class Following(Body):
+    """The mode `following`."""
+
+    def _follows(self, part: float) -> bool:
+        """Whether the slider follows its drive slowly, up to a part of what counts as rest."""
+        m, rate, y = self.mass, self.spring * self._speed, self.y
+        slope = self.move.panel_at(y).slope(y) + self.spring
+        # what accelerates the mass
+        force = float(self._pull(self.t)) - self.damping * self.w - self.spring * y - self._force(y)
+        # the second term is far above the force of a slow motion
+        quickly = 3.0 * part * self.quiet + 1e-2 * rate * np.sqrt(m / max(slope, 1e-300))
+        if slope <= 0.0 or abs(force) > quickly:
+            return False
+        slow = slow_motion(self.move.curve, np.array([y]), rate, m, self.damping)
+        if not slow.missed[0] <= part * self.quiet:
+            return False
+        rings = force - slow.inertia[0], np.sqrt(m * slope) * (slow.speed[0] - self.w)
+        return bool(np.hypot(*rings) <= part * self.quiet)
+
+    def following(self) -> Mode:
+        """Follow the drive slowly, until it turns or the slider gets fast."""
+        rate, end = self.spring * self._speed, self._leg_end()
+        if rate < 0.0:
+            return self.turn()
+        if not self._follows(2.0):
+            return self.moving
+        if rate == 0.0:
+            which = self.record.between(self.t, end)
+            self._follow_to(which, np.full(which.stop - which.start + 1, self.y), end)
+            self._next_leg()
+            return self.following
+        ahead = self._look_ahead(rate)
+        if ahead.travel <= self.y:
+            return self.moving
+        load = float(self.move.curve.force(ahead.travel)) + self.spring * ahead.travel
+        reached = self.t + (load - float(self._pull(self.t))) / rate
+        until = min(reached, end)
+        which = self.record.between(self.t, until)
+        loads = self._pull(np.append(self.record.times[which], until))
+        low = max(min(self.y, ahead.travel) - 1e-3 * self.unit, 0.0)
+        self._follow_to(which, self.move.curve.travel_at(loads, low, ahead.travel), until)
+        if reached >= end:
+            self._next_leg()
+            return self.following
+        if ahead.drops:
+            self.y = float(np.nextafter(ahead.travel, np.inf))
+        return self.moving if ahead.drops or ahead.fast else self.following
+
+    def _look_ahead(self, rate: float) -> Ahead:
+        """How far the slider goes slowly from here, some panels ahead at most."""
+        move, y = self.move, self.y
+        move.panel_at(y + 2.0 * self.unit)
+        curve = move.curve
+        panels = slice(int(curve.panel(y)), int(curve.panel(y)) + PANELS)
+        # an edge is looked at from both sides
+        shares = np.clip(np.linspace(0.0, 1.0, POINTS), 1e-9, 1.0)
+        widths = np.minimum(curve.width[panels], FURTHEST * self.unit)
+        places = curve.begin[panels, None] + widths[:, None] * shares
+        slow = slow_motion(curve, places.ravel(), rate, self.mass, self.damping)
+        # where F' jumps, so does the speed: the slider rings
+        jumps = np.abs(np.diff(slow.speed, prepend=slow.speed[0])).reshape(places.shape)
+        jumps[:, 1:] = 0.0
+        rings = np.sqrt(self.mass * np.maximum(slow.slope, 0.0)) * jumps.ravel()
+        ahead = places.ravel()
+        fast = ((slow.missed > self.quiet) | (rings > self.quiet)) & (ahead > y)
+        stop = float(ahead[-1])
+        if fast.any():
+            k = int(np.argmax(fast))
+            stop, high = max(float(ahead[k - 1]) if k else y, y), float(ahead[k])
+            for _ in range(20):
+                middle = 0.5 * (stop + high)
+                one = slow_motion(curve, np.array([middle]), rate, self.mass, self.damping)
+                stop, high = (middle, high) if one.missed[0] <= self.quiet else (stop, middle)
+        drop = move.next_drop(y)
+        return Ahead(drop, True, False) if drop <= stop else Ahead(stop, False, bool(fast.any()))
+
+    def _follow_to(self, which: slice, balance: Array, end: float) -> None:
+        """Results at the asked times, and the state at the end, from the balances there, in this order."""
+        record, move, m, d = self.record, self.move, self.mass, self.move.direction
+        curve, k, rate = move.curve, self.spring, self.spring * self._speed
+        slow = slow_motion(curve, balance, rate, m, self.damping)
+        if rate > 0.0 and d == self.way:
+            self._watch_falls(float(balance[-1]), rate)
+        y, w = np.maximum(slow.travel, 0.0), slow.speed
+        energy = np.array([self._taken(one, rate) for one in y.tolist()])
+        damped, on_contacts = energy.T
+        # the drive's work from the balance of energy
+        spring = self._pull(np.append(record.times[which], end)) - k * y
+        before = float(self._pull(self.t)) - k * self.y
+        gained = 0.5 * (spring**2 - before**2) / k + 0.5 * m * (w**2 - self.w**2)
+        work = self.work + gained + damped + on_contacts
+        record.place[which], record.speed[which] = self.base + d * y[:-1], d * w[:-1]
+        record.contact_force[which] = d * curve.force(y[:-1])
+        record.damped[which] = self.damped + damped[:-1]
+        record.on_contacts[which] = self.on_contacts + on_contacts[:-1]
+        record.work[which] = work[:-1]
+        record.store_later(move, which, y[:-1])
+        self.t, self.y, self.w, self.work = end, float(y[-1]), float(w[-1]), float(work[-1])
+        self.damped, self.on_contacts = self.damped + damped[-1], self.on_contacts + on_contacts[-1]
+
+    def _taken(self, y: float, rate: float) -> tuple[float, float]:
+        """Energy that damping and contacts take on the way to the travel y."""
+        curve, low, high = self.move.curve, min(self.y, y), max(self.y, y)
+        edges = curve.begin[(curve.begin > low) & (curve.begin < high)]
+        ends = np.concatenate([[low], edges, [high]])
+        nodes, weights = np.polynomial.legendre.leggauss(16)
+        half = 0.5 * np.diff(ends)[:, None]
+        places = ends[:-1, None] + half * (1.0 + nodes)
+        speed = rate / np.maximum(curve.load_slope(places), 1e-300)
+        sign = 1.0 if y >= self.y else -1.0
+        on_contacts = sign * float((half * weights * curve.force(places)).sum())
+        return self.damping * float((half * weights * speed).sum()), on_contacts
+
+    def _watch_falls(self, stop: float, rate: float) -> None:
+        """Begin and end falls of the spring's force up to a travel, where F has its extremes."""
+        curve, record, k = self.move.curve, self.record, self.spring
+        edges = curve.begin[(curve.begin > self.y) & (curve.begin < stop)]
+        ends = np.concatenate([[self.y], edges, [stop]])
+        cells = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0.0, 1.0, 9)
+        places = np.unique(cells.ravel())
+
+        def rise(y: float | Array) -> Array:
+            return curve.load_slope(y) - k - FALLS
+
+        falls = rise(places) < 0.0
+        for at in np.flatnonzero(falls[1:] != falls[:-1]).tolist():
+            x = float(brentq(rise, places[at], places[at + 1]))
+            t = self.t + (float(curve.force(x)) + k * x - float(self._pull(self.t))) / rate
+            if not falls[at + 1]:
+                self._end_fall(t, x)
+            elif record.fall is None:
+                record.begin_fall(self._fall_at(t, x, self.move.breaks(x)))
+        if record.fall is not None:
+            fastest = rate / float(curve.load_slope(places).min())
+            record.top_speed = max(record.top_speed, fastest)

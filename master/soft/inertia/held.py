@@ -1,0 +1,130 @@
+"""A slider with mass while none of its contacts breaks: its motion is closed, and it turns."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from master.outcome import StoppedError
+from master.soft.inertia.body import RINGS, Body, Mode
+from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.reaction import Reaction
+from origins.thresholds.law import Array
+
+# Most turns in a row at which contacts break: births of all of them are summed up, 40 take some 10 s.
+MOST_IN_A_ROW = 40
+
+
+class Held(Body):
+    """The mode `held`, and turns."""
+
+    _in_a_row = 0
+    # the last turn at which contacts were asked how far back all of them hold: move, travel, and that way
+    _asked: tuple[Reaction, float, float] | None = None
+
+    def _hold(self, top: float, high: float, other: Reaction | None) -> None:
+        """No contact breaks from here up to the travel `high`, and backward as far as on the move `other`, which
+        begins at the travel `top`."""
+        self._top, self._high, self._other = top, high, other
+        self._top_force = self._force(top)
+        if other is not None:
+            self._range = other.elastic_end
+
+    def turn(self) -> Mode:
+        """The slider stands still at the travel y of a move, and turns."""
+        self.turns += 1
+        pulled = self._force(self.y) + self.spring * self.y - float(self._pull(self.t))
+        swing = 2.0 * pulled / self.stiff
+        if self._asked is not None and self._asked[0] is self.move:
+            _, last, way = self._asked
+            if self.y - last < 0.01 * way and swing < 0.9 * way:
+                self._hold(self.y, self.y, None)
+                self._range = way
+                return self.held
+        other = self._new_move(-self.move.direction, self.move.stop(self.y, self._error))
+        self._asked = self.move, self.y, other.elastic_end
+        self._hold(self.y, self.y, other)
+        if other.elastic_end < swing:
+            self._in_a_row = (
+                0 if self.y > self.contacts.life.largest_stretch else self._in_a_row + 1
+            )
+            if self._in_a_row > MOST_IN_A_ROW:
+                raise StoppedError(RINGS)
+            return self._switch()
+        return self.held
+
+    def _switch(self) -> Mode:
+        """Go on along the move that began where this one turned."""
+        if self._other is None:
+            loaded = self.move.stop(self._top, self._error)
+            self._other = self._new_move(-self.move.direction, loaded)
+        self.base += self.move.direction * self._top
+        self.y, self.w, self.move = self._top - self.y, -self.w, self._other
+        return self.moving
+
+    def held(self) -> Mode:
+        """The closed motion while no contact breaks."""
+        m, g, t, y = self.mass, self.damping, self.t, self.y
+        shift, end = self._top_force - self._top, self._leg_end() - t
+        pull, rate = float(self._pull(t)) - shift, self.spring * self._speed
+        motion = Oscillation.of(m, g, self.stiff, pull, rate, y, self.w)
+        calm = motion.time_until(self.quiet / self.stiff)
+        rests = calm <= 0.0
+        if rests:
+            motion = Oscillation.of(m, g, self.stiff, pull, rate, motion.centre, motion.drift)
+        end, known = (end, True) if rests or calm > end else (calm, False)
+        lasts, passed = motion.first_passing(self._top - self._range, self._high, end)
+        until = self._leg_end() if known and not passed else t + lasts
+        self._record_held(motion, lasts, until)
+        self.t, self.y, self.w = t + lasts, float(motion.travel(lasts)), float(motion.speed(lasts))
+        if passed > 0:
+            self.y = self._high
+            self._begin_fall_in(motion, lasts, 1)
+            return self.following if rests else self.moving
+        if passed < 0:
+            self._begin_fall_in(motion, lasts, -1)
+            mode = self._switch()
+            return self.following if rests else mode
+        if known:
+            self._next_leg()
+        return self.held
+
+    def _begin_fall_in(self, motion: Oscillation, lasts: float, sign: int) -> None:
+        """A fall of the spring's force may have begun in the closed motion."""
+        along = sign * self.move.direction
+        if along != self.way or self.record.fall is not None:
+            return
+
+        def excess(t: Array | float) -> Array:
+            return sign * (motion.speed(t) - self._speed)
+
+        if float(excess(lasts)) <= 0.0:
+            return
+        back = lasts - np.linspace(0.0, min(lasts, motion.period), 49)
+        slower = np.flatnonzero(excess(back) <= 0.0)
+        begin = float(back[-1])
+        if slower.size:
+            begin = float(brentq(excess, back[slower[0]], back[slower[0] - 1]))
+        breaks = self.move.breaks(self._top) if sign > 0 and self._top > 0.0 else 0.0
+        t = self.t - lasts + begin
+        self.record.begin_fall(self._fall_at(t, float(motion.travel(begin)), breaks))
+
+    def _record_held(self, motion: Oscillation, lasts: float, until: float) -> None:
+        """Energies up to the time `until`, and results at the asked times."""
+        which = self.record.between(self.t, until)
+        at = np.append(self.record.times[which] - self.t, lasts)
+        d, y, w = self.move.direction, motion.travel(at), motion.speed(at)
+        force = self._top_force + (y - self._top)
+        pull, rate, k = float(self._pull(self.t)), self.spring * self._speed, self.spring
+        mean = (pull - k * motion.centre) * at + 0.5 * (rate - k * motion.drift) * at**2
+        work = self.work + self._speed * (mean - k * motion.departure_integral(at))
+        damped = self.damped + self.damping * motion.squared_speed(at)
+        begin = self._top_force + self.y - self._top
+        on_contacts = self.on_contacts + 0.5 * (begin + force) * (y - self.y)
+        record, ways = self.record, y[:-1] - self._top
+        record.place[which], record.speed[which] = self.base + d * y[:-1], d * w[:-1]
+        record.contact_force[which] = d * force[:-1]
+        record.work[which], record.damped[which] = work[:-1], damped[:-1]
+        record.on_contacts[which] = on_contacts[:-1]
+        record.store_later(self.move, which, np.full(ways.size, self._top))
+        record.stored[which] += self._top_force * ways + 0.5 * ways**2
+        self.work, self.damped = float(work[-1]), float(damped[-1])
+        self.on_contacts = float(on_contacts[-1])

@@ -1,0 +1,157 @@
+"""A slider with mass while it moves on and contacts break: an ordinary differential equation."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853, DenseOutput
+from scipy.optimize import brentq
+
+from master.outcome import StoppedError, stop_after
+from master.soft.inertia.body import RINGS, Body, Mode
+from origins.thresholds.law import Array
+
+# Most steps of the integrator: some 20 s.
+MOST_STEPS = 50_000
+# Error of a step, in units of the tolerance, and the least, in mean thresholds: rounding.
+FINE, FINEST = 1e-3, 1e-12
+# Points of a step at which the speed is compared with the drive's.
+POINTS = 17
+
+
+class Step(NamedTuple):
+    """A step of the integrator, in time since `begun`; the state is y, w, damped, work, on_contacts.
+
+    first, last : times of its beginning and end; state : at the end; inside : the state at times between
+    """
+
+    begun: float
+    first: float
+    last: float
+    state: Array
+    inside: DenseOutput
+
+    def when(self, part: int, value: float, low: float) -> float:
+        """When a part of the state, which is beside the value at `low` and at the end, has it."""
+        if low >= self.last:
+            return low
+        inside, smallest = self.inside, 1e-15 * (self.last - self.first)
+        return float(
+            brentq(lambda t: inside(t)[part] - value, low, self.last, xtol=smallest, rtol=1e-14)
+        )
+
+    def up_to(self, end: float) -> "Step":
+        """The step cut at this time."""
+        return self._replace(last=end, state=self.inside(end))
+
+
+class Moving(Body):
+    """The mode `moving`."""
+
+    def moving(self) -> Mode:
+        """Integrate the motion until the slider turns, rests, reaches a drop of F or the drive's leg ends."""
+        v, begun, rate = self._speed, self.t, self.spring * self._speed
+        if self.move.direction == self.way and self.w > v and self.record.fall is None:
+            self.record.begin_fall(self._fall_at(begun, self.y, self.move.breaks(self.y)))
+        solver = self._solver()
+        while True:
+            at_rest = self.w <= 0.0
+            solver.step()
+            self.steps += 1
+            if solver.status == "failed" or self.steps > MOST_STEPS:
+                raise StoppedError(RINGS)
+            if not self.steps % 64:
+                stop_after(self.contacts.until)
+            step = Step(begun, solver.t_old, solver.t, solver.y, solver.dense_output())
+            drop, turns, finished = self._drop, False, solver.status == "finished"
+            drops = step.state[0] > drop
+            if drops:
+                step = step.up_to(step.when(0, drop, step.first))
+            if step.state[1] <= 0.0:
+                turns, drops, low = True, False, step.first
+                if at_rest:
+                    inner = np.linspace(step.first, step.last, POINTS)[1:-1]
+                    ahead = inner[step.inside(inner)[1] > 0.0]
+                    low = float(ahead[0]) if ahead.size else step.first
+                step = step.up_to(
+                    step.when(1, 0.0, low) if low > step.first or not at_rest else low
+                )
+            finished &= not (drops or turns)
+            self._take(step, self._leg_end() if finished else begun + step.last)
+            if turns:
+                self.w = 0.0
+                if self.record.fall is not None and self.move.direction == self.way:
+                    self._end_fall(self.t, self.y)
+                return self.turn()
+            if drops:
+                self.y = float(np.nextafter(drop, np.inf))
+                return self.moving
+            if finished:
+                self._next_leg()
+                return self.moving
+            if rate >= 0.0 and self._follows(0.5):
+                return self.following
+
+    def _solver(self) -> DOP853:
+        """The integrator from the present state to the end of the drive's leg."""
+        m, g, k, move, v = self.mass, self.damping, self.spring, self.move, self._speed
+        pull, rate = float(self._pull(self.t)), k * v
+        # behind a drop F is another polynomial: until it is reached, the one before goes on
+        self._drop = np.inf
+
+        def change(t: float, state: Array) -> Array:
+            y, w = float(state[0]), float(state[1])
+            panel = move.panel_at(y, self._drop)
+            self._drop = min(self._drop, move.next_drop(self.y))
+            if y > self._drop:
+                panel = move.panel_at(y, self._drop)
+            spring, force = pull + rate * t - k * y, panel.force(y)
+            return np.array([w, (spring - g * w - force) / m, g * w * w, v * spring, force * w])
+
+        state = np.array([self.y, self.w, self.damped, self.work, self.on_contacts])
+        fine, unit = max(FINE * self.tolerance / self.unit, FINEST), self.unit
+        fast = unit / np.sqrt(m / self.stiff)
+        sizes = fine * np.array([unit, fast, unit**2, unit**2, unit**2])
+        return DOP853(change, 0.0, state, self._leg_end() - self.t, rtol=fine, atol=sizes)
+
+    def _take(self, step: Step, end: float) -> None:
+        """Take a step that ends at this time: results at the asked times, falls, and the state."""
+        record, d, begun = self.record, self.move.direction, step.begun
+        self._watch_fall(step)
+        which = record.between(begun + step.first, end)
+        for at in range(which.start, which.stop):
+            y, w, damped, work, on_contacts = step.inside(record.times[at] - begun).tolist()
+            record.place[at], record.speed[at] = self.base + d * y, d * w
+            record.contact_force[at] = d * self._force(y)
+            record.damped[at], record.work[at], record.on_contacts[at] = damped, work, on_contacts
+            record.store_later(self.move, slice(at, at + 1), np.array([y]))
+        self.t = end
+        self.y, self.w, self.damped, self.work, self.on_contacts = step.state.tolist()
+
+    def _watch_fall(self, step: Step) -> None:
+        """Begin and end falls of the spring's force within a step, and note the top speed."""
+        record, v = self.record, self._speed
+        if self.move.direction != self.way:
+            return
+        times = np.linspace(step.first, step.last, POINTS)
+        speeds = step.inside(times)[1]
+        for k in range(POINTS - 1):
+            faster = speeds[k + 1] > v
+            if faster != (speeds[k] > v):
+                cell = step._replace(last=float(times[k + 1]))
+                x = cell.when(1, v, float(times[k]))
+                y = float(step.inside(x)[0])
+                if not faster:
+                    self._end_fall(step.begun + x, y)
+                elif record.fall is None:
+                    record.begin_fall(self._fall_at(step.begun + x, y, self.move.breaks(y)))
+            if record.fall is not None:
+                record.top_speed = max(record.top_speed, _peak(speeds, k + 1))
+
+
+def _peak(values: Array, k: int) -> float:
+    """The k-th of some values, or if it is the largest beside, that of a parabola through the three."""
+    if 0 < k < values.size - 1 and values[k] >= max(values[k - 1], values[k + 1]):
+        before, here, after = values[k - 1 : k + 2].tolist()
+        bend = before - 2.0 * here + after
+        return here - 0.125 * (after - before) ** 2 / bend if bend < 0.0 else here
+    return float(values[k])

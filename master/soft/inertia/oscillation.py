@@ -1,0 +1,163 @@
+"""The closed motion of a slider whose contacts all hold: a damped oscillator under a drive of one speed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from origins.thresholds.law import Array
+
+# Points a period at which crossings are looked for, and what a peak between them may rise above them, in amplitudes.
+SAMPLES, BETWEEN = 24, 0.02
+
+
+@dataclass(frozen=True)
+class Oscillation:
+    """Solution of m y'' + g y' + stiffness y = pull + rate t from y, w = y' at t = 0.
+
+    centre, drift : the slider's balance is centre + drift t
+    roots, parts : y - balance = sum of the real parts of parts e^(roots t); complex, shape (2,)
+    size : the departure from the balance is at most size e^(-fading t)
+    """
+
+    centre: float
+    drift: float
+    roots: Array
+    parts: Array
+    size: float
+    fading: float
+
+    @classmethod
+    def of(
+        cls, m: float, g: float, stiffness: float, pull: float, rate: float, y: float, w: float
+    ) -> "Oscillation":
+        """The motion; m, g, stiffness above 0, g from 0 on."""
+        drift = rate / stiffness
+        centre = (pull - g * drift) / stiffness
+        half, square = 0.5 * g / m, stiffness / m
+        # roots closer than 1e-4 of their size would lose digits: at critical damping they are kept apart by that much
+        apart = np.sqrt(complex(half**2 - square))
+        apart = apart if abs(apart) > 1e-4 * half else complex(1e-4 * half)
+        small = -square / (half + apart) if apart.imag == 0.0 and half else apart - half
+        roots = np.array([small, -half - apart], dtype=complex)
+        u, du = y - centre, w - drift
+        first = (du - roots[1] * u) / (roots[0] - roots[1])
+        parts = np.array([first, u - first])
+        return cls(
+            centre, drift, roots, parts, float(np.abs(parts).sum()), float(-roots.real.max())
+        )
+
+    @property
+    def period(self) -> float:
+        """Of the oscillation; where it is overdamped, the time in which it changes."""
+        return float(2.0 * np.pi / np.abs(self.roots).max())
+
+    def departure(self, t: Array | float, order: int = 0) -> Array:
+        """The departure from the balance, or a derivative of it; as t."""
+        t = np.asarray(t, dtype=float)
+        return (self.parts * self.roots**order * np.exp(self.roots * t[..., None])).sum(-1).real
+
+    def travel(self, t: Array | float) -> Array:
+        """y(t)."""
+        return self.centre + self.drift * np.asarray(t) + self.departure(t)
+
+    def speed(self, t: Array | float) -> Array:
+        """y'(t)."""
+        return self.drift + self.departure(t, 1)
+
+    def bound(self, t: float) -> float:
+        """Largest departure at and after t."""
+        return self.size * float(np.exp(-self.fading * t))
+
+    def time_until(self, size: float) -> float:
+        """Time from which the departure is at most `size`."""
+        if self.size <= size:
+            return 0.0
+        return float(np.log(self.size / size) / self.fading) if self.fading else np.inf
+
+    def squared_speed(self, t: Array | float) -> Array:
+        """Integral of y'^2 from 0 to t."""
+        t = np.asarray(t, dtype=float)
+        pairs = self.roots[:, None] + self.roots
+        grown = _grown(pairs, t[..., None, None])
+        weights = np.outer(self.parts * self.roots, self.parts * self.roots)
+        own = (weights * grown).sum((-2, -1)).real
+        return (
+            self.drift**2 * t + 2.0 * self.drift * (self.departure(t) - self.departure(0.0)) + own
+        )
+
+    def departure_integral(self, t: Array | float) -> Array:
+        """Integral of the departure from 0 to t."""
+        t = np.asarray(t, dtype=float)
+        return (self.parts * _grown(self.roots, t[..., None])).sum(-1).real
+
+    def first_passing(self, low: float, high: float, end: float) -> tuple[float, int]:
+        """The first time up to `end` at which y rises through `high`, and 1, or falls through `low`, and -1; else
+        `end` and 0. At t = 0 y lies between them, or leaves one of them inwards."""
+        found = min(
+            (self._first_above(1.0, high, end), 1), (self._first_above(-1.0, -low, end), -1)
+        )
+        return found if found[0] < np.inf else (end, 0)
+
+    def _first_above(self, sign: float, level: float, end: float) -> float:
+        """The first time at which sign y rises above a level; inf if there is none up to `end`."""
+
+        def above(t: float) -> float:
+            return sign * (self.centre + self.drift * t) + self.bound(t) - level
+
+        # the bound of sign y is convex: below the level between two times at most
+        begin, step = 0.0, self.period / SAMPLES
+        if above(0.0) < 0.0:
+            if not np.isfinite(end) or above(end) < 0.0:
+                return np.inf
+            begin = max(0.0, float(brentq(above, 0.0, end, xtol=1e-3 * step)) - step)
+        while begin < end:
+            lasts = min(end - begin, 64 * self.period)
+            count = max(int(np.ceil(lasts / step)), 4)
+            times = begin + np.linspace(0.0, lasts, count + 1)
+            values = sign * self.travel(times) - level
+            close = BETWEEN * np.abs(self.departure(times)).max() + 1e-15 * abs(level)
+            for at in (np.flatnonzero(values[1:-1] > -close) + 1).tolist():
+                found = self._passing_near(sign, level, *times[at - 1 : at + 2].tolist())
+                if found is not None:
+                    return found
+            if values[-1] > 0.0:
+                return float(brentq(lambda x: sign * self.travel(x) - level, times[-2], times[-1]))
+            begin = float(times[-2]) if lasts < end - begin else end
+            # jump over the times at which the bound is below the level
+            if begin < end and above(begin) < 0.0:
+                if not np.isfinite(end) or above(end) < 0.0:
+                    return np.inf
+                begin = max(begin, float(brentq(above, begin, end, xtol=1e-3 * step)) - step)
+        return np.inf
+
+    def _passing_near(
+        self, sign: float, level: float, before: float, at: float, after: float
+    ) -> float | None:
+        """The time between `before` and `after` at which sign y rises above the level, or None."""
+
+        def value(t: float) -> float:
+            return float(sign * self.travel(t) - level)
+
+        def rise(t: float) -> float:
+            return float(sign * self.speed(t))
+
+        if value(before) > 0.0 and rise(before) <= 0.0:
+            return None  # y begins at the level and leaves it
+        top = at
+        if value(at) <= 0.0:
+            if rise(before) <= 0.0 or rise(after) >= 0.0:
+                return None
+            top = float(brentq(rise, before, after, xtol=1e-14 * self.period, rtol=1e-14))
+            if value(top) <= 0.0:
+                return None
+        if value(before) >= 0.0:
+            return before
+        return float(brentq(value, before, top, xtol=1e-15 * self.period, rtol=1e-14))
+
+
+def _grown(rate: Array, t: Array) -> Array:
+    """Integral of e^(rate t) from 0 to t."""
+    small = np.abs(rate * t) < 1e-8
+    safe = np.where(rate == 0.0, 1.0, rate)
+    return np.where(small, t * (1.0 + 0.5 * rate * t), np.expm1(rate * t) / safe)

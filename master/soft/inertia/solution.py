@@ -1,0 +1,247 @@
+"""A soft slider with a mass, M X'' + γ X' = K (X_T - X) - F, on the path of its drive.
+
+It is followed twice, with tolerances a few times apart, until the forces of both agree; their difference is the error.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from master.motion import Motion, drive_motion
+from master.outcome import Progress, StoppedError
+from master.soft.inertia.body import QUIET
+from master.soft.inertia.reaction import ALIKE
+from master.soft.inertia.record import Record
+from master.soft.inertia.slider import InertialSlider
+from master.soft.moves import ColdContacts, LoadingHistory
+from master.soft.regime import Followed, Slips, regime
+from master.soft.solution import SoftSolution
+from origins import Contacts
+from origins.brief import brief
+from origins.drive import Drive
+from origins.errors import refuse
+from origins.thresholds.law import Array
+
+# Tolerances of the runs, in units of the one that is asked for: each run shows the error of the one before, and errors
+# fall about in proportion.
+TOLERANCES = 10.0, 2.0, 0.4, 0.08, 0.016
+# Part of a run's tolerance that each panel of F may take.
+OF_PANELS = 0.01
+# Parts of a run's tolerance that both runs may miss alike, so that their difference does not show them: panels, forces
+# taken as those of contacts of which none breaks or of steady breaks, and ringing that is taken as rest.
+UNSEEN = OF_PANELS + ALIKE + QUIET
+# Smallest tolerance of a run, in mean thresholds: below it all is rounding.
+LEAST = 1e-11
+
+
+@dataclass(frozen=True)
+class SlipsInTime(Slips):
+    """Slips of a slider with mass: falls of the spring's force in which a fifth of the contacts break or more.
+
+    time : when the slider begins to be faster than the drive; duration : until it is slower again, shape (n,)
+    top_speed : largest dX/dt on the way (length per time), shape (n,)
+    """
+
+    time: Array
+    duration: Array
+    top_speed: Array
+
+    __repr__ = brief
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energy per N_c<k> (length squared) at the points of the path, arrays of shape (n,); with those at t = 0,
+
+        drive = change of (spring + contacts + kinetic) + damped + released.
+
+    drive : work of the drive since t = 0; damped, released : taken by the damping and by breaks since t = 0
+    spring, contacts : stored in them; kinetic : of the mass
+    """
+
+    drive: Array
+    spring: Array
+    contacts: Array
+    kinetic: Array
+    damped: Array
+    released: Array
+
+    __repr__ = brief
+
+
+@dataclass(frozen=True)
+class InertialSolution(SoftSolution):
+    """Motion of a slider with mass; see SoftSolution, whose `force` is that of the spring, K (X_T - X).
+
+    velocity : dX/dt at the points of the path, shape (n,)
+    contact_force : F/(N_c<k>), shape (n,), a length; contact_force_error : estimate from above of its largest error, in
+        mean thresholds: above `force_error` where the slider passes many thresholds in a slip
+    energy : by parts
+    """
+
+    velocity: Array
+    contact_force: Array
+    contact_force_error: float
+    energy: Energy
+
+
+def solve_inertial(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
+) -> InertialSolution:
+    """Motion while the drive X_T moves along its path and pulls the slider, from rest, by its spring.
+
+    Raises InputError for contacts with laws beside thresholds and start, and where a drive in time does not begin at
+    the balance.
+    """
+    began = time.perf_counter()
+    _check(contacts, drive)
+    unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
+    best, error, of_contacts = (
+        _Run(contacts, drive, tolerance, TOLERANCES[0], until),
+        np.inf,
+        np.inf,
+    )
+    stopped, nodes = best.stopped, best.nodes
+    for part in TOLERANCES[1:]:
+        if stopped or error <= tolerance or part * tolerance < LEAST:
+            break
+        before, run = best, _Run(contacts, drive, tolerance, part, until)
+        nodes, stopped = nodes + run.nodes, run.stopped
+        if not stopped:
+            best = run
+            differ, contacts_differ = best.differ(before)
+            unseen = UNSEEN * part * tolerance
+            error, of_contacts = differ + unseen, contacts_differ + unseen
+            progress(error)
+    rounding = 1e-14 * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
+    found = Followed(
+        balance=best.balance,
+        force=best.force,
+        holding=np.ones(best.force.size),
+        slips=best.slips(error * unit / spring),
+        error=error + rounding,
+        nodes=nodes,
+        stopped_because=stopped,
+    )
+    success, message = found.outcome(contacts, drive, tolerance, "X_T")
+    path = drive.path[: found.force.size]
+    record = best.record
+    record.finish()
+    solved = slice(0, path.size)
+    return InertialSolution(
+        path=path,
+        balance=found.balance,
+        position=record.place[solved],
+        force=found.force,
+        force_error=found.error,
+        holding=found.holding,
+        slips=found.slips,
+        period=found.slips.period,
+        regime=regime(contacts, drive, found, tolerance, until),
+        run_time=time.perf_counter() - began,
+        nodes=nodes,
+        success=success,
+        message=message,
+        velocity=record.speed[solved],
+        contact_force=record.contact_force[solved],
+        contact_force_error=of_contacts + rounding,
+        energy=_energy(record, found, spring, float(drive.mass or 0.0), best.stored_first),
+    )
+
+
+def _check(contacts: Contacts, drive: Drive) -> None:
+    """Refuse contacts whose motion with a mass is not solved."""
+    if contacts.laws:
+        held = ", ".join(sorted(contacts.laws))
+        hint = (
+            f"the master equation follows a slider with mass at T = 0 without laws, not with {held}"
+        )
+        refuse("mass", drive.mass, f"{hint}; use eq_model.simulate, or leave one of them out")
+
+
+class _Run:
+    """The slider followed once.
+
+    record, balance : results at the path's points, and X_T at t = 0; force : of the spring, as far as it was followed
+    stopped : why it was not followed to the end; stored_first : energy of the contacts at t = 0
+    """
+
+    def __init__(
+        self, contacts: Contacts, drive: Drive, asked: float, part: float, until: float
+    ) -> None:
+        """With a part of the tolerance that is asked for."""
+        spring, unit, tolerance = float(drive.spring or 0.0), contacts.mean_threshold, part * asked
+        cold = ColdContacts(contacts, spring, tolerance, until)
+        # the motion hangs on F itself, and not on F' as slips without a mass do
+        cold.of_panels = max(OF_PANELS * tolerance * unit / cold.life.largest_stretch, 1e-13)
+        self._spring, self._unit = spring, unit
+        self.balance = cold.force_of(contacts.start) / spring
+        if abs(drive.path[0] - self.balance) <= 1e-12 * unit:
+            self.balance = float(drive.path[0])
+        elif drive.time is not None and drive.time[0] == 0.0:
+            hint = f"at time 0 the drive stands where it balances the start, {self.balance:.9g}"
+            refuse("path[0]", drive.path[0], hint)
+        at_rest = Motion(np.array([0.0, 1.0]), np.full(2, self.balance))
+        motion, self.stopped = drive_motion(drive, self.balance) or at_rest, ""
+        self.record = Record(drive.arrival_times(self.balance), 3.0 * asked * unit)
+        loaded = LoadingHistory(contacts.start)
+        self._start_force = spring * self.balance
+        slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit)
+        self.stored_first = slider.stored_at_rest(loaded)
+        try:
+            slider.run(loaded)
+        except StoppedError as why:
+            self.stopped = str(why)
+        self.nodes = cold.nodes
+        solved = np.isfinite(self.record.place)
+        count = solved.size if solved.all() else int(np.argmin(solved))
+        self.force = spring * (drive.path[:count] - self.record.place[:count])
+
+    def slips(self, drive_error: float) -> SlipsInTime:
+        """The slips."""
+        found = self.record.slips
+        begin, end = (np.reshape([slip[at] for slip in found], (-1, 5)).T for at in (0, 1))
+        top = np.array([slip.top_speed for slip in found])
+        return SlipsInTime(
+            drive=begin[1],
+            before=begin[2],
+            after=end[2],
+            force_before=begin[3],
+            force_after=end[3],
+            drive_error=drive_error,
+            time=begin[0],
+            duration=end[0] - begin[0],
+            top_speed=top,
+        )
+
+    def differ(self, other: "_Run") -> tuple[float, float]:
+        """Largest differences, in mean thresholds: of the spring's force at points and slips and of K X_T at slips; and
+        of the contacts' force."""
+        n = min(self.force.size, other.force.size)
+        ours, theirs = self.slips(0.0), other.slips(0.0)
+        if ours.drive.size != theirs.drive.size or not n:
+            return np.inf, np.inf
+        force = max(
+            float(np.abs(self.force[:n] - other.force[:n]).max()),
+            self._spring * float(np.abs(ours.drive - theirs.drive).max(initial=0.0)),
+            float(np.abs(ours.force_before - theirs.force_before).max(initial=0.0)),
+            float(np.abs(ours.force_after - theirs.force_after).max(initial=0.0)),
+        )
+        both = self.record.contact_force[:n], other.record.contact_force[:n]
+        return float(force / self._unit), float(np.abs(both[0] - both[1]).max() / self._unit)
+
+
+def _energy(
+    record: Record, found: Followed, spring: float, mass: float, stored_first: float
+) -> Energy:
+    """Energies at the points that were reached."""
+    n = found.force.size
+    return Energy(
+        drive=record.work[:n],
+        spring=0.5 * found.force**2 / spring,
+        contacts=record.stored[:n],
+        kinetic=0.5 * mass * record.speed[:n] ** 2,
+        damped=record.damped[:n],
+        released=record.on_contacts[:n] - (record.stored[:n] - stored_first),
+    )
