@@ -92,6 +92,19 @@ def test_few_contacts_slip_where_infinitely_many_slide(capsys: Any) -> None:
     assert status == 1 and page.splitlines()[2].startswith("disagree: 500 contacts stick and slip")
 
 
+def test_mass_and_delay_decide_in_place_of_a_slip_rule(capsys: Any) -> None:
+    """With a long delay nothing holds in a slip of half a period of mass and spring, and the spring's force falls to
+    about minus itself."""
+    drive = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-4}
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
+    tables = {"contacts": contacts | {"delay": {"time": 30.0}}, "drive": drive}
+    status, page, found = judged(capsys, **tables)
+    (slips,) = found["readings"][0]["behaviours"]
+    assert status == 0 and slips["kind"] == "stick-slip" and page.count("stick-slip") >= 1
+    assert slips["slip_time"] == pytest.approx(np.pi, rel=0.05)
+    assert -1.0 < slips["after"] / slips["before"] < -0.6
+
+
 def test_many_contacts_do_what_infinitely_many_do(capsys: Any) -> None:
     """The mean force before a slip of 20,000 contacts lies within 5 standard errors and the late slip of N^(-2/3)."""
     tables = {"drive": {"spring": 0.5}, "eq": {"contacts": 20_000}, "verdict": RESET}

@@ -61,7 +61,9 @@ def follow_finite(
     loading = static / machine.spring + mean
     # in a slip that renews contacts all break once; contacts that re-form at once break at each threshold passed
     end = LOADINGS * loading if slips else loading + BEYOND * mean
-    lives = LOADINGS if slips and rule not in FLOWING else end / mean if slips else 2.0 + BEYOND
+    # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
+    flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
+    lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
     breaks = SLIDERS * held * lives
     if held > MOST_CONTACTS:
         return Finite(

@@ -1,6 +1,7 @@
 """What one slider does under one slip rule: the drive goes on until it has slipped often enough, or slides."""
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ ENOUGH_SLIPS, POINTS = 5, 600
 LOADINGS = (6.5, 20.0, 60.0)
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
 TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
+# contacts of the ensemble where the master equation does not take the slider, and the least delay, in times of a slip
+CONTACTS, LONG_DELAY = 20_000, 3.0
 
 
 @dataclass(frozen=True)
@@ -103,11 +106,49 @@ def follow(
                 contacts, path, tolerance, wall_time=wall_time, **machine.keywords(rule)
             )
         except InputError as error:
-            return _refused(rule, str(error))
+            by_contacts = follow_by_contacts(machine, contacts, rule, loading)
+            return _refused(rule, str(error)) if by_contacts is None else by_contacts
         found = _behaviour(rule, solved)
         if found.kind != "undecided" or not solved.success:
             break
     return found
+
+
+def follow_by_contacts(
+    machine: Machine, contacts: Contacts, rule: str, loading: float
+) -> Behaviour | None:
+    """The slider with mass and a delay by the ensemble, as the master equation does not take it; `loading`: way of the
+    drive up to the static force. None where the delay is not far above the time of a slip, π (M/K)^(1/2): then contacts
+    re-form while it goes on, and break again at every threshold that it passes."""
+    import eq_model
+
+    slip_time = np.pi * np.sqrt((machine.mass or 0.0) / machine.spring)
+    others = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
+    if rule != "mass" or others or contacts.waiting_time < LONG_DELAY * slip_time:
+        return None
+    path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS[0] * loading, POINTS)
+    found = eq_model.simulate(contacts, path, n_contacts=CONTACTS, seed=1, **machine.keywords(rule))
+    slips = found.slips
+    drive, force = with_slips(SimpleNamespace(path=path, force=found.force, slips=slips))
+    slipped = slips.drive.size > 1
+    # of finitely many contacts the force scatters by this share
+    error = float(CONTACTS**-0.5 * found.force.max() / contacts.mean_threshold)
+    return Behaviour(
+        rule=rule,
+        kind="stick-slip" if slipped else "smooth",
+        before=float(slips.force_before[-1]) if slipped else float(found.force[-1]),
+        after=float(slips.force_after[-1]) if slipped else float(found.force[-1]),
+        period=float(np.diff(slips.drive)[-1]) if slipped else None,
+        slips=slips.drive.size,
+        error=error,
+        success=True,
+        message=f"by the ensemble, {CONTACTS:,} contacts",
+        run_time=found.run_time,
+        slip_time=_last(slips, "duration"),
+        top_speed=_last(slips, "top_speed"),
+        drive=drive,
+        force=force,
+    )
 
 
 def _refused(rule: str, why: str) -> Behaviour:

@@ -242,6 +242,11 @@ def dependence(verdict: Verdict) -> list[str]:
         lines.append(_of_finite(verdict, finite))
     lines += [f"left out: {name}: {why}" for name, why in verdict.left_out.items()]
     for behaviour in own.behaviours:
+        if behaviour.message.startswith("by the ensemble"):
+            lines.append(
+                f"the slips are those of one slider {behaviour.message}, which scatters by some "
+                f"{behaviour.error:.0e} <x_s>: the master equation takes no delay beside a mass"
+            )
         if not behaviour.success:
             lines.append(f"not as asked, {NAMED[behaviour.rule]}: {behaviour.message}")
     return lines
