@@ -173,5 +173,5 @@ def _held(march: March, leg: int, t: float) -> float:
     panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
     past, x = Past(replace(march.births, until=np.inf)), np.array([[t - motion.times[now]]])
     past.enter(now, panels)
-    own = march.on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
+    own = march.births_on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
     return float(past.at(x, [])[0, 0, 0] + own[0, 0])

@@ -88,6 +88,11 @@ class Panels(NamedTuple):
         """When their births begin, counted from the beginning of the leg on which these are."""
         return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
 
+    def ends(self, begin: Array) -> Array:
+        """Edges of the births: where each panel's begin, and where the last one's end. Widths may differ; the last
+        edge takes the last width."""
+        return np.append(begin, begin[-1:] + self.width[-1:])
+
 
 class Nodes(NamedTuple):
     """Nodes on the parts of pieces that lie on one panel each: target and panel of each part, shape

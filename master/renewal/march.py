@@ -199,7 +199,7 @@ class March:
         oldest = leg_begin + t.min() - self._memory(leg)
         first = max(int(np.searchsorted(self.begin, oldest, "right")) - 1, 0)
         on_it = self.panels(max(first, self._past.first), last)
-        out += self.on_leg(t, leg, on_it).reshape(out.shape)
+        out += self.births_on_leg(t, leg, on_it).reshape(out.shape)
         if delay > 0.0 and first < last:
             # contacts that are out count as well
             begin, _, width, breaks = self.panels(first, last)
@@ -213,15 +213,16 @@ class March:
         stored = self.begin, self.since, self.width, self.breaks
         return Panels(*(part[first:last] for part in stored))
 
-    def on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
-        """Number and force at times t on a leg, counted from its beginning, of births on it."""
+    def births_on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
+        """Number and force at times t, counted from the beginning of the leg, of births on that leg. `panels`: those
+        of the breaks, of any widths, without gaps."""
         broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NO_SURVIVAL)
         if not broken.size:
             return np.zeros((2, t.size))
         panels = Panels(*(part[broken[0] : broken[-1] + 1] for part in panels))
         begin = panels.births_begin(self.motion.times[leg], self.births.delay)
-        ends = np.append(begin, begin[-1] + panels.width[-1])
-        return self.kernels.sums(float(self.motion.speeds[leg]), t, ends, panels.breaks)
+        speed = float(self.motion.speeds[leg])
+        return self.kernels.sums(speed, t, panels.ends(begin), panels.breaks)
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a lump of the contacts that break together at the edge t, if any: the fall of the number there."""

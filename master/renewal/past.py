@@ -77,7 +77,7 @@ class Past:
             self._follow(range(max(before, 0), leg), panels, legs)
             return
         begin = self._motion.times[legs] + panels.since
-        self._ends = np.append(begin, begin[-1:] + panels.width[-1:])
+        self._ends = panels.ends(begin)
         self._slopes = panels.breaks @ polynomials.SLOPES.T
         self._most = np.append(0.0, np.cumsum(np.abs(self._slopes).sum(axis=1)))
         self._dropped |= self._dropped_next
@@ -155,9 +155,9 @@ class Past:
     def _follow(self, legs_before: range, panels: Panels, legs: Rows) -> None:
         """Make strands of the births on some legs, and follow all strands to the present leg."""
         for leg in legs_before:
-            _, since, width, breaks = (part[legs == leg] for part in panels)
-            if np.abs(breaks).max(axis=1).sum() > self._negligible:
-                self._strands.append(StrandBirths(self._births, leg, since, width, breaks))
+            on_leg = Panels(*(part[legs == leg] for part in panels))
+            if np.abs(on_leg.breaks).max(axis=1).sum() > self._negligible:
+                self._strands.append(StrandBirths(self._births, leg, on_leg))
         alive = [each.seen_from(self._motion, self._negligible) for each in self._strands]
         self._strands = [each for each, holds in zip(self._strands, alive, strict=True) if holds]
         self.error = max(self.error, sum(each.missed for each in self._strands))
