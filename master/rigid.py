@@ -50,8 +50,9 @@ def solve_rigid(
     motion, arrivals = motion_of(drive, mean, life.timeless and not contacts.waiting_time)
     check_lives(contacts, motion, life)
     march = march_of(contacts, motion, life, tolerance, until).run()
-    kept = (arrivals <= march.reached * (1.0 + 1e-12)) & (march.begin.size > 0)
-    kept |= not march.unfinished
+    # a march that was stopped has solved the points up to the end of its last panel; without a panel not even X = 0
+    solved_until = march.reached * (1.0 + 1e-12) if march.begin.size else -np.inf
+    kept = arrivals <= (solved_until if march.unfinished else np.inf)
     worst = march.error.max(initial=0.0 if march.error.size else np.inf) + march.life_error
     error = float(worst * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
     progress(error)
@@ -182,8 +183,9 @@ def breaks_until(march: March, t: Array) -> Array:
 def _read(march: March, values: Array, t: Array) -> Array:
     """Values at times t, shape (n,), from those at the panels' beginnings and nodes; at a jump the value after it."""
     begin, since, width, knots = march.begin, march.since, march.width, march.motion.times
-    near = begin * (1.0 - ROUNDED) - SAME_TIME * (since + width.min(initial=np.inf))
-    panel = np.clip(np.searchsorted(near, t, "right") - 1, 0, begin.size - 1)
+    # a time that rounding puts just before a panel is read on it
+    read_from = begin * (1.0 - ROUNDED) - SAME_TIME * (since + width.min(initial=np.inf))
+    panel = np.clip(np.searchsorted(read_from, t, "right") - 1, 0, begin.size - 1)
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
     leg_begin = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
     place = np.clip((t - leg_begin - since[panel]) / width[panel], 0.0, 1.0)
