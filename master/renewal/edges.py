@@ -37,7 +37,7 @@ class Moment(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """Edges, times sorted from `since` to the end, and the moments that make them, the known ones first;
+    """Edges, times sorted from `continued_from` to the end, and the moments that make them, the known ones first;
     too_many_jumps : whether there are more than can be followed."""
 
     times: Array
@@ -46,15 +46,19 @@ class Edges(NamedTuple):
 
 
 def edges(
-    births: Births, start: Start, tolerance: float, since: float = 0.0, known: Sequence[Moment] = ()
+    births: Births,
+    start: Start,
+    tolerance: float,
+    continued_from: float = 0.0,
+    known: Sequence[Moment] = (),
 ) -> Edges:
     """Where panels begin and end.
 
     start : law of the stretches at t = 0
     tolerance : of the number of breaks; the panels' own errors count moments of a size below SMOOTHER times this
-    since, known : for a march that is continued, the time that it has reached, and the moments that it has met
+    continued_from, known : for a march that is continued, the time that it has reached, and the moments that it has met
     """
-    chain = _Moments(births, since)
+    chain = _Moments(births, continued_from)
     first = [*known, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     # where there are too many, the smallest are left to the panels' own errors
@@ -62,7 +66,7 @@ def edges(
         least *= 10.0
     too_many = bool(births.life.atoms.size) and least > 1e3 * tolerance
     end = float(births.motion.times[-1])
-    times = np.array([since, *(moment.time for moment in met), end])
+    times = np.array([continued_from, *(moment.time for moment in met), end])
     return Edges(times, too_many, [*known, *met])
 
 
@@ -73,10 +77,10 @@ class _Moments:
     of P_c together, so that later breaks jump or bend, too, less sharply each time. So moments form a chain.
     """
 
-    def __init__(self, births: Births, since: float) -> None:
-        """For moments after the time `since`."""
+    def __init__(self, births: Births, continued_from: float) -> None:
+        """For moments after the time `continued_from`."""
         self.births, self.motion, self.life = births, births.motion, births.life
-        self.since = since
+        self.continued_from = continued_from
         fastest = float(np.abs(self.motion.speeds).max())
         resolution = self.life.resolution_length / fastest if fastest else 0.0
         self._rounded = SAME_TIME * resolution
@@ -114,7 +118,7 @@ class _Moments:
         is_narrow = np.ptp(law.span) < (1.0 - ALIKE) * self.life.largest_stretch
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
-                if time > self.since + self._close(time):
+                if time > self.continued_from + self._close(time):
                     yield Moment(time, size * (self.life.atom_fraction(bend, stretch) or SMOOTHER))
 
     def following(self, first: Sequence[Moment], least: float) -> Iterator[Moment]:
@@ -133,7 +137,7 @@ class _Moments:
                 size = min(size + heapq.heappop(coming).size, 1.0)
             if size <= least or time >= end - close:
                 continue
-            if time > self.since + close:
+            if time > self.continued_from + close:
                 yield Moment(time, size)
             for moment in self.broken(time + delay, size, self.births.law):
                 heapq.heappush(coming, moment)

@@ -152,8 +152,8 @@ class March:
         """Whether breaks have been steady for longer than any life. Each rate of breaks is a mean of those before, to
         the longest life (renewal equation); where these agree to the tolerance, so do all that follow."""
         memory, speed = MEMORIES * self._memory(0), self.motion.speeds[0]
-        since = self.reached - self.lumps[-1].time
-        if not speed or since < memory or self.edges[-1] - self.reached < MEMORIES_AHEAD * memory:
+        after_last_lump, ahead = self.reached - self.lumps[-1].time, self.edges[-1] - self.reached
+        if not speed or after_last_lump < memory or ahead < MEMORIES_AHEAD * memory:
             return False
         first = max(int(np.searchsorted(self.begin, self.reached - memory, "right")) - 1, 0)
         slopes = self.breaks[first:] @ polynomials.SLOPES.T / self.width[first:, None]
@@ -174,28 +174,32 @@ class March:
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += WORK_OF_PANEL * count
-        # the last panels of this width, of those whose births may still hold
+        # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
+        # before `oldest`, a second width on the safe side of rounding, add nothing. The kernel holds for breaks on this leg
+        # only, whose survival depends on the lag alone.
         oldest = self.reached - self._memory(leg) - 2.0 * width
         first = np.searchsorted(self.begin, max(oldest, self.motion.times[leg] - 1e-9 * width))
         other = np.flatnonzero(self.width[first:] != width)
-        same = self.width.size - int(first) - (int(other[-1]) + 1 if other.size else 0)
-        kernel = self.kernels.on(float(self.motion.speeds[leg]), width, same + count)
-        known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), same, leg)
-        return solve_run(kernel, known, self.breaks[self.width.size - same :], self.stretch)
+        in_kernel = self.width.size - int(first) - (int(other[-1]) + 1 if other.size else 0)
+        kernel = self.kernels.on(float(self.motion.speeds[leg]), width, in_kernel + count)
+        known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), in_kernel, leg)
+        return solve_run(kernel, known, self.breaks[self.width.size - in_kernel :], self.stretch)
 
-    def known(self, grid: Array, same: int = 0, leg: int | None = None) -> Array:
-        """Number and force at later times, of lumps and of all panels but the last `same`; the times `grid`, in rows,
-        are all on one leg, and with `leg` counted from its beginning."""
+    def known(self, grid: Array, in_kernel: int = 0, leg: int | None = None) -> Array:
+        """Number and force at later times, of all but the last `in_kernel` panels. Those have the width of the panels
+        to be solved, and solve_run adds them. Three sums: lumps and earlier legs (Past), births on this leg, contacts
+        that are out. The times `grid`, in rows, are all on one leg, and with `leg` counted from its beginning."""
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
-        leg_begin, last = float(self.motion.times[leg]), self.begin.size - same
+        leg_begin, last = float(self.motion.times[leg]), self.begin.size - in_kernel
         if leg != self._past.leg:
             self._past.enter(leg, self.panels(0))
         looked_up = not leg and self._as_births
         out, t, delay = self._past.at(grid, self.lumps[looked_up:]), grid.ravel(), self.births.delay
         if looked_up:
             out += self.kernels.look_up(float(self.motion.speeds[leg]), grid)
+        # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         oldest = leg_begin + t.min() - self._memory(leg)
         first = max(int(np.searchsorted(self.begin, oldest, "right")) - 1, 0)
         on_it = self.panels(max(first, self._past.first), last)

@@ -217,8 +217,9 @@ class Past:
             goals = [high - marks, low + marks, middle, now, high, low]
             begin, speed = (part[self._legs, None] for part in (motion.positions, motion.speeds))
             distances = r + np.concatenate(goals, axis=2) - begin
-            since = np.divide(distances, speed, out=np.zeros(distances.shape), where=speed != 0.0)
-            cuts.append(np.clip(motion.times[self._legs, None] + since, first, last))
+            into_leg = np.zeros(distances.shape)
+            np.divide(distances, speed, out=into_leg, where=speed != 0.0)
+            cuts.append(np.clip(motion.times[self._legs, None] + into_leg, first, last))
         edges = np.concatenate(cuts, axis=2).reshape(t.size * self._legs.size, -1)
         owner, begin, end = Pieces.between(edges)
         target = owner // self._legs.size

@@ -162,8 +162,8 @@ class Move:
         """
         march, largest = self._march, self.contacts.life.largest_stretch
         memory = max(1.1 * march.kernels.straight(float(self.direction)).longest, 2.0 * largest)
-        since = march.reached - max(self.loaded.end, march.lumps[-1].time)
-        if since < memory:
+        undisturbed = march.reached - max(self.loaded.end, march.lumps[-1].time)
+        if undisturbed < memory:
             return None
         first = max(int(np.searchsorted(march.begin, march.reached - memory, "right")) - 1, 0)
         slopes = march.breaks[first:] @ polynomials.SLOPES.T / march.width[first:, None]
@@ -196,14 +196,13 @@ class Move:
         """The first guess of a panel's width."""
         return WIDE * self.contacts.life.resolution_length
 
-    def _plan(self, march: March | None, cut_at: float, since: float) -> None:
-        """Set the march that continues from `since`; from `cut_at` to there no contact is born."""
-        contacts, end, start = self.contacts, since - self.loaded.end, self.loaded.start
-        life, again = contacts.life, contacts.formed_again
+    def _plan(self, march: March | None, cut_at: float, continued_from: float) -> None:
+        """Set the march that continues from `continued_from`; from `cut_at` to there no contact is born."""
+        contacts, start = self.contacts, self.loaded.start
+        life, again, end = contacts.life, contacts.formed_again, continued_from - self.loaded.end
         # no finer than the rounding of positions, to which survivals fall within a resolution length
-        tolerance = max(
-            contacts.of_panels, np.spacing(since + self._ahead) / life.resolution_length
-        )
+        rounding = np.spacing(continued_from + self._ahead) / life.resolution_length
+        tolerance = max(contacts.of_panels, rounding)
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
         births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
@@ -218,9 +217,9 @@ class Move:
         else:
             march = march.cut(cut_at, births)
             march.tolerance = tolerance
-            if cut_at < since:
-                march.postpone_births(cut_at, since)
-        plan = edges(births, start, tolerance, since, self._moments)
+            if cut_at < continued_from:
+                march.postpone_births(cut_at, continued_from)
+        plan = edges(births, start, tolerance, continued_from, self._moments)
         if plan.too_many_jumps:
             raise StoppedError("stopped as exact thresholds break too often to be followed")
         self._moments, march.edges = tuple(plan.moments), plan.times
