@@ -175,8 +175,8 @@ class March:
         """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += WORK_OF_PANEL * count
         # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
-        # before `oldest`, a second width on the safe side of rounding, add nothing. The kernel holds for breaks on this leg
-        # only, whose survival depends on the lag alone.
+        # that begin before `oldest`, a second width on the safe side of rounding, add nothing. The kernel holds for
+        # breaks on this leg only, whose survival depends on the lag alone.
         oldest = self.reached - self._memory(leg) - 2.0 * width
         first = np.searchsorted(self.begin, max(oldest, self.motion.times[leg] - 1e-9 * width))
         other = np.flatnonzero(self.width[first:] != width)
