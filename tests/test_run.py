@@ -52,6 +52,11 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
         return
     tables["eq"] |= {"contacts": 400, "replicas": 4}
     done = toolkit.run(tables)
+    if "master" not in tables:  # it does not take a delay beside a mass: each slip is half a swing
+        half = np.pi * (0.1 / 50.0) ** 0.5
+        assert name == "tribometer" and done.eq.slips.duration == pytest.approx(half, rel=0.1)
+        assert done.eq.slips.replica.size >= 8
+        return
     assert done.success and done.master.force_error <= tables["master"].get("tolerance", 1e-8)
     if "spring" in tables["drive"]:
         for k, exact in enumerate(done.master.slips.drive):

@@ -57,7 +57,8 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
     _engineering(axes.xaxis, scale.length_unit)
     _engineering(axes.yaxis, scale.force_unit)
     axes.margins(x=0.01, y=0.15)
-    axes.set_ylim(bottom=0.0)
+    lowest = min((float(one.force.min()) * scale.force for one in shown), default=0.0)
+    axes.set_ylim(bottom=min(1.1 * lowest, 0.0))
     if shown:
         axes.legend(fontsize="small", loc="upper right", ncols=len(shown))
 
