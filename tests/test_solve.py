@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import sys
+from math import factorial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -172,6 +174,47 @@ def test_narrow_rectangle_between_two_generations(width: float) -> None:
     found = master.solve(contacts, path, 1e-8)
     error = np.abs(found.force - (path - np.floor(path) * (1.0 + 0.5 * width))).max()
     assert found.success and error <= found.force_error
+
+
+class Power(NamedTuple):
+    """factor (x - begin)^degree/degree! from `begin` on, 0 before."""
+
+    begin: float
+    degree: int
+    factor: float
+
+    def at(self, x: np.ndarray) -> np.ndarray:
+        values = self.factor * (x - self.begin) ** self.degree / factorial(self.degree)
+        return np.where(x >= self.begin, values, 0.0)
+
+    def convolved(self, other: Power) -> Power:
+        degree = self.degree + other.degree + 1
+        return Power(self.begin + other.begin, degree, self.factor * other.factor)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_births_on_panels_of_many_widths_with_jumps_and_a_delay(tolerance: float) -> None:
+    """A rectangular law makes survival, force and delayed births sums of powers, and so are their convolutions. Panels
+    next to the bends are narrow, others wide."""
+    delay, path = 0.3, np.linspace(0.0, 4.0, 401)
+    holding = [Power(0.0, 0, 1.0), Power(0.5, 1, -1.0), Power(1.5, 1, 1.0)]
+    force = [Power(0.0, 1, 1.0), Power(0.5, 1, -0.5), Power(0.5, 2, -2.0)]
+    force += [Power(1.5, 1, 1.5), Power(1.5, 2, 2.0)]
+    birth_to_birth = [
+        Power(0.5 + delay, 0, 1.0),
+        Power(1.5 + delay, 0, -1.0),
+    ]  # density of that way
+
+    def of_all_births(after_one: list[Power]) -> np.ndarray:
+        total, powers = np.zeros(path.size), after_one
+        for _ in range(6):  # up to X = 4 no contact is born again more than 5 times
+            total += sum(power.at(path) for power in powers)
+            powers = [power.convolved(way) for power in powers for way in birth_to_birth]
+        return total
+
+    contacts = origins.Contacts(origins.rectangular(0.5, 1.5), delay=origins.Delay(delay))
+    found = held_to_claim(contacts, path, tolerance, of_all_births(force), velocity=1.0)
+    assert np.abs(found.holding - of_all_births(holding)).max() <= found.force_error
 
 
 def test_few_files_solve_the_gaussian_scene_and_the_docstring_names_them_in_order() -> None:
