@@ -54,7 +54,8 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     done = toolkit.run(tables)
     if "master" not in tables:  # it does not take a delay beside a mass: each slip is half a swing
         half = np.pi * (0.1 / 50.0) ** 0.5
-        assert name == "tribometer" and done.eq.slips.duration == pytest.approx(half, rel=0.1)
+        lasts = np.median(done.eq.slips.duration)  # of 400 contacts a few slip by themselves
+        assert name == "tribometer" and lasts == pytest.approx(half, rel=0.1)
         assert done.eq.slips.replica.size >= 8
         return
     assert done.success and done.master.force_error <= tables["master"].get("tolerance", 1e-8)
