@@ -164,6 +164,12 @@ REFUSED = {
         {"thresholds": ROUGH, "verdict": {"readings": ["hertz/amontons"]}},
         "verdict.readings = 'hertz/amontons'",
     ),
+    "law": ({"thresholds": ROUGH, "verdict": {"readings": ["gw/coulomb"]}}, "'gw/coulomb'"),
+    "patches": (
+        {"thresholds": ROUGH, "verdict": {"readings": ["persson/strength"]}},
+        "gw/strength",
+    ),
+    "slip": ({"drive": {"spring": 1.0, "mass": 1.0, "slip": "reset"}}, "drive.slip = 'reset'"),
     "not a surface": ({"verdict": {"readings": ["gw/paper"]}}, "verdict.readings"),
     "steps": ({"thresholds": ROUGH, "verdict": {"steps": [2]}}, "verdict.steps = 2"),
     "area": ({"thresholds": ROUGH, "drive": {"spring": "50 N/m"}}, "drive.spring"),

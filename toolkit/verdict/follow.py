@@ -1,5 +1,6 @@
 """What one slider does under one slip rule: the drive goes on until it has slipped often enough, or slides."""
 
+import time
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
@@ -98,12 +99,14 @@ def follow(
     begin = contacts.start.mean() / machine.spring
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     tolerance = TOLERANCE_IN_TIME if in_time else TOLERANCE
-    found = _refused(rule, "not followed")
+    found, until = _refused(rule, "no time was left"), time.monotonic() + wall_time
     for loadings in LOADINGS:
         path = begin + np.linspace(0.0, loadings * loading, POINTS)
+        if (left := until - time.monotonic()) <= 0.0:
+            break
         try:
             solved: Any = master.solve(
-                contacts, path, tolerance, wall_time=wall_time, **machine.keywords(rule)
+                contacts, path, tolerance, wall_time=left, **machine.keywords(rule)
             )
         except InputError as error:
             by_contacts = follow_by_contacts(machine, contacts, rule, loading)

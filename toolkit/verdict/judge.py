@@ -144,6 +144,12 @@ def _rules(scene: Scene, table: DriveTable) -> tuple[str, ...]:
     """The slip rules to compare: those of [verdict], else all, that of [drive] first; with a mass
     none of them, but "mass"."""
     if table.mass is not None:
+        if table.slip is not None:
+            hint = "mass, damping and the contacts' delay decide; leave it out, or the mass"
+            refuse("drive.slip", table.slip, hint)
+        if scene.verdict is not None and scene.verdict.rules is not None:
+            hint = "are for a slider without mass; leave them out, or the mass"
+            refuse("verdict.rules", scene.verdict.rules, hint)
         return ("mass",)
     if scene.verdict is not None and scene.verdict.rules is not None:
         for rule in scene.verdict.rules:

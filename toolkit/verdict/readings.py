@@ -13,6 +13,7 @@ from toolkit.scene.tables import read_table
 
 # contact model / threshold law; a third word names the regime of the summits, as in "gw/amontons/mixed"
 READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "persson/paper")
+LAWS, REGIMES = ("amontons", "strength", "paper"), ("elastic", "plastic", "mixed")
 STEPS = (1, 2)  # of the scan's points: twice the distance shows what the resolution decides
 
 
@@ -50,6 +51,8 @@ def readings_of(scene: Scene) -> list[Reading]:
     names = list(READINGS) if asked is None or asked.readings is None else asked.readings
     steps = sorted({own_step * k for k in STEPS}) if has_heights else [1]
     steps = steps if asked is None or asked.steps is None else asked.steps
+    for name in names:
+        dict(_parts(name))  # refuses what is no reading before any work
     each = [(name.removesuffix("/elastic"), step) for step in steps for name in names]
     found = [Reading(_title(*own, steps), True, scene.contacts)]
     for name, step in dict.fromkeys(each):
@@ -87,10 +90,12 @@ def _read(scene: Scene, given: dict[str, Any], name: str, step: int, title: str)
 def _parts(name: str) -> Iterator[tuple[str, str]]:
     """Model, law and regime of a reading's name; InputError for a name of another form."""
     words = name.split("/")
-    if len(words) not in (2, 3) or words[0] not in ("gw", "persson"):
-        hint = (
-            'must be a model and a law, as "gw/amontons" or "persson/paper", or "gw/amontons/mixed"'
-        )
+    known = words[0] in ("gw", "persson") and len(words) in (2, 3) and words[1] in LAWS
+    if not known or (len(words) == 3 and (words[0] != "gw" or words[2] not in REGIMES)):
+        hint = 'must be a model and a law, as "gw/amontons" or "persson/paper", or "gw/paper/mixed"'
+        refuse("verdict.readings", name, hint)
+    if words[:2] == ["persson", "strength"]:
+        hint = "patches of one area would all break at one threshold; take gw/strength"
         refuse("verdict.readings", name, hint)
     yield from zip(("model", "law", "regime"), words, strict=False)
     if len(words) == 2:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from toolkit.scene.interfaces import remarks
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.judge import Answer, Quantity, Verdict
@@ -229,7 +230,7 @@ def dependence(verdict: Verdict) -> list[str]:
                 "give drive.mass, drive.damping and [contacts.delay]"
             )
         else:
-            lines.append("not the slip rule: all rules agree on stick-slip or smooth")
+            lines.append("not the slip rule, for infinitely many contacts: all rules agree")
     answers = verdict.answers
     if len(answers) > 1:
         springs = [one.critical_spring.value * one.scale.spring for one in answers]
@@ -238,6 +239,13 @@ def dependence(verdict: Verdict) -> list[str]:
             f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
             f"{len(answers)} readings"
         )
+    if own.scale.contacts is not None and own.machine is not None:
+        crowd = own.scale.contacts * own.machine.spring**3
+        lines.append(
+            f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
+            "only where it is above some 50"
+        )
+    lines += remarks(own.contacts.thresholds)
     for finite in verdict.finite:
         lines.append(_of_finite(verdict, finite))
     lines += [f"left out: {name}: {why}" for name, why in verdict.left_out.items()]
