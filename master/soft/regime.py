@@ -16,6 +16,8 @@ from origins.thresholds.law import Array
 
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
+# Error of the force, in mean thresholds, from which on its slips are no evidence.
+UNRELIABLE = 0.1
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
@@ -141,8 +143,8 @@ def regime(
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
-    if found.force.size < drive.path.size or not np.isfinite(found.error):
-        reason = f"{count} slips up to where the solution stopped"
+    if found.force.size < drive.path.size or not found.error < UNRELIABLE:
+        reason = f"{count} slips up to where the solution stopped, or is no longer known"
     elif not count:
         # K* is that of a rigid slider; a soft slider's speed differs from the drive's
         lacking = _lacking(contacts, drive, found, critical)
