@@ -48,7 +48,7 @@ solve(PLAIN, [-1e50, 1e50])  path\[0\] = .*turn round within 1e\+06
 solve(PLAIN, [0.0, 1.0], wall_time=0.0)  wall_time
 solve(PAIR, [0.0, 1000.0])  .*exact values break together more often
 solve(PLAIN.replace(thermal=Thermal("soft", 1e3, 1e18), delay=Delay(0.3)), [1.0])  delay = 0.3: .*, too short to follow
-solve(FIERCE, [3.0, -3.0, 3.0])  .*attempt_frequency or scale = 10+\.0: .* on the way
+solve(FIERCE, [3.0, -3.0, 3.0])  .*attempt_frequency or scale = 10+\.0: .* on the path
 told(PLAIN, [0.0, 3.0], 3.1)  where =
 told(PLAIN, [0.0, 3.0], np.nan)  where =
 told(PLAIN, [0.0, 3.0], "1")  where =
