@@ -19,8 +19,9 @@ ENOUGH_SLIPS, POINTS = 5, 600
 LOADINGS = (6.5, 20.0, 60.0)
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
 TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
-# contacts of the ensemble where the master equation does not take the slider, and the least delay, in times of a slip
-CONTACTS, LONG_DELAY = 20_000, 3.0
+# where the master equation does not take the slider: contacts and sliders of the ensemble, and the least delay, in
+# times of a slip
+CONTACTS, SLIDERS, LONG_DELAY = 20_000, 4, 3.0
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ class Behaviour:
     before, after : spring force before and after a slip, the last one; both the sliding force where it is smooth
     period : of the drive, between the last two slips; slips : how many there were
     slip_time, top_speed : of the last slip; None where slips take no time
-    error : of the force, estimated from above, in mean thresholds
+    error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
+        sliders
     drive, force : the trace, with each slip at its own place
     """
 
@@ -120,7 +122,7 @@ def follow(
 def follow_by_contacts(
     machine: Machine, contacts: Contacts, rule: str, loading: float
 ) -> Behaviour | None:
-    """The slider with mass and a delay by the ensemble, as the master equation does not take it; `loading`: way of the
+    """Sliders with mass and a delay by the ensemble, as the master equation does not take it; `loading`: way of the
     drive up to the static force. None where the delay is not far above the time of a slip, π (M/K)^(1/2): then contacts
     re-form while it goes on, and break again at every threshold that it passes."""
     import eq_model
@@ -130,22 +132,29 @@ def follow_by_contacts(
     if rule != "mass" or others or contacts.waiting_time < LONG_DELAY * slip_time:
         return None
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS[0] * loading, POINTS)
-    found = eq_model.simulate(contacts, path, n_contacts=CONTACTS, seed=1, **machine.keywords(rule))
-    slips = found.slips
-    drive, force = with_slips(SimpleNamespace(path=path, force=found.force, slips=slips))
-    slipped = slips.drive.size > 1
-    # of finitely many contacts the force scatters by this share
-    error = float(CONTACTS**-0.5 * found.force.max() / contacts.mean_threshold)
+    asked = {"n_contacts": CONTACTS, "n_replicas": SLIDERS, "seed": 1} | machine.keywords(rule)
+    found = eq_model.simulate(contacts, path, **asked)
+    slips, unit = found.slips, contacts.mean_threshold
+    own = slips.replica == 0  # the trace is that of one slider: a mean over several has no drops
+    of_one = {name: getattr(slips, name)[own] for name in ("drive", "force_before", "force_after")}
+    drive, force = with_slips(
+        SimpleNamespace(path=path, force=found.forces[0], slips=SimpleNamespace(**of_one))
+    )
+    common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
+    slipped = common > 1
+    before, scatter = slips.mean("force_before", common - 1) if slipped else (force[-1], np.inf)
+    after = slips.mean("force_after", common - 1)[0] if slipped else force[-1]
+    error = scatter if slipped else float(found.force_standard_error[-1])
     return Behaviour(
         rule=rule,
         kind="stick-slip" if slipped else "smooth",
-        before=float(slips.force_before[-1]) if slipped else float(found.force[-1]),
-        after=float(slips.force_after[-1]) if slipped else float(found.force[-1]),
-        period=float(np.diff(slips.drive)[-1]) if slipped else None,
-        slips=slips.drive.size,
-        error=error,
+        before=float(before),
+        after=float(after),
+        period=float(np.diff(of_one["drive"])[-1]) if slipped else None,
+        slips=common,
+        error=float(error / unit),
         success=True,
-        message=f"by the ensemble, {CONTACTS:,} contacts",
+        message=f"by the ensemble, {SLIDERS} sliders of {CONTACTS:,} contacts",
         run_time=found.run_time,
         slip_time=_last(slips, "duration"),
         top_speed=_last(slips, "top_speed"),

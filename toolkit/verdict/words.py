@@ -252,7 +252,7 @@ def dependence(verdict: Verdict) -> list[str]:
     for behaviour in own.behaviours:
         if behaviour.message.startswith("by the ensemble"):
             lines.append(
-                f"the slips are those of one slider {behaviour.message}, which scatters by some "
+                f"the slips are means {behaviour.message}, with a standard error of some "
                 f"{behaviour.error:.0e} <x_s>: the master equation takes no delay beside a mass"
             )
         if not behaviour.success:
