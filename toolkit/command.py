@@ -18,6 +18,8 @@ COMMANDS = {
     "verdict": "does this interface, on this machine, stick and slip? one page, one picture, in SI units",
     "precision": "what precision costs: true error against run time of each solver, of a scene",
     "scenes": "list the scenes that are shipped",
+    "show": "print a scene with all its defaults, as TOML that runs",
+    "copy": "copy a shipped scene into a file of your own; an existing file is never overwritten",
 }
 
 
@@ -80,6 +82,15 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         many, folder = ("+", "compare-output") if name == "compare" else (None, "NAME-output")
         scene = "a scene file, or the name of a shipped scene"
         own.add_argument("scene", metavar="SCENE", nargs=many, help=scene)
+        if name == "copy":
+            explained = "the file to write, or a folder for it (default: ./SCENE.toml)"
+            own.add_argument("file", metavar="FILE", nargs="?", help=explained)
+            continue
+        change: Any = {"metavar": "KEY=VALUE", "action": "append", "default": [], "dest": "changes"}
+        explained = "another value for a key of the scene, as TOML: --set drive.spring='\"50 N/m\"'; repeatable"
+        own.add_argument("--set", help=explained, **change)
+        if name == "show":
+            continue
         explained = f"folder for what is written (default: ./{folder})"
         own.add_argument("--out", metavar="DIR", help=explained)
         if name == "run":

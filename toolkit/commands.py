@@ -6,6 +6,7 @@ import tomllib
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from origins.errors import refuse
@@ -22,11 +23,14 @@ from toolkit.results.verdicts import contradiction
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
+from toolkit.scene.changes import read_changes
 from toolkit.scene.interfaces import Number, foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
-from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
+from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes
+from toolkit.scene.tables import did_you_mean
+from toolkit.scene.writing import written_out
 
-ON_ONE_RANK = ("precision", "scenes", "verdict")  # the other ranks wait
+ON_ONE_RANK = ("copy", "precision", "scenes", "show", "verdict")  # the other ranks wait
 _APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
 
@@ -39,10 +43,37 @@ def scenes(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def show(arguments: argparse.Namespace) -> int:
+    """Print the scene with all defaults filled in."""
+    found = read_scene(arguments.scene, changes=read_changes(arguments.changes))
+    print(written_out(found.tables, found.folder), end="")
+    return 0
+
+
+def copy(arguments: argparse.Namespace) -> int:
+    """Write a shipped scene, with its comments, into a file of the user's, which must not be there yet."""
+    name = arguments.scene
+    if name not in shipped_scenes():
+        meant = did_you_mean(name, shipped_scenes())
+        refuse("scene", name, f"is no shipped scene; {meant}`mesofriction scenes` lists them")
+    file = Path(arguments.file or ".")
+    file = file / f"{name}.toml" if file.is_dir() else file
+    try:
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+    except FileExistsError:
+        refuse("file", str(file), "is there already, and is kept; name another")
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        refuse("file", str(file), f"cannot be written: {why}")
+    print(f"written to {file}; change it, then: mesofriction run {file}")
+    return 0
+
+
 def run(arguments: argparse.Namespace, comm: Any) -> int:
     """Run every solver that the scene names, report, and write; returns 1 where a solver missed its tolerance, or where
     both disagree (results are written nevertheless)."""
-    scene = load_scene(arguments.scene, comm=comm)
+    scene = load_scene(arguments.scene, comm=comm, changes=read_changes(arguments.changes))
     first = comm is None or comm.Get_rank() == 0
     before = foreseen(scene)
     for note in before if first else []:
@@ -129,7 +160,7 @@ def _agreement(result: Any) -> str:
 def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     """P_c, its survival and hazard as a picture, moments and propensity as a table; returns 1 where a number of the
     table misses its tolerance."""
-    scene = load_scene(arguments.scene, solved=False, comm=comm)
+    scene = load_scene(arguments.scene, False, comm, read_changes(arguments.changes))
     folder = arguments.out or f"{scene.name}-output"
 
     def describe_it() -> Description:
@@ -176,9 +207,10 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     """Propensity of each scene to stick-slip, as a printed table and a picture; returns 1 where a solver missed its
     tolerance."""
     scenes: dict[str, Any] = {}
+    changes = read_changes(arguments.changes)
     for given in arguments.scene:
         with inside(given, {}):
-            scene = load_scene(given, comm=comm)
+            scene = load_scene(given, comm=comm, changes=changes)
         if scene.name in scenes:
             refuse("scenes", scene.name, "two scenes have this name; rename one of the files")
         scenes[scene.name] = scene
@@ -199,7 +231,7 @@ def verdict(arguments: argparse.Namespace) -> int:
     from toolkit.verdict.judge import verdict as judged
     from toolkit.verdict.words import disagreeing, page
 
-    scene = load_scene(arguments.scene, solved=False)
+    scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))
     folder = arguments.out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it
     found = judged(scene, say)
@@ -211,7 +243,7 @@ def verdict(arguments: argparse.Namespace) -> int:
 def precision(arguments: argparse.Namespace) -> int:
     """True error against run time of each solver the scene names, as picture and table; each line is printed once it
     is measured."""
-    scene = load_scene(arguments.scene)
+    scene = load_scene(arguments.scene, changes=read_changes(arguments.changes))
     folder, lines = arguments.out or f"{scene.name}-output", list[str]()
     check_folder(folder)  # before the work, not after it
 

@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import origins
 from origins.errors import InputError, refuse
 from origins.roughness.interface import BOLTZMANN
 from toolkit.processes.ranks import on_root
+from toolkit.scene.tables import did_you_mean
 
 T = TypeVar("T")
 
@@ -68,31 +69,10 @@ def build(
     given `folder`, to which the scene's file names are relative, and one with a parameter `comm` the communicator whose
     ranks, all of which must call, share its work. Raises InputError with the path of the bad key, counted from `where`.
     """
-    if not isinstance(table, Mapping):
-        refuse(where, table, "must be a table")
-    place, title, arguments = kinds, "it", dict(table)
-    if not isinstance(kinds, str):
-        title = arguments.pop("kind", None)
-        if title is None:
-            raise InputError(f"{where}.kind: is missing; must be one of {', '.join(kinds)}")
-        if not isinstance(title, str) or title not in kinds:
-            refuse(f"{where}.kind", title, f"must be one of {', '.join(kinds)}")
-        place = kinds[title]
-    module, name = str(place).split(":")
-    function = getattr(import_module(module), name)
-    parameters = dict(inspect.signature(function).parameters)
+    call = _called(kinds, table, where)
+    title, function, parameters, arguments = call.title, call.function, call.keys, call.arguments
     given = {"folder": folder, "comm": comm}  # not for a scene to say
-    given = {key: value for key, value in given.items() if parameters.pop(key, None) is not None}
-    others = [name for name, one in parameters.items() if one.kind is one.VAR_KEYWORD]
-    for name in others:  # the function takes further keys, and refuses unknown ones itself
-        del parameters[name]
-    takes = f"{title} takes {', '.join(parameters)}"
-    for key, value in arguments.items():
-        if key not in parameters and not others:
-            refuse(f"{where}.{key}", value, f"unknown key; {takes}")
-    for key, parameter in parameters.items():
-        if parameter.default is parameter.empty and key not in arguments:
-            raise InputError(f"{where}.{key}: is missing; {takes}")
+    given = {key: value for key, value in given.items() if key in call.given}
     with inside(where, {key: key for key in (*parameters, *arguments)}):
         for key, value in arguments.items():
             if key in _TABLES:
@@ -107,9 +87,73 @@ def build(
                 ]
         try:
             return function(**arguments, **given)
-        except ArithmeticError as error:
+        except InputError:
+            raise
+        except (
+            ArithmeticError,
+            ValueError,
+        ) as error:  # numpy's, of numbers near the ends of floating point
             hint = "some of its numbers are too large or too small; are they in the right unit?"
             raise InputError(f"{title}: {hint}") from error
+
+
+class _Call(NamedTuple):
+    """The call that a scene's table stands for: the kind, or "it"; the function; by name the parameters that are keys,
+    and the names of those that are not; and the table without its kind."""
+
+    title: str
+    function: Callable[..., Any]
+    keys: dict[str, inspect.Parameter]
+    given: set[str]
+    arguments: dict[str, Any]
+
+
+def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
+    """The call of the table; InputError for an unknown kind, an unknown key or a missing one."""
+    if not isinstance(table, Mapping):
+        refuse(where, table, "must be a table")
+    place, title, arguments = kinds, "it", dict(table)
+    if not isinstance(kinds, str):
+        title = arguments.pop("kind", None)
+        if title is None:
+            raise InputError(f"{where}.kind: is missing; must be one of {', '.join(kinds)}")
+        if not isinstance(title, str) or title not in kinds:
+            meant = did_you_mean(title, kinds)
+            refuse(f"{where}.kind", title, f"{meant}must be one of {', '.join(kinds)}")
+        place = kinds[title]
+    module, name = str(place).split(":")
+    function = getattr(import_module(module), name)
+    keys = dict(inspect.signature(function).parameters)
+    given = {key for key in ("folder", "comm") if keys.pop(key, None) is not None}
+    others = [name for name, one in keys.items() if one.kind is one.VAR_KEYWORD]
+    for name in others:  # the function takes further keys, and refuses unknown ones itself
+        del keys[name]
+    takes = f"{title} takes {', '.join(keys)}"
+    for key, value in arguments.items():
+        if key not in keys and not others:
+            refuse(f"{where}.{key}", value, f"unknown key; {did_you_mean(key, keys)}{takes}")
+    for key, parameter in keys.items():
+        if parameter.default is parameter.empty and key not in arguments:
+            raise InputError(f"{where}.{key}: is missing; {takes}")
+    return _Call(title, function, keys, given, arguments)
+
+
+def with_defaults(kinds: Mapping[str, str] | str, table: object, where: str) -> dict[str, Any]:
+    """The table with the default of every key that it does not give, None where the key is left out; those within it,
+    too. Raises InputError as `build` does for its keys; values are not checked."""
+    call = _called(kinds, table, where)
+    out: dict[str, Any] = {} if isinstance(kinds, str) else {"kind": call.title}
+    for key in {**call.keys, **call.arguments}:
+        value = call.arguments[key] if key in call.arguments else call.keys[key].default
+        if value is not None and key in _TABLES:
+            value = with_defaults(_TABLES[key], value, f"{where}.{key}")
+        elif key == "components" and isinstance(value, list):
+            value = [
+                with_defaults(THRESHOLDS, part, f"{where}.components[{k}]")
+                for k, part in enumerate(value)
+            ]
+        out[key] = value
+    return out
 
 
 def without_kelvin(

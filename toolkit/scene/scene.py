@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ from origins.drive import Drive
 from origins.errors import InputError, refuse, shown
 from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
+from toolkit.scene.changes import changed
 from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
@@ -95,26 +96,61 @@ def shipped_scenes() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.toml"))
 
 
+class Source(NamedTuple):
+    """A scene as it is written: its name, its TOML text, the tables of that, and the folder of its file names."""
+
+    name: str
+    text: str
+    tables: dict[str, Any]
+    folder: Path
+
+
 def load_scene(
-    scene: "Scene | Mapping[str, Any] | str | PathLike[str]", solved: bool = True, comm: Any = None
+    scene: "Scene | Mapping[str, Any] | str | PathLike[str]",
+    solved: bool = True,
+    comm: Any = None,
+    changes: Mapping[str, Any] | None = None,
 ) -> Scene:
     """The scene of a dict, of a scene file, or of a shipped scene's name; one to be `solved` must name a solver.
 
+    `changes` are values by key, such as {"drive.spring": 0.5}, in place of those of the scene.
     The ranks of the mpi4py communicator `comm`, all of which must call, share the sampling of its thresholds; every
     rank gets the same bits.
     Raises InputError with the path of the bad key, such as ``contacts.thresholds.std = -1.0: must be above zero``.
     """
-    if isinstance(scene, Scene):
+    if isinstance(scene, Scene) and not changes:
         return scene
     try:
-        if isinstance(scene, Mapping):
-            text = to_toml(scene)
-            return _checked("scene", text, tomllib.loads(text), Path(), solved, comm)
-        file = on_root(comm, lambda: _find(scene))
-        text = laws.read_file("scene", str(file), Path(), comm, laws.read_text)
-        return _checked(file.stem, text, tomllib.loads(text), file.parent, solved, comm)
+        return _checked(read_scene(scene, comm, changes), solved, comm)
     except RecursionError as error:
         raise InputError("scene: is nested too deeply; it needs a few levels") from error
+    except InputError:
+        raise
+    except ValueError as error:  # numpy's, of numbers near the ends of floating point
+        hint = "some number is too large or too small; are all in the right unit?"
+        raise InputError(f"scene: {hint} ({error})") from error
+
+
+def read_scene(
+    scene: "Scene | Mapping[str, Any] | str | PathLike[str]",
+    comm: Any = None,
+    changes: Mapping[str, Any] | None = None,
+) -> Source:
+    """The scene as it is written, with `changes`, before its values are checked; see load_scene."""
+    try:
+        if isinstance(scene, Mapping):
+            name, text, folder = "scene", to_toml(scene), Path()
+        elif isinstance(scene, Scene):
+            name, text, folder = scene.name, scene.text, scene.folder
+        else:
+            file = on_root(comm, lambda: _find(scene))
+            text = laws.read_file("scene", str(file), Path(), comm, laws.read_text)
+            name, folder = file.stem, file.parent
+        found = tomllib.loads(text)
+        if changes:
+            found = changed(found, changes)
+            text = to_toml(found)
+        return Source(name, text, found, folder)
     except InputError:
         raise
     except ValueError as bad:  # of tomllib: bad TOML, and whole numbers of thousands of digits
@@ -141,10 +177,9 @@ def _find(scene: object) -> Path:
     refuse("scene", str(scene), hint)
 
 
-def _checked(
-    name: str, text: str, given: Mapping[str, Any], folder: Path, solved: bool, comm: Any
-) -> Scene:
-    """The scene of these tables, with all that they say checked."""
+def _checked(source: Source, solved: bool, comm: Any) -> Scene:
+    """The scene, with all that its tables say checked. Raises InputError."""
+    name, text, given, folder = source
     table = tables.read_table(given)
     if not name.isprintable():
         refuse("scene", name, "holds a letter that no picture can show; leave it out")

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import Annotated, Any
 
@@ -115,8 +115,7 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         if "field" in expected:
             key = f"{where}.{expected.split('`')[1]}".lstrip(".")
             known = _TABLES.get(where, RangeTable).__struct_encode_fields__
-            close = get_close_matches(key.rpartition(".")[2], known, 1)
-            meant = f"did you mean {close[0]}? " if close else ""
+            meant = did_you_mean(key.rpartition(".")[2], known)
             said = f"unknown key; {meant}known here: {', '.join(known)}"
             raise InputError(f"{key}: {'is missing' if 'missing' in expected else said}") from error
         value: Any = tables
@@ -126,6 +125,12 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         said = said.replace(f" <= {sys.float_info.max}", ", finite").replace("str", "text")
         said = said.replace("int", "a whole number").replace("float", "a number")
         refuse(where, value, f"{said[0].lower()}{said[1:]}")
+
+
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """A question that names the known word nearest to this one, for a message; "" where none is near."""
+    close = get_close_matches(str(word), list(known), 1)
+    return f"did you mean {close[0]}? " if close else ""
 
 
 def _counted(value: Any, key: str = "") -> Any:
