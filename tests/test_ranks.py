@@ -214,6 +214,11 @@ class Counted:
         self._count("Ibarrier", 0)
         return SimpleNamespace(Test=lambda: True)
 
+    def Split_type(self, kind: int) -> Any:
+        """The ranks of this node, which say on which cores they may run: four of them."""
+        self._count("Split_type", 0)
+        return SimpleNamespace(allgather=lambda own: [own] * 4, Free=lambda: None)
+
     def Allreduce(self, own: Any, out: Any) -> None:
         self._count("Allreduce", own.nbytes)
         out[:] = own * self.size
@@ -239,7 +244,17 @@ def test_calls_and_bytes_are_as_documented(tmp_path: Path) -> None:
         )
         told.append(comm)
     few, many, wanted = told
-    assert few.calls == many.calls == {"Ibarrier": 5, "bcast": 3, "Allreduce": 1, "allgather": 2}
+    assert (
+        few.calls
+        == many.calls
+        == {
+            "Ibarrier": 5,
+            "bcast": 3,
+            "Split_type": 1,
+            "Allreduce": 1,
+            "allgather": 2,
+        }
+    )
     assert few.bytes["Allreduce"] == many.bytes["Allreduce"] and few.bytes["Allreduce"] % 16 == 0
     assert few.bytes["bcast"] < 200 and few.bytes["allgather"] < 500 * 100
     rounds = wanted.calls["Allreduce"] - 1

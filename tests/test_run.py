@@ -19,7 +19,9 @@ import master
 import toolkit
 from origins.errors import InputError
 from toolkit.commands import report
+from toolkit.processes.ranks import cores_of
 from toolkit.results.records import MotionEnergy
+from toolkit.running.checkpoint import identity
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 
 EQ = {"contacts": 400, "replicas": 2, "seed": 1}
@@ -405,3 +407,17 @@ def test_the_motion_of_a_slider_with_mass_is_kept_with_the_master_equation(tmp_p
     with h5py.File(tmp_path / "out" / "result.h5") as store:
         assert store["master/energy_drive"].attrs["units"].endswith("^2")
     assert toolkit.load(tmp_path / "out").master.velocity.shape == (size,) and slips > 0
+
+
+def test_threads_give_the_same_bits_and_are_no_other_run() -> None:
+    eq = {"contacts": 40_000, "replicas": 4}
+    big = {"drive": {"to": 3.0, "points": 11}, "master": None}
+    alone = toolkit.run(scene(**big, eq=eq | {"threads": 1})).eq
+    several = toolkit.run(scene(**big, eq=eq | {"threads": 3})).eq
+    np.testing.assert_array_equal(alone.force, several.force)
+    np.testing.assert_array_equal(alone.force_standard_error, several.force_standard_error)
+    one, other = (toolkit.load_scene(scene(**big, eq=eq | {"threads": n})) for n in (1, 3))
+    assert identity(one) == identity(other)
+    assert 1 <= cores_of(None) <= (os.cpu_count() or 1)
+    with pytest.raises(InputError, match=r"eq\.threads = 0"):
+        toolkit.load_scene(scene(eq=eq | {"threads": 0}))

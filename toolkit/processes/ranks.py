@@ -56,6 +56,24 @@ def on_root(comm: Any, work: Callable[[], T]) -> T:
     return value
 
 
+def cores_of(comm: Any) -> int:
+    """How many of the cores of this node are this rank's share, at least 1: those on which the launcher, or `taskset`,
+    lets it run, each divided among the ranks of `comm` on the node that may run there too. All ranks must call."""
+    if hasattr(os, "sched_getaffinity"):
+        mine = os.sched_getaffinity(0)
+    else:  # not on macOS
+        mine = set(range(os.cpu_count() or 1))
+    if comm is None or comm.Get_size() == 1:
+        return len(mine)
+    from mpi4py import MPI
+
+    node = comm.Split_type(MPI.COMM_TYPE_SHARED)
+    held = node.allgather(mine)
+    node.Free()
+    share = sum(1.0 / sum(core in other for other in held) for core in mine)
+    return max(int(share + 1e-9), 1)
+
+
 def end_together(work: Callable[[Any], int], launched: Launch) -> int:
     """Exit status of `work`, called with the communicator of all ranks launched (None: this process alone).
 

@@ -29,7 +29,13 @@ from toolkit.scene.tables import read_table
 from toolkit.version import __version__
 
 EVERY = 60.0  # seconds: little is lost, and the disk is not overloaded
-_BESIDE = ("title", "master", "eq.wall_time", "wall_time")  # without effect on eq's numbers
+_BESIDE = (
+    "title",
+    "master",
+    "eq.wall_time",
+    "eq.threads",
+    "wall_time",
+)  # without effect on eq's numbers
 
 
 class Checkpoint:

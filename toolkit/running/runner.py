@@ -9,7 +9,7 @@ from typing import Any
 
 from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
-from toolkit.processes.ranks import on_root
+from toolkit.processes.ranks import cores_of, on_root
 from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.results.files import another
 from toolkit.results.folders import check_folder, only_writer
@@ -250,7 +250,8 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
         # single contacts have no mean rate and no common P_c: they show the error of these closures
         contacts = contacts.each_by_itself()
     arguments: dict[str, Any] = {name: getattr(asked, key) for name, key in _EQ_KEYS.items()}
-    arguments |= {"comm": comm, "histograms": scene.histogram_points()}
+    arguments |= {"comm": comm, "threads": asked.threads or cores_of(comm)}
+    arguments |= {"histograms": scene.histogram_points()}
     motion = ("velocity", "time", "spring", "slip", "mass", "damping")
     arguments |= {name: getattr(drive, name) for name in motion}
     with laws.inside("eq", _EQ_KEYS):

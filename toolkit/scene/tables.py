@@ -58,6 +58,7 @@ class EqTable(KeyTable, frozen=True):
     seed: Annotated[int, Meta(ge=0)] = 1
     tolerance: Positive | None = None
     wall_time: Positive | None = None
+    threads: Annotated[int, Meta(ge=1, le=1024)] | None = None
     slip_fraction: float | None = None
     histograms: list[Finite] | None = None
     histogram_times: list[Finite] | None = None
@@ -101,7 +102,7 @@ class SceneTable(KeyTable, frozen=True):
 
 _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}
 _TABLES |= {"master": MasterTable, "sweep": SweepTable, "verdict": VerdictTable}
-_COUNTS = ("points", "contacts", "replicas", "seed", "samples")
+_COUNTS = ("points", "contacts", "replicas", "seed", "samples", "threads")
 
 
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
