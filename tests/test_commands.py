@@ -364,4 +364,8 @@ def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
     assert small == pytest.approx(each * found["small"]["critical_spring"], rel=1e-12)
     bare = write("bare", thresholds=ROUGH, drive={"to": 1e-7, "points": 3})
     lines = said(capsys, "compare", bare, files[0], "--out", "third")[1]
-    assert "K* (N/m)" not in lines[0] and any("give each drive.area" in line for line in lines)
+    assert "K* (N/m³)" in lines[0] and any("give each drive.area" in line for line in lines)
+    own = {one["name"]: one for one in read("third/compare.json")["scenes"]}
+    assert "critical_spring_newtons" not in own["bare"]
+    per_area = own["bare"]["critical_spring_per_area"]
+    assert per_area == pytest.approx(1e6 * small, rel=1e-12)

@@ -108,7 +108,7 @@ def test_what_is_not_solved_is_not_drawn() -> None:
 
 def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:
     drive = {"to": 1e-7, "points": 3}
-    for own, label in ((drive | {"area": 1e-6}, "(N/m)"), (drive, "langle k")):
+    for own, label in ((drive | {"area": 1e-6}, "(N/m)"), (drive, "(N/m³)")):
         one = compare([toolkit.load_scene(scene(ROUGH, drive=own, master=None), solved=False)])
         springs = draw_comparison(one).axes[1]
         assert label in springs.get_xlabel()

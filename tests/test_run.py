@@ -401,8 +401,9 @@ def test_the_motion_of_a_slider_with_mass_is_kept_with_the_master_equation(tmp_p
         np.testing.assert_array_equal(getattr(again, name), value)
     np.testing.assert_array_equal(again.energy.released, rows[5])
     np.testing.assert_array_equal(again.slips.drop, result.master.slips.drop)
-    assert "motion  slips last 0.3 units of time on average, top speed 4" in report(
-        toolkit.load(tmp_path / "out")
+    assert (
+        "motion  slips last 0.3 units of time on average, top speed 4 units of length per time"
+        in report(toolkit.load(tmp_path / "out"))
     )
     with h5py.File(tmp_path / "out" / "result.h5") as store:
         assert store["master/energy_drive"].attrs["units"].endswith("^2")

@@ -11,8 +11,8 @@ import pytest
 import master
 from origins import Contacts, gaussian
 from tests.scenes import CONSTANTS, ROUGH, said, write
+from toolkit.scene.scale import scale_of, written
 from toolkit.scene.scene import load_scene
-from toolkit.verdict.scale import scale_of, written
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}

@@ -13,19 +13,22 @@ from origins.errors import refuse
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
-from toolkit.judge.describe import PROPENSITY, Description, describe
+from toolkit.judge.describe import PROPENSITY, SHARED_NUMBERS, Description, describe, in_units_of
 from toolkit.pictures.thresholds import save_thresholds_picture
 from toolkit.processes.ranks import on_root
+from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
-from toolkit.results.records import NOT_COMPARED, deviation, is_coupled, sample_curve, slip_line
+from toolkit.results.numbers import in_words
+from toolkit.results.records import is_coupled, sample_curve
 from toolkit.results.verdicts import contradiction
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
 from toolkit.scene.changes import read_changes
-from toolkit.scene.interfaces import Number, foreseen, in_a_line, with_error
+from toolkit.scene.interfaces import foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
+from toolkit.scene.scale import SHARED, spoken
 from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes
 from toolkit.scene.tables import did_you_mean
 from toolkit.scene.writing import written_out
@@ -104,6 +107,7 @@ def report(result: Any) -> list[str]:
         lines.append(f"verdict {apart}")
     if result.interface is not None:
         lines.append(f"surface {in_a_line(result.interface)}")
+        lines += in_words(result)
     if solved is not None:
         error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
@@ -112,11 +116,9 @@ def report(result: Any) -> list[str]:
         period_text = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
         lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
         if solved.slip_duration is not None and solved.slip_duration.size:
-            clock = "s" if result.thresholds.in_metres else "units of time"
-            lasts, fastest = solved.slip_duration.mean(), abs(solved.slip_top_speed).max()
-            lines.append(
-                f"motion  slips last {lasts:.3g} {clock} on average, top speed {fastest:.3g}"
-            )
+            lasts = spoken(solved.slip_duration.mean(), result.scale.time_unit)
+            fastest = spoken(abs(solved.slip_top_speed).max(), result.scale.speed_unit)
+            lines.append(f"motion  slips last {lasts} on average, top speed {fastest}")
     if solved is not None and solved.outrun is not None:
         where = f"from X = {solved.outrun:.4g} on" if solved.outrun < float("inf") else "nowhere"
         lines.append(
@@ -170,11 +172,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
             say(note)
         with closing(Progress("thresholds")), runner.within(scene.deadline(), scene, "[contacts]"):
             found = describe(scene.contacts, scene.sliding)
-        surface, own = scene.contacts.interface, found.numbers.get("critical_spring")
-        if surface is not None and own is not None and scene.area is not None:
-            each = scene.area * surface.contact_density * surface.mean_stiffness
-            there = Number(own.value * each, (own.error or 0.0) * each, "N/m")
-            found.numbers["critical_spring_of_the_area"] = there
+        found.numbers.update(in_units_of(scene.scale, found.numbers))
         return found
 
     found = on_root(comm, describe_it)
@@ -185,17 +183,22 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
         "thresholds.json": lambda path: write_json(record, path),
     }
     on_root(comm, lambda: write_folder(folder, writers))
-    print("\n".join([title, *_lines(found, scene.contacts.laws), f"written to {folder}"]))
+    hidden = SHARED_NUMBERS if scene.scale.spring_unit != SHARED else ()
+    lines = _lines(found, scene.contacts.laws, hidden)
+    print("\n".join([title, *lines, f"written to {folder}"]))
     return 0 if found.success else 1
 
 
-def _lines(found: Description, laws: tuple[str, ...]) -> list[str]:
-    """The table as lines of text; where contacts have `laws`, the numbers of sliding say whether these are in them."""
-    sliding = (*PROPENSITY, "kinetic_force", "critical_spring_of_the_area")
+def _lines(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...]) -> list[str]:
+    """The table as lines of text without the numbers `hidden`, which are there in SI units, too; where contacts have
+    `laws`, the numbers of sliding say whether these are in them."""
+    sliding = [name for name in found.numbers if name.startswith((*PROPENSITY, "kinetic_force"))]
     labels = dict.fromkeys(sliding, "with laws")
     labels |= dict.fromkeys(("friction_coefficient", "kinetic_stress"), "P_c alone")
     width, out = max(map(len, found.numbers)) + 2, list[str]()
     for name, number in found.numbers.items():
+        if name in hidden:
+            continue
         value = with_error(number.value, number.error or 0.0, 8)
         row = f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip()
         out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)

@@ -124,7 +124,7 @@ def column_stiffness(
 class Interface:
     """Physical state of a rough contact, in SI units; its thresholds have it as `.interface`.
 
-    A force F per N_c<k>, a length, is the shear stress contact_density * mean_stiffness * F.
+    A force F per N_c<k>, a length, is the shear stress contact_density * mean_stiffness * F: `per_area`, `newtons`.
 
     model, law, regime : as from_moments was asked; "elastic" of model = "persson".
     material, moments : Material, and SpectralMoments with the step and the pixel size of their differences.
@@ -196,6 +196,16 @@ class Interface:
             raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them")
         joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else energy
         return non_negative("energy", joules) / self.mean_stiffness
+
+    def per_area(self, shared: npt.ArrayLike) -> Array:
+        """Forces F/(N_c<k>) in m as shear stresses in Pa, or springs K/(N_c<k>) as K per nominal area in N/m³; shape as
+        given."""
+        return self.contact_density * self.mean_stiffness * np.asarray(shared, float)
+
+    def newtons(self, shared: npt.ArrayLike, area: float) -> Array:
+        """Forces F/(N_c<k>) in m on a nominal `area` in m² in N, or springs K/(N_c<k>) in N/m; shape as given. Raises
+        InputError for an area that is not above zero."""
+        return positive("area", area) * self.per_area(shared)
 
     @property
     def cautions(self) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """Scenes side by side: propensity to stick-slip by the master equation, with evidence from the ensemble."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from typing import Any
 
@@ -10,10 +10,12 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
 from toolkit.processes.ranks import on_root
-from toolkit.results.records import NOT_COMPARED, Result, deviation
+from toolkit.results.beside import NOT_COMPARED, deviation
+from toolkit.results.records import Result
 from toolkit.running.runner import solve, within
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.laws import inside
+from toolkit.scene.scale import SHARED, Scale
 from toolkit.scene.scene import Scene
 
 _SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
@@ -29,7 +31,8 @@ class Verdict:
     K* is infinite, and what is at the limits of the law; `found` describes the law. `evidence` is the ensemble's: its
     force over the exact F_k, with one standard error, where the master equation's force is largest (its own, without
     [master]), the master's there, and the largest difference of both over the path in standard errors, or why there is
-    none; None without [eq]. `stiffness` is N_c<k> in N/m on the nominal area of the scene's surface, None without.
+    none; None without [eq]. `scale` are the units of the scene's forces and springs, `per_area` N_c<k> of a surface per
+    nominal area in N/m³, None of other thresholds.
     """
 
     name: str
@@ -39,15 +42,17 @@ class Verdict:
     evidence: dict[str, Any] | None
     found: Description
     result: Result
-    stiffness: float | None = None
+    scale: Scale = field(default_factory=Scale)
+    per_area: float | None = None
 
     def value(self, name: str) -> float:
         return self.numbers[name].value
 
-    def spring(self, newtons: bool) -> Number:
-        """K*, in N/m or over N_c<k>."""
-        own, scale = self.numbers["critical_spring"], (self.stiffness or 1.0) if newtons else 1.0
-        return Number(own.value * scale, (own.error or 0.0) * scale, "N/m" if newtons else "")
+    def spring(self, unit: str) -> Number:
+        """K* in "N/m" of the area, in "N/m³", per area, or in "N_c<k>"."""
+        factors = {"N/m": self.scale.spring, "N/m³": self.per_area or 1.0, SHARED: 1.0}
+        own, factor = self.numbers["critical_spring"], factors[unit]
+        return Number(own.value * factor, (own.error or 0.0) * factor, unit)
 
     def plain(self) -> dict[str, Any]:
         """The content of a file; times in s."""
@@ -59,21 +64,27 @@ class Verdict:
         for name in _SHOWN:
             number = self.numbers.get(name, Number(np.nan, None, ""))
             kept |= {name: number.value, f"{name}_error": number.error}
-        if self.stiffness is not None:
-            spring = self.spring(newtons=True)
-            kept |= {"critical_spring_newtons": spring.value}
-            kept |= {"critical_spring_newtons_error": spring.error}
+        there = {"newtons": self.scale.spring_unit == "N/m", "per_area": self.per_area is not None}
+        for name, unit in (("newtons", "N/m"), ("per_area", "N/m³")):
+            if there[name]:
+                spring = self.spring(unit)
+                kept |= {f"critical_spring_{name}": spring.value}
+                kept |= {f"critical_spring_{name}_error": spring.error}
         return kept
 
 
-def in_newtons(verdicts: Sequence[Verdict]) -> bool:
-    """Whether K* is ranked in N/m: where each scene is of a surface with drive.area. N_c<k> differs between surfaces,
-    so that springs in its units may be in another order."""
-    return all(verdict.stiffness is not None for verdict in verdicts)
+def common_unit(verdicts: Sequence[Verdict]) -> str:
+    """The unit in which K* is ranked: "N/m" where each scene is of a surface with drive.area, "N/m³", per nominal area,
+    where each is of a surface, else "N_c<k>". N_c<k> differs between surfaces, so that springs in its units may be in
+    another order."""
+    units = {verdict.scale.spring_unit for verdict in verdicts}
+    if SHARED in units or not verdicts:
+        return SHARED
+    return "N/m" if units == {"N/m"} else "N/m³"
 
 
 def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -> list[Verdict]:
-    """A verdict per scene, the one most prone to stick-slip (largest K*, in N/m if all have an area) first.
+    """A verdict per scene, the one most prone to stick-slip (largest K*, in the `common_unit`) first.
 
     The scenes' own [master] and [eq] are run too, for the picture and the evidence, except where a spring pulls or the
     slider turns: forces along such paths are not compared, and a caution says so. `comm` is as for toolkit.run;
@@ -84,8 +95,8 @@ def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -
     for scene in scenes:
         with inside(scene.name, {}):
             verdicts.append(_judge(scene, comm, progress))
-    newtons, ratio = in_newtons(verdicts), PROPENSITY[1]
-    return sorted(verdicts, key=lambda one: [-one.spring(newtons).value, -one.value(ratio)])
+    unit, ratio = common_unit(verdicts), PROPENSITY[1]
+    return sorted(verdicts, key=lambda one: [-one.spring(unit).value, -one.value(ratio)])
 
 
 def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
@@ -114,10 +125,12 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
         cautions = [f"F(X) is left out: {error}", *cautions]
     result = solve(scene, comm, show_progress=progress)[0]
     evidence = _evidence(result, numbers["kinetic_force"].value * unit)
-    surface, stiffness = contacts.interface, None
-    if surface is not None and scene.area is not None:
-        stiffness = surface.contact_density * scene.area * surface.mean_stiffness
-    return Verdict(scene.name, numbers, held, cautions, evidence, found, result, stiffness)
+    surface = contacts.interface
+    return Verdict(
+        *(scene.name, numbers, held, cautions, evidence, found, result),
+        scale=scene.scale,
+        per_area=None if surface is None else float(surface.per_area(1.0)),
+    )
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
@@ -138,9 +151,9 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:
     """The comparison as lines of text, every number with its error, and run times; then the notes of each scene."""
-    heads, newtons = _HEADS.split(","), in_newtons(verdicts)
-    if newtons:
-        heads.insert(heads.index("time"), "K* (N/m)")
+    heads, unit = _HEADS.split(","), common_unit(verdicts)
+    if unit != SHARED:
+        heads.insert(heads.index("time"), f"K* ({unit})")
     rows, notes = [["", "scene", *heads]], list[str]()
     for rank, verdict in enumerate(verdicts, start=1):
         cells, own = [str(rank), verdict.name], [*verdict.conditions, *verdict.cautions]
@@ -148,8 +161,8 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
             number = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
             text = with_error(number.value, number.error or 0.0, 4 if name == "onset_power" else 6)
             cells.append({"inf": "infinite", "nan": ""}.get(text, text))
-        if newtons:
-            spring = verdict.spring(newtons=True)
+        if unit != SHARED:
+            spring = verdict.spring(unit)
             cells.append(
                 with_error(spring.value, spring.error or 0.0, 6).replace("inf", "infinite")
             )
@@ -170,9 +183,9 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         names = ", ".join(name for name, start in started.items() if start is not None)
         hint = "K* and F_s/F_k depend on it; compare scenes of one start"
         notes.append(f"starts differ, and contacts of {names} do not start relaxed: {hint}")
-    if not newtons and all(one.result.interface is not None for one in verdicts):
+    if unit == "N/m³":
         notes.append(
-            "ranked by K*/(N_c<k>); give each drive.area, and K* is ranked in N/m, which may be another order"
+            "ranked by K* per nominal area (N/m³); give each drive.area, and K* is ranked in N/m of these areas"
         )
     widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
     padded = ([f"{cell:>{n}}" for cell, n in zip(row, widths, strict=False)] for row in rows)

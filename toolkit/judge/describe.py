@@ -1,6 +1,7 @@
 """A law of thresholds in numbers, each with its error: moments, quantiles, onset, propensity, and its interface."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +12,11 @@ from origins.samples.from_samples import bootstrap_laws, sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
+from toolkit.scene.scale import SHARED, Scale
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
+# numbers in units of N_c<k>
+SHARED_NUMBERS = ("kinetic_force", "critical_spring")
 RESAMPLES = 20  # the relative error of the sampling error is then a sixth
 
 
@@ -56,6 +60,23 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
         numbers |= of_interface(law.interface)
     notes += remarks(law)
     return Description(numbers, tuple(notes), not missed, sampled, time.perf_counter() - began)
+
+
+def in_units_of(scale: Scale, numbers: Mapping[str, Number]) -> dict[str, Number]:
+    """F_k and K* of a surface once more, of its nominal area in N and N/m, or per area in Pa and N/m³; none in units of
+    N_c<k>."""
+    if scale.spring_unit == SHARED:
+        return {}
+    of_what = "of_the_area" if scale.spring_unit == "N/m" else "per_area"
+    factors = {"kinetic_force": scale.force, "critical_spring": scale.spring}
+    units = {"kinetic_force": scale.force_unit, "critical_spring": scale.spring_unit}
+    return {
+        f"{name}_{of_what}": Number(
+            numbers[name].value * factor, (numbers[name].error or 0.0) * factor, units[name]
+        )
+        for name, factor in factors.items()
+        if name in numbers
+    }
 
 
 def _of_law(law: Thresholds) -> dict[str, Number]:

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.judge.compare import Verdict, in_newtons
+from toolkit.judge.compare import Verdict, common_unit
 from toolkit.pictures.thresholds import highest, some_of
 from toolkit.results.records import is_known
+from toolkit.scene.scale import SHARED
 
 # colours by Okabe and Ito, which the colour-blind can distinguish; dashes keep coinciding curves visible
 _INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"]
@@ -83,10 +84,10 @@ def _forces(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
 def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     """K* of each scene, in N/m if all have an area, else over N<k>: a softer driving spring is unstable. Infinite ones
     reach the edge."""
-    newtons = in_newtons([verdict for _, verdict in styled])
-    springs = [verdict.spring(newtons).value for _, verdict in styled]
+    unit = common_unit([verdict for _, verdict in styled])
+    springs = [verdict.spring(unit).value for _, verdict in styled]
     finite = [spring for spring in springs if 0.0 < spring < np.inf]
-    usual = [] if newtons and finite else [1e-3, 1.0]
+    usual = [] if unit != SHARED and finite else [1e-3, 1.0]
     low, high = min([*finite, *usual]) / 3.0, max([*finite, *usual]) * 3.0
     for row, (spring, (style, _)) in enumerate(zip(springs, styled, strict=True)):
         width = min(max(spring, low), high) - low
@@ -98,6 +99,6 @@ def _springs(axes: Any, styled: list[tuple[dict[str, Any], Verdict]]) -> None:
     axes.set_yticks(range(len(styled)), [style["label"] for style, _ in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
-    label = "$K^*$ (N/m)" if newtons else r"$K^*/(N_c\langle k\rangle)$"
+    label = f"$K^*$ ({unit})" if unit != SHARED else r"$K^*/(N_c\langle k\rangle)$"
     axes.set(xscale="log", xlim=(low, high * room), xlabel=label)
     axes.set_title("a slider slips below this spring")

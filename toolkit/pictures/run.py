@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
-from toolkit.results.records import NOT_COMPARED, Result, deviation, is_coupled, is_heavy, is_known
+from toolkit.results.beside import NOT_COMPARED, deviation
+from toolkit.results.records import Result, is_coupled, is_heavy, is_known
 
 _BARS = 61  # error bars; with more the line would be hidden
 _REPLICAS = 5  # as can be distinguished

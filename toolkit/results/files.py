@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError, refuse
+from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
 from toolkit.results.records import (
     MotionEnergy,
@@ -21,7 +22,6 @@ from toolkit.results.records import (
     ThresholdCurve,
     is_coupled,
     is_heavy,
-    slips_beside,
 )
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import Number

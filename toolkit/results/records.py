@@ -1,24 +1,25 @@
-"""The records of each solver's answer, and of a whole run; the two solvers beside each other."""
+"""The records of each solver's answer, and of a whole run."""
 
 import tomllib
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.brief import brief
 from origins.domains.rotated import DomainSamples
+from origins.errors import InputError, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import panel_edges
 from toolkit.scene.drive import make_drive
-from toolkit.scene.interfaces import Number, with_error
+from toolkit.scene.interfaces import Number
+from toolkit.scene.scale import Scale, of_surface
 from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import SceneTable, read_table
 
 OWN_UNIT = "length unit of the thresholds"
 _PER_PANEL = 24
-_FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
 
 
 @dataclass(frozen=True)
@@ -189,6 +190,40 @@ class Result:
         return make_drive(self.asked.drive).arrival_times(begin)
 
     @property
+    def scale(self) -> Scale:
+        """The units of forces F/(N_c<k>) and springs K/(N_c<k>): N and N/m of a surface with drive.area, Pa and N/m³
+        without it, N_c<k> of other thresholds and of a scene with units = "N_c<k>"."""
+        if self.interface is None:
+            return Scale()
+        names = ("contact_density", "mean_stiffness", "pressure")
+        density, stiffness, pressure = (self.interface[name].value for name in names)
+        return of_surface(density, stiffness, pressure, self._area, self.asked.units)
+
+    @property
+    def _area(self) -> float | None:
+        return None if self.asked.drive is None else self.asked.drive.area
+
+    def per_area(self, shared: npt.ArrayLike) -> Array:
+        """Forces of this result, F/(N_c<k>) in m, as shear stresses in Pa, or springs K/(N_c<k>) in N/m³; shape as
+        given. Raises InputError where the thresholds are not those of a surface."""
+        if self.interface is None:
+            hint = "needs <k> in N/m, which thresholds from a rough surface know; forces are F/(N_c<k>)"
+            raise InputError(f"per_area: {hint}")
+        density, stiffness = (self.interface[one] for one in ("contact_density", "mean_stiffness"))
+        return density.value * stiffness.value * np.asarray(shared, float)
+
+    def newtons(self, shared: npt.ArrayLike, area: float | None = None) -> Array:
+        """Forces of this result, F/(N_c<k>) in m, in N on a nominal `area` in m², or springs K/(N_c<k>) in N/m.
+
+        shared, result : of any one shape; `area` left out: the scene's drive.area. Raises InputError without one, and
+        as `per_area` does.
+        """
+        area = self._area if area is None else area
+        if self.interface is not None and area is None:
+            refuse("area", area, "is missing: the scene has no drive.area; give one in m²")
+        return self.per_area(shared) * (1.0 if area is None else positive("area", area))
+
+    @property
     def success(self) -> bool:
         """Whether every solver reached its tolerance."""
         return all(one is None or one.success for one in (self.master, self.eq, self.sweep))
@@ -205,76 +240,3 @@ def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
     unit = "m" if thresholds.interface is not None else OWN_UNIT
     return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)
-
-
-class Deviation(NamedTuple):
-    """Ensemble minus master equation, `off`, in standard errors, at the `points` (indices) that can be compared."""
-
-    points: npt.NDArray[np.intp]
-    off: Array
-
-    @property
-    def worst(self) -> float | None:
-        """The largest in size; None where there are no points."""
-        return float(np.abs(self.off).max()) if self.off.size else None
-
-
-def deviation(result: Result) -> Deviation:
-    """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing.
-    The standard errors include the master equation's error and that of the ensemble's steps."""
-    solved, eq = result.master, result.eq
-    if solved is None or eq is None or is_coupled(eq):
-        # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
-        return Deviation(np.empty(0, np.intp), np.empty(0))
-    of_one_contact = np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
-    enough = eq.force_standard_error > np.sqrt(_FEWEST) * of_one_contact
-    enough[solved.path.size :] = False  # the paper's closure of ageing may end before the path does
-    tell = np.flatnonzero(np.isfinite(eq.force_standard_error) & enough)
-    own = solved.force_error * result.mean_threshold
-    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + own
-    return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
-
-
-NOT_COMPARED = "too few contacts or breaks, all at once, or a soft slider, whose slips are compared"
-
-
-def slips_beside(result: Result) -> list[dict[str, Any]]:
-    """The master equation's slips in order, for a result of both solvers on a soft slider; else none.
-
-    drive, drop : X_T and the fall of the force, lengths; mean_drive, drive_error and so on : mean and standard error of
-    the same slip in the replicas, of which so many `have` it.
-    """
-    solved, eq = result.master, result.eq
-    if solved is None or solved.slips is None or not is_coupled(eq):
-        return []
-    found = []
-    for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
-        if have := int((eq.slips.number == number).sum()):
-            slip = {"number": number, "drive": float(drive), "drop": float(drop), "have": have}
-            for own in ("drive", "drop"):
-                slip[f"mean_{own}"], slip[f"{own}_error"] = eq.slips.mean(own, number)
-            found.append(slip)
-    return found
-
-
-def slip_line(result: Result) -> str:
-    """The comparison slip by slip, as a line of text."""
-    solved, eq, unit = result.master, result.eq, result.mean_threshold
-    line = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
-    if solved is not None and solved.slips is not None:
-        line += f", {solved.slips.drive.size} of the master equation"
-    late = [
-        with_error((slip["mean_drive"] - slip["drive"]) / unit, slip["drive_error"] / unit, 2)
-        for slip in slips_beside(result)[:10]
-        if slip["have"] > 1
-    ]
-    if is_heavy(eq):
-        if eq.slips.number.size:
-            lasts, fastest = eq.slips.duration.mean(), eq.slips.top_speed.max()
-            clock = "s" if result.thresholds.in_metres else "units of time"
-            line += f"; they last {lasts:.3g} {clock} on average, top speed {fastest:.3g}"
-        return f"{line}; energy kept to {np.abs(eq.energy.imbalance).max():.0e} of the work"
-    if late:
-        line += f"; place in eq less that of the master equation: {', '.join(late)} of <x_s>"
-    line += "; N contacts slip late by some 0.5 N^(-2/3)/K <x_s>, more at each; unless N is large,"
-    return f"{line} chance may make them slip early, and at K > K*, too"

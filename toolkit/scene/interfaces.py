@@ -11,6 +11,7 @@ from origins.roughness.interface import Interface
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
+from toolkit.scene.scale import SI, written
 from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
@@ -147,10 +148,12 @@ def of_so_many(scene: Scene, regime: Any) -> str:
     critical, smooth = regime.critical_spring, regime.verdict == "smooth"
     if surface is None and smooth and spring > 10.0 * max(critical, 1.0):
         return "; spring is in units of N_c<k>, in N/m for thresholds from a surface only"
-    if surface is None or scene.area is None:
+    if surface is None or scene.units != SI:
         return ""
+    said = f"; K* = {written(critical * scene.scale.spring, scene.scale.spring_unit, digits=4)}"
+    if scene.area is None:
+        return said
     held = surface.contact_density * scene.area
-    said = f"; K* = {critical * held * surface.mean_stiffness:.4g} N/m"
     if smooth and held * spring**3 < 50.0:
         said += f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
         if not {"thermal", "ageing", "grains"}.intersection(scene.contacts.laws):

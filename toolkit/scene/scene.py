@@ -15,11 +15,12 @@ import numpy.typing as npt
 
 from origins.contacts import Contacts, TooHot, too_cold
 from origins.drive import Drive
-from origins.errors import InputError, refuse, shown
+from origins.errors import InputError, one_of, refuse, shown
 from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.changes import changed
 from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed
+from toolkit.scene.scale import SHARED, SI, Scale, scale_of
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
 
@@ -34,7 +35,8 @@ class Scene:
     slider, or of the drive where there is a spring, (n,), lengths in the unit of the thresholds. `given_drive`,
     `master`, `eq` and `sweep` are None where the scene has no such table. `wall_time`: seconds for all of them
     together, None for no limit; `tolerance_given`: whether the scene names master.tolerance; `area`: drive.area;
-    `drive_table`, `verdict`: the tables [drive] and [verdict] as they are given.
+    `drive_table`, `verdict`: the tables [drive] and [verdict] as they are given; `units`: of forces and springs of a
+    surface, "SI" or "N_c<k>".
     """
 
     name: str
@@ -51,6 +53,7 @@ class Scene:
     area: float | None = None
     drive_table: tables.DriveTable | None = None
     verdict: tables.VerdictTable | None = None
+    units: str = SI
 
     @property
     def drive(self) -> Drive:
@@ -62,6 +65,11 @@ class Scene:
     @property
     def path(self) -> npt.NDArray[np.float64]:
         return self.drive.path
+
+    @property
+    def scale(self) -> Scale:
+        """The units of forces and springs."""
+        return scale_of(self.contacts, self.area, self.units)
 
     def deadline(self) -> float | None:
         """End of the wall time if it begins now, in s of the monotonic clock; None without a wall time."""
@@ -185,6 +193,7 @@ def _checked(source: Source, solved: bool, comm: Any) -> Scene:
         refuse("scene", name, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
         raise InputError("scene: has neither [master] nor [eq] nor [sweep]; add one of them")
+    one_of("units", table.units, (SI, SHARED))
     contacts = make_contacts(table.contacts, folder, comm)
     drive = sweep = None
     if table.drive is not None and (solved or has_path(table.drive)):
@@ -198,6 +207,7 @@ def _checked(source: Source, solved: bool, comm: Any) -> Scene:
         area=None if table.drive is None else table.drive.area,
         drive_table=table.drive,
         verdict=table.verdict,
+        units=table.units,
     )
     if solved and table.master is not None:
         _ = scene.drive  # which it needs

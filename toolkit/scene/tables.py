@@ -98,6 +98,7 @@ class SceneTable(KeyTable, frozen=True):
     sweep: SweepTable | None = None
     verdict: VerdictTable | None = None
     wall_time: Positive | None = None
+    units: str = "SI"
 
 
 _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq": EqTable}

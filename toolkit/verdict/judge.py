@@ -9,12 +9,12 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.samples.from_samples import bootstrap_laws, sampled_parts
+from toolkit.scene.scale import Scale, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.finite import Finite, follow_finite
 from toolkit.verdict.follow import Behaviour, Machine, follow, machine_of
 from toolkit.verdict.readings import readings_of
-from toolkit.verdict.scale import Scale, scale_of
 
 RULES = ("reset", "reform-after", "instant")
 # s for all readings and rules together, and the least for a single solve

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from origins.contacts import Contacts
+from toolkit.scene.scale import Scale
 from toolkit.verdict.judge import Answer, Verdict
-from toolkit.verdict.scale import Scale
 from toolkit.verdict.words import NAMED, sentence
 
 # by Okabe and Ito, which colour-blind readers distinguish; dashes keep coinciding curves visible

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import remarks
+from toolkit.scene.scale import written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.judge import Answer, Quantity, Verdict
-from toolkit.verdict.scale import written
 
 # how the slip rules are named where a user reads of them
 NAMED = {

@@ -1,0 +1,86 @@
+"""The two solvers beside each other: forces in standard errors, and slip by slip."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.thresholds.law import Array
+from toolkit.results.records import Result, is_coupled, is_heavy
+from toolkit.scene.interfaces import with_error
+from toolkit.scene.scale import spoken
+
+_FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
+
+
+class Deviation(NamedTuple):
+    """Ensemble minus master equation, `off`, in standard errors, at the `points` (indices) that can be compared."""
+
+    points: npt.NDArray[np.intp]
+    off: Array
+
+    @property
+    def worst(self) -> float | None:
+        """The largest in size; None where there are no points."""
+        return float(np.abs(self.off).max()) if self.off.size else None
+
+
+def deviation(result: Result) -> Deviation:
+    """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing.
+    The standard errors include the master equation's error and that of the ensemble's steps."""
+    solved, eq = result.master, result.eq
+    if solved is None or eq is None or is_coupled(eq):
+        # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
+        return Deviation(np.empty(0, np.intp), np.empty(0))
+    of_one_contact = np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
+    enough = eq.force_standard_error > np.sqrt(_FEWEST) * of_one_contact
+    enough[solved.path.size :] = False  # the paper's closure of ageing may end before the path does
+    tell = np.flatnonzero(np.isfinite(eq.force_standard_error) & enough)
+    own = solved.force_error * result.mean_threshold
+    allowed = eq.force_standard_error[tell] + eq.step_error[tell] + own
+    return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
+
+
+NOT_COMPARED = "too few contacts or breaks, all at once, or a soft slider, whose slips are compared"
+
+
+def slips_beside(result: Result) -> list[dict[str, Any]]:
+    """The master equation's slips in order, for a result of both solvers on a soft slider; else none.
+
+    drive, drop : X_T and the fall of the force, lengths; mean_drive, drive_error and so on : mean and standard error of
+    the same slip in the replicas, of which so many `have` it.
+    """
+    solved, eq = result.master, result.eq
+    if solved is None or solved.slips is None or not is_coupled(eq):
+        return []
+    found = []
+    for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
+        if have := int((eq.slips.number == number).sum()):
+            slip = {"number": number, "drive": float(drive), "drop": float(drop), "have": have}
+            for own in ("drive", "drop"):
+                slip[f"mean_{own}"], slip[f"{own}_error"] = eq.slips.mean(own, number)
+            found.append(slip)
+    return found
+
+
+def slip_line(result: Result) -> str:
+    """The comparison slip by slip, as a line of text."""
+    solved, eq, unit = result.master, result.eq, result.mean_threshold
+    line = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
+    if solved is not None and solved.slips is not None:
+        line += f", {solved.slips.drive.size} of the master equation"
+    late = [
+        with_error((slip["mean_drive"] - slip["drive"]) / unit, slip["drive_error"] / unit, 2)
+        for slip in slips_beside(result)[:10]
+        if slip["have"] > 1
+    ]
+    if is_heavy(eq):
+        if eq.slips.number.size:
+            lasts, fastest = eq.slips.duration.mean(), eq.slips.top_speed.max()
+            line += f"; they last {spoken(lasts, result.scale.time_unit)} on average, "
+            line += f"top speed {spoken(fastest, result.scale.speed_unit)}"
+        return f"{line}; energy kept to {np.abs(eq.energy.imbalance).max():.0e} of the work"
+    if late:
+        line += f"; place in eq less that of the master equation: {', '.join(late)} of <x_s>"
+    line += "; N contacts slip late by some 0.5 N^(-2/3)/K <x_s>, more at each; unless N is large,"
+    return f"{line} chance may make them slip early, and at K > K*, too"

@@ -1,0 +1,98 @@
+"""The numbers of a run on a surface in the units of its forces: newtons of an area, pascals without one."""
+
+from typing import Any
+
+import numpy as np
+
+from toolkit.results.records import Result, is_coupled, is_known
+from toolkit.scene.interfaces import Number
+from toolkit.scene.scale import with_uncertainty, written
+
+
+def numbers_of(result: Result) -> dict[str, Number]:
+    """Forces, friction coefficients, springs and slips of a run, by name, in the units of its `scale`, each with its
+    numerical or its standard error. The master equation's where it is solved, else the ensemble's."""
+    solved, eq, scale = result.master, result.eq, result.scale
+    found, force = dict[str, Number](), scale.force_unit
+    if solved is not None and is_known(solved) and solved.force.size:
+        error = np.full(solved.force.size, solved.force_error * result.mean_threshold)
+        found |= _of_curve(solved.force, error, scale)
+        if solved.regime is not None:
+            regime = solved.regime
+            value, off = regime.critical_spring, regime.critical_spring_error
+            found["critical_spring"] = Number(
+                value * scale.spring, off * scale.spring, scale.spring_unit
+            )
+        if solved.slips is not None and solved.slips.drive.size:
+            before, after = solved.slips.force_before[-1], solved.slips.force_after[-1]
+            found["before_slip"] = Number(before * scale.force, error[0] * scale.force, force)
+            found["after_slip"] = Number(after * scale.force, error[0] * scale.force, force)
+            if solved.slips.drive.size > 1:
+                off = 2.0 * float(solved.slips.drive_error)
+                found["period"] = Number(float(solved.period or np.nan), off, scale.length_unit)
+    elif eq is not None:
+        found |= _of_curve(eq.force, eq.force_standard_error + eq.step_error, scale)
+        if is_coupled(eq) and eq.slips.number.size:
+            found |= _of_slips(eq, scale)
+    if result.sweep is not None:
+        for name, factor, unit in (
+            ("force", scale.force, force),
+            ("critical_spring", scale.spring, scale.spring_unit),
+        ):
+            if (values := getattr(result.sweep, name)) is not None:
+                off = getattr(result.sweep, f"{name}_error")
+                off = off * (result.mean_threshold if name == "force" else 1.0) * factor
+                for word, at in (("least", np.argmin(values)), ("most", np.argmax(values))):
+                    here = float(values.flat[at]) * factor
+                    found[f"swept_{name}_{word}"] = Number(here, float(off.flat[at]), unit)
+    return found
+
+
+def _of_curve(force: Any, error: Any, scale: Any) -> dict[str, Number]:
+    """The force at the end of the path and the largest one, and over the load."""
+    found = dict[str, Number]()
+    for name, at in (("last_force", -1), ("largest_force", int(np.argmax(force)))):
+        value, off = float(force[at]) * scale.force, float(error[at]) * scale.force
+        found[name] = Number(value, off, scale.force_unit)
+        if scale.load:
+            found[f"{name}_over_load"] = Number(value / scale.load, off / scale.load, "")
+    return found
+
+
+def _of_slips(eq: Any, scale: Any) -> dict[str, Number]:
+    """The last slip that every replica has, or the first one, mean over the replicas."""
+    last = int(max(np.bincount(eq.slips.replica, minlength=len(eq.forces)).min() - 1, 0))
+    found = dict[str, Number]()
+    for name, own in (("before_slip", "force_before"), ("after_slip", "force_after")):
+        value, off = eq.slips.mean(own, last)
+        found[name] = Number(value * scale.force, off * scale.force, scale.force_unit)
+    return found
+
+
+def in_words(result: Result) -> list[str]:
+    """Lines of a report on these numbers."""
+    numbers, lines = numbers_of(result), list[str]()
+
+    def said(name: str) -> str:
+        own = numbers[name]
+        return with_uncertainty(own.value, own.error or 0.0, own.unit)
+
+    def over_load(name: str) -> str:
+        own = numbers.get(f"{name}_over_load")
+        return "" if own is None else f" (µ = {written(own.value, '', own.error or 0.0)})"
+
+    if "last_force" in numbers:
+        at_end = f"{said('last_force')}{over_load('last_force')} at the end"
+        lines.append(
+            f"force   {at_end}, at most {said('largest_force')}{over_load('largest_force')}"
+        )
+    if "before_slip" in numbers:
+        every = f", period {said('period')}" if "period" in numbers else ""
+        lines.append(f"slip    from {said('before_slip')} to {said('after_slip')}, the last{every}")
+    if "critical_spring" in numbers:
+        lines.append(f"spring  K* = {said('critical_spring')}")
+    for name, symbol in (("force", "F_k"), ("critical_spring", "K*")):
+        if f"swept_{name}_least" in numbers:
+            reach = f"{said(f'swept_{name}_least')} to {said(f'swept_{name}_most')}"
+            lines.append(f"sweep   {symbol} = {reach}")
+    return lines

@@ -1,0 +1,104 @@
+"""From lengths, in which both solvers give forces, to the units of the user: newtons, pascals, or N_c<k>."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from origins.contacts import Contacts
+
+# SI prefixes by powers of ten, as far as friction needs them
+PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+# units that take a prefix
+PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
+SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What a force F/(N_c <k>), a length, and a spring K/(N_c <k>), a pure number, are in the user's units.
+
+    force : factor of forces; force_unit : its unit, "N" with an area, "Pa" (per area) for a surface without one, else
+        "N_c<k> length" (of a surface "N_c<k> m")
+    spring : factor of springs; spring_unit : "N/m", "N/m³" (per area) or "N_c<k>"
+    length_unit, time_unit : "m" and "s" for a surface, else "length" and "time"
+    load : the normal force in the unit of forces; None where there is none
+    contacts : N_c on the area; None without one
+    """
+
+    force: float = 1.0
+    force_unit: str = "N_c<k> length"
+    spring: float = 1.0
+    spring_unit: str = "N_c<k>"
+    length_unit: str = "length"
+    time_unit: str = "time"
+    load: float | None = None
+    contacts: float | None = None
+
+    @property
+    def speed_unit(self) -> str:
+        """Of velocities: "m/s" for a surface."""
+        return f"{self.length_unit}/{self.time_unit}"
+
+
+def scale_of(contacts: Contacts, area: float | None, units: str = SI) -> Scale:
+    """The units of these contacts on a nominal `area` in m² (None: not known); `units` as a scene has it."""
+    surface = contacts.interface
+    if surface is None:
+        return Scale()
+    return of_surface(
+        surface.contact_density, surface.mean_stiffness, surface.pressure, area, units
+    )
+
+
+def of_surface(
+    density: float, stiffness: float, pressure: float, area: float | None, units: str = SI
+) -> Scale:
+    """The units of a surface with so many contacts per area (1/m²), <k> (N/m) under a nominal pressure (Pa)."""
+    together = density * stiffness  # N/m for each m²
+    if units == SHARED:
+        load, held = pressure / together, None if area is None else density * area
+        return Scale(1.0, "N_c<k> m", 1.0, "N_c<k>", "m", "s", load, held)
+    if area is None:
+        return Scale(together, "Pa", together, "N/m³", "m", "s", load=pressure, contacts=None)
+    each, load = together * area, pressure * area
+    return Scale(each, "N", each, "N/m", "m", "s", load, density * area)
+
+
+def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) -> str:
+    """A value with an SI prefix before its unit, to the digit of its uncertainty, with two digits at least and
+    at most so many; units that take no prefix are written as powers of ten."""
+    if not np.isfinite(value):
+        return f"{value:g} {unit}".strip()
+    known = digits
+    if uncertainty > 0.0 and value:
+        apart = np.floor(np.log10(abs(value))) - np.floor(np.log10(uncertainty))
+        known = int(np.clip(apart + 1, min(2, digits), digits))
+    if unit not in PREFIXED or not value:
+        return f"{_rounded(value, known)} {unit}".strip()
+    power = int(3 * np.floor((np.log10(abs(value)) + 1e-9) / 3))
+    # of a second more than 1,000 stay seconds
+    power = min(max(power, -15), 0 if unit == "s" else 12)
+    return f"{_rounded(value / 10.0**power, known)} {PREFIXES[power]}{unit}"
+
+
+def spoken(value: float, unit: str) -> str:
+    """As `written`, and of thresholds in a unit of their own as "0.3 units of time"."""
+    own = {"length": "units of length", "time": "units of time"}
+    own["length/time"] = "units of length per time"
+    return f"{value:.3g} {own[unit]}" if unit in own else written(value, unit)
+
+
+def with_uncertainty(value: float, error: float, unit: str, digits: int = 4) -> str:
+    """A value with its error, each with a prefix of its own, such as 0.2512 N ± 3 µN; an error below a millionth of the
+    value, numerical as a rule, is left out."""
+    said = written(value, unit, error, digits)
+    shown = error > 1e-6 * abs(value)
+    return f"{said} ± {written(error, unit, digits=1)}" if shown else said
+
+
+def _rounded(value: float, digits: int) -> str:
+    """The value to so many significant digits, in plain digits where these are few."""
+    if value == 0.0 or 1e-3 <= abs(value) < 1e6:
+        places = digits - 1 - int(np.floor(np.log10(abs(value)))) if value else 0
+        return f"{round(value, places):,.{max(places, 0)}f}"
+    return f"{value:.{digits - 1}e}"
