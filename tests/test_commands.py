@@ -200,7 +200,7 @@ def test_a_table_that_misses_its_tolerance_is_status_1_and_says_what_has_laws(ca
     warm["thermal"] = {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e9}
     status, out, err = said(capsys, "thresholds", write("warm", contacts=warm, master=None))
     rows = [row.split("  ")[1] for row in out if row.endswith(("  (with laws)", "  (P_c alone)"))]
-    assert status == 0 and rows[::4] == ["kinetic force", "friction coefficient"]
+    assert status == 0 and rows[::4] == ["kinetic force per area", "friction coefficient"]
     assert err[-1].endswith("contacts carry more than the load, and F may exceed mu times it")
 
 

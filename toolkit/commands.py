@@ -4,7 +4,7 @@ import argparse
 import textwrap
 import tomllib
 from contextlib import closing
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -172,8 +172,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
             say(note)
         with closing(Progress("thresholds")), runner.within(scene.deadline(), scene, "[contacts]"):
             found = describe(scene.contacts, scene.sliding)
-        found.numbers.update(in_units_of(scene.scale, found.numbers))
-        return found
+        return replace(found, numbers=in_units_of(scene.scale, found.numbers))
 
     found = on_root(comm, describe_it)
     law, title = scene.contacts.thresholds, scene.title or scene.name

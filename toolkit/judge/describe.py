@@ -63,20 +63,20 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
 
 
 def in_units_of(scale: Scale, numbers: Mapping[str, Number]) -> dict[str, Number]:
-    """F_k and K* of a surface once more, of its nominal area in N and N/m, or per area in Pa and N/m³; none in units of
-    N_c<k>."""
+    """The numbers, and after F_k and K* of a surface the same of its nominal area in N and N/m, or per area in Pa and
+    N/m³; no more in units of N_c<k>."""
     if scale.spring_unit == SHARED:
-        return {}
+        return dict(numbers)
     of_what = "of_the_area" if scale.spring_unit == "N/m" else "per_area"
     factors = {"kinetic_force": scale.force, "critical_spring": scale.spring}
     units = {"kinetic_force": scale.force_unit, "critical_spring": scale.spring_unit}
-    return {
-        f"{name}_{of_what}": Number(
-            numbers[name].value * factor, (numbers[name].error or 0.0) * factor, units[name]
-        )
-        for name, factor in factors.items()
-        if name in numbers
-    }
+    out = dict[str, Number]()
+    for name, own in numbers.items():
+        out[name] = own
+        if name in factors:
+            value, error = own.value * factors[name], (own.error or 0.0) * factors[name]
+            out[f"{name}_{of_what}"] = Number(value, error, units[name])
+    return out
 
 
 def _of_law(law: Thresholds) -> dict[str, Number]:
