@@ -145,7 +145,7 @@ def test_work_of_over_a_minute_says_so_at_the_first_look(capsys: Any) -> None:
     looks = threading.Semaphore(0)
     done = SimpleNamespace(wait=lambda seconds: looks.acquire() and over, set=lambda: None)
     over = False
-    bar = Progress("eq", done)
+    bar = Progress("eq", done=done)
     bar.count(1000, 10**15)
     time.sleep(1e-3)
     bar.count(2000, 10**15)

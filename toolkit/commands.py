@@ -20,11 +20,13 @@ from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.numbers import in_words
+from toolkit.results.points import PointsRecord
 from toolkit.results.records import is_coupled, sample_curve
 from toolkit.results.verdicts import contradiction
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
+from toolkit.running.solvers import within
 from toolkit.scene.changes import read_changes
 from toolkit.scene.interfaces import foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
@@ -78,7 +80,7 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
     both disagree (results are written nevertheless)."""
     scene = load_scene(arguments.scene, comm=comm, changes=read_changes(arguments.changes))
     first = comm is None or comm.Get_rank() == 0
-    before = foreseen(scene)
+    before = [] if scene.grid is not None else foreseen(scene)
     for note in before if first else []:
         say(note)
     folder = arguments.out or f"{scene.name}-output"
@@ -125,7 +127,10 @@ def report(result: Any) -> list[str]:
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
             f"{solved.positivity_defect.max():.1e}; contacts outrun it {where}"
         )
-    if sweep is not None:
+    if isinstance(sweep, PointsRecord):
+        at = f"{len(sweep)} points along {' and '.join(sweep.along)}"
+        lines.append(f"sweep   {at}, {sweep.run_time:.4g} s of work; their table is sweep.csv")
+    elif sweep is not None:
         error = f"error {sweep.force_error.max():.1e} of <x_s>"
         if sweep.critical_spring_error is not None:
             error += f", K* error {sweep.critical_spring_error.max():.1e}"
@@ -170,7 +175,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
             refuse("out", str(folder), f"holds the result of {whose}; choose another folder")
         for note in foreseen(scene):
             say(note)
-        with closing(Progress("thresholds")), runner.within(scene.deadline(), scene, "[contacts]"):
+        with closing(Progress("thresholds")), within(scene.deadline(), scene, "[contacts]"):
             found = describe(scene.contacts, scene.sliding)
         return replace(found, numbers=in_units_of(scene.scale, found.numbers))
 
@@ -212,7 +217,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     changes = read_changes(arguments.changes)
     for given in arguments.scene:
         with inside(given, {}):
-            scene = load_scene(given, comm=comm, changes=changes)
+            scene = load_scene(given, comm=comm, changes=changes).one("compare")
         if scene.name in scenes:
             refuse("scenes", scene.name, "two scenes have this name; rename one of the files")
         scenes[scene.name] = scene
@@ -245,7 +250,7 @@ def verdict(arguments: argparse.Namespace) -> int:
 def precision(arguments: argparse.Namespace) -> int:
     """True error against run time of each solver the scene names, as picture and table; each line is printed once it
     is measured."""
-    scene = load_scene(arguments.scene, changes=read_changes(arguments.changes))
+    scene = load_scene(arguments.scene, changes=read_changes(arguments.changes)).one("precision")
     folder, lines = arguments.out or f"{scene.name}-output", list[str]()
     check_folder(folder)  # before the work, not after it
 
@@ -253,7 +258,7 @@ def precision(arguments: argparse.Namespace) -> int:
         lines.append(line)
         print(line, flush=True)
 
-    with runner.within(scene.deadline(), scene, "[precision]"):
+    with within(scene.deadline(), scene, "[precision]"):
         found = ladders.precision(scene, say_it)
     draw = partial(ladders.draw_picture, found)
     _write(folder, "precision", draw, [*lines, *found["notes"]], found)

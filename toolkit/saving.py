@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from toolkit.results.files import (
@@ -15,6 +16,7 @@ from toolkit.results.files import (
     write_result,
 )
 from toolkit.results.folders import write_folder
+from toolkit.results.points import PointsRecord, write_points_csv
 from toolkit.results.records import Result
 
 _OF_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
@@ -39,9 +41,12 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
         from toolkit.pictures.thresholds import save_barriers
 
         writers["barriers.png"] = lambda path: save_barriers(islands, path)
-    if (sweep := result.sweep) is not None:
+    sweep = result.sweep
+    if isinstance(sweep, PointsRecord):
+        writers["sweep.csv"] = partial(write_points_csv, sweep)
+    elif sweep is not None:
         units = units_of(result, short=True) | {"force_error": "<x_s>"}
-        writers["sweep.csv"] = lambda path: write_csv(sweep, units, path)
+        writers["sweep.csv"] = partial(write_csv, sweep, units)
     gone = ["sweep.csv"] if earlier(folder).get("swept") else []
     if another(folder, result.name, result.text) is not None:
         gone += [*_OF_THRESHOLDS, "barriers.png"]

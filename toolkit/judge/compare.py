@@ -12,7 +12,8 @@ from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, condition
 from toolkit.processes.ranks import on_root
 from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.records import Result
-from toolkit.running.runner import solve, within
+from toolkit.running.runner import solve
+from toolkit.running.solvers import within
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.laws import inside
 from toolkit.scene.scale import SHARED, Scale

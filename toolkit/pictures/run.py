@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.pictures.points import plot_points, plot_points_spring, with_spring
 from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
 from toolkit.results.beside import NOT_COMPARED, deviation
+from toolkit.results.points import PointsRecord
 from toolkit.results.records import Result, is_coupled, is_heavy, is_known
 
 _BARS = 61  # error bars; with more the line would be hidden
@@ -30,7 +32,8 @@ def plot(result: Result, axes: Any = None) -> Any:
 
         size: dict[str, Any] = {"figsize": (10, 4), "width_ratios": (2.2, 1)}
         _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
-    (plot_force if result.curves else plot_sweep)(axes[0], result)
+    swept = plot_points if isinstance(result.sweep, PointsRecord) else plot_sweep
+    (plot_force if result.curves else swept)(axes[0], result)
     axes[0].set_title(result.title or result.name, parse_math=False)
     plot_density(axes[1], result.thresholds)
     return axes
@@ -180,8 +183,10 @@ def save_picture(result: Result, path: Path) -> None:
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
     swept: list[Any] = [plot_sweep] if result.curves and result.sweep is not None else []
-    if result.sweep is not None and result.sweep.critical_spring is not None:
+    if getattr(result.sweep, "critical_spring", None) is not None:
         swept.append(plot_critical_spring)
+    if with_spring(result.sweep):
+        swept.append(plot_points_spring)
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]
     figure = Figure(figsize=(10, 1 + sum(heights)), layout="constrained")
     rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in (*below, *swept))]

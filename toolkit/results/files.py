@@ -15,6 +15,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
+from toolkit.results.points import PointsRecord, fill_points, read_points
 from toolkit.results.records import (
     MotionEnergy,
     Result,
@@ -57,7 +58,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
             eq=_read_eq(store["eq"]) if "eq" in store else None,
             notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
             interface=_read_interface(store["interface"]) if "interface" in store else None,
-            sweep=_read(store["sweep"], SweepRecord) if "sweep" in store else None,
+            sweep=_read_sweep(store["sweep"]) if "sweep" in store else None,
         )
 
 
@@ -113,7 +114,12 @@ def summary(result: Result) -> dict[str, Any]:
                     own["mean_slip_duration"] = float(eq.slips.duration.mean())
                     own["slip_top_speed"] = float(eq.slips.top_speed.max())
         content["eq"] = own
-    if sweep is not None:
+    if isinstance(sweep, PointsRecord):
+        content["sweep"] = {
+            name: getattr(sweep, name) for name in ("run_time", "success", "message")
+        }
+        content["sweep"] |= {"points": len(sweep), "along": list(sweep.along)}
+    elif sweep is not None:
         content["sweep"] = _numbers(sweep) | {"points": sweep.force.size}
     if result.interface is not None:
         content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
@@ -213,7 +219,9 @@ def _fill(result: Result, store: Any) -> None:
         if number.error is not None:
             own.attrs["error"] = number.error
     for name in ("thresholds", "sweep", "master", "eq"):
-        if (answer := getattr(result, name)) is not None:
+        if isinstance(answer := getattr(result, name), PointsRecord):
+            fill_points(store.create_group(name), answer)
+        elif answer is not None:
             _write(store.create_group(name), answer, units)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
@@ -230,6 +238,14 @@ def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
             group[name].attrs["units"] = units.get(name, "1")
         elif name != _HISTOGRAMS:
             group.attrs[name] = value
+
+
+def _read_sweep(group: Any) -> SweepRecord | PointsRecord:
+    return (
+        read_points(group)
+        if "along" in group.attrs and "000" in group
+        else _read(group, SweepRecord)
+    )
 
 
 def _read_interface(group: Any) -> dict[str, Number]:

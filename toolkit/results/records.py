@@ -12,6 +12,7 @@ from origins.domains.rotated import DomainSamples
 from origins.errors import InputError, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import panel_edges
+from toolkit.results.points import PointsRecord
 from toolkit.scene.drive import make_drive
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import Scale, of_surface
@@ -154,7 +155,7 @@ class Result:
     eq: Any
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
-    sweep: SweepRecord | None = None
+    sweep: SweepRecord | PointsRecord | None = None
     domains: DomainSamples | None = None
 
     __repr__ = brief

@@ -7,7 +7,7 @@ import numpy as np
 
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.running.checkpoint import Checkpoint
-from toolkit.running.runner import follow, make_ensemble, solve_master
+from toolkit.running.solvers import follow, make_ensemble, solve_master
 from toolkit.scene.scene import Scene
 
 
@@ -48,6 +48,8 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     """The cost of a run of the scene into `folder`, as lines of text; nothing is written. All ranks must call. Raises
     InputError as the run would, also for a checkpoint of another scene."""
     out = [scene.title or scene.name]
+    if scene.grid is not None:
+        return [*out, f"sweep   {len(scene.grid.points):,} points; their time is not foreseen"]
     earlier = [] if scene.eq is None else Checkpoint(folder, scene, comm).earlier(only_look=True)
     if scene.master is not None:
         try:

@@ -11,10 +11,14 @@ PATIENCE = 10.0  # s before anything is said of work that seems short
 class Progress:
     """Reports the progress of some work, `what`, from its own thread, also while the work makes no calls.
 
-    Create it on rank 0 only, and close it; `done` is an event for which it waits between lines (None: its own).
+    Create it on rank 0 only, and close it. `things` is what `count` counts; `done` is an event for which it waits
+    between lines (None: its own).
     """
 
-    def __init__(self, what: str, done: threading.Event | None = None) -> None:
+    def __init__(
+        self, what: str, things: str = "contacts", done: threading.Event | None = None
+    ) -> None:
+        self._things = things
         self._what, self._said = what, "at work (kernels are compiled on first use)"
         self._begun, self._left, self._best = time.monotonic(), 0.0, float("inf")
         self._first: tuple[float, int] | None = None
@@ -23,10 +27,10 @@ class Progress:
         self._ticking.start()
 
     def count(self, done: int, expected: int) -> None:
-        """So many contacts are done of those expected."""
+        """So many of these things are done of those expected."""
         now = time.monotonic()
         since, before = self._first = self._first or (now, done)  # one block gives no rate
-        self._said = f"{done:,} of {expected:,} contacts ({done / expected:.0%})"
+        self._said = f"{done:,} of {expected:,} {self._things} ({done / expected:.0%})"
         if now > since and done > before:
             pace = (done - before) / (now - since)
             self._left = (expected - done) / pace

@@ -4,7 +4,7 @@ import time
 import tomllib
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
@@ -20,6 +20,7 @@ from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.changes import changed
 from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed
+from toolkit.scene.grid import Grid, make_grid
 from toolkit.scene.scale import SHARED, SI, Scale, scale_of
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
@@ -36,7 +37,8 @@ class Scene:
     `master`, `eq` and `sweep` are None where the scene has no such table. `wall_time`: seconds for all of them
     together, None for no limit; `tolerance_given`: whether the scene names master.tolerance; `area`: drive.area;
     `drive_table`, `verdict`: the tables [drive] and [verdict] as they are given; `units`: of forces and springs of a
-    surface, "SI" or "N_c<k>".
+    surface, "SI" or "N_c<k>"; `grid`: a [sweep] over keys of the scene, each point of which is a scene of its own; all
+    else is then that of the first point.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Scene:
     drive_table: tables.DriveTable | None = None
     verdict: tables.VerdictTable | None = None
     units: str = SI
+    grid: Grid | None = None
 
     @property
     def drive(self) -> Drive:
@@ -61,6 +64,15 @@ class Scene:
         if self.given_drive is None:
             raise InputError("drive: is missing; write such as to = 5.0 with points = 501")
         return self.given_drive
+
+    def one(self, what: str) -> "Scene":
+        """`self` unless it is a sweep over keys of the scene, which `what` does not take; InputError for that."""
+        if self.grid is not None:
+            keys = ", ".join(f'"{key}"' for key in self.grid.values)
+            raise InputError(
+                f"sweep: {what} takes one scene, not a sweep over {keys}; leave it out"
+            )
+        return self
 
     @property
     def path(self) -> npt.NDArray[np.float64]:
@@ -129,7 +141,7 @@ def load_scene(
     if isinstance(scene, Scene) and not changes:
         return scene
     try:
-        return _checked(read_scene(scene, comm, changes), solved, comm)
+        return checked(read_scene(scene, comm, changes), solved, comm)
     except RecursionError as error:
         raise InputError("scene: is nested too deeply; it needs a few levels") from error
     except InputError:
@@ -185,7 +197,7 @@ def _find(scene: object) -> Path:
     refuse("scene", str(scene), hint)
 
 
-def _checked(source: Source, solved: bool, comm: Any) -> Scene:
+def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
     """The scene, with all that its tables say checked. Raises InputError."""
     name, text, given, folder = source
     table = tables.read_table(given)
@@ -194,6 +206,13 @@ def _checked(source: Source, solved: bool, comm: Any) -> Scene:
     if solved and table.master is None and table.eq is None and table.sweep is None:
         raise InputError("scene: has neither [master] nor [eq] nor [sweep]; add one of them")
     one_of("units", table.units, (SI, SHARED))
+    if table.sweep is not None and (grid := make_grid(table.sweep, given)) is not None:
+        # without a solve the scene's own values count, as for `thresholds`
+        first = source._replace(tables=grid.tables(given, grid.points[0] if solved else {}))
+        if not solved:
+            return checked(first, False, comm)
+        own = checked(first, table.master is not None or table.eq is not None, comm)
+        return replace(own, grid=grid)
     contacts = make_contacts(table.contacts, folder, comm)
     drive = sweep = None
     if table.drive is not None and (solved or has_path(table.drive)):

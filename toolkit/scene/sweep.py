@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from origins.brief import brief
 from origins.contacts import Contacts, Thermal, TooHot
-from origins.errors import InputError, non_negative, one_of, positive
+from origins.errors import InputError, non_negative, one_of, positive, refuse
 from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import RangeTable, SweepTable
@@ -93,6 +93,9 @@ def _values(name: str, value: float | list[float] | RangeTable) -> Array:
     """One value, those of a list, or those of a range."""
     if not isinstance(value, RangeTable):
         return np.atleast_1d(np.asarray(value, float))
+    if value.unit is not None:
+        hint = f"is for keys of the scene in quotes; {name} has one unit"
+        refuse(f"sweep.{name}.unit", value.unit, hint)
     check = positive if name == "velocity" else non_negative
     begin, end = check(f"sweep.{name}.from", value.begin), check(f"sweep.{name}.to", value.to)
     if one_of(f"sweep.{name}.spacing", value.spacing, ("log", "even")) == "even":

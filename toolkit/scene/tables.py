@@ -19,6 +19,9 @@ NonNegative = Annotated[float, Meta(ge=0.0, le=sys.float_info.max)]
 Count = Annotated[int, Meta(ge=1)]
 
 
+QUOTED = "'table.key'"  # the name of a key that stands for all those in quotes
+
+
 class KeyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A table of the scene file: its fields are the keys it may hold."""
 
@@ -69,6 +72,7 @@ class RangeTable(KeyTable, frozen=True):
     to: float
     points: Annotated[int, Meta(ge=2, le=100_000)]
     spacing: str = "log"
+    unit: str | None = None
 
 
 Values = NonNegative | Annotated[list[NonNegative], Meta(min_length=1)] | RangeTable
@@ -81,6 +85,8 @@ class SweepTable(KeyTable, frozen=True):
     rate: Values | None = None
     delay: Values | None = None
     critical_spring: bool = False
+    # any key of the scene in quotes, such as "drive.spring", with its values; toolkit/scene/grid.py checks them
+    keys: dict[str, Any] | None = msgspec.field(default=None, name=QUOTED)
 
 
 class VerdictTable(KeyTable, frozen=True):
@@ -109,7 +115,7 @@ _COUNTS = ("points", "contacts", "replicas", "seed", "samples", "threads")
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
     """The tables with their types checked and defaults filled in. Raises InputError with the path of the bad key."""
     try:
-        return msgspec.convert(_counted(tables), SceneTable)
+        return msgspec.convert(_with_quoted_keys(_counted(tables)), SceneTable)
     except msgspec.ValidationError as error:
         # such as: Expected `float | null`, got `str` - at `$.drive.to`
         expected, _, place = str(error).replace("object", "table").partition(" - at ")
@@ -127,6 +133,21 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         said = said.replace(f" <= {sys.float_info.max}", ", finite").replace("str", "text")
         said = said.replace("int", "a whole number").replace("float", "a number")
         refuse(where, value, f"{said[0].lower()}{said[1:]}")
+
+
+def _with_quoted_keys(tables: Any) -> Any:
+    """The same tables, with the keys of [sweep] that have a dot, which are keys of the scene, in a table of their own.
+    One that is written without quotes, sweep.drive.spring, is a table in a table to TOML."""
+    sweep = tables.get("sweep") if isinstance(tables, Mapping) else None
+    if not isinstance(sweep, Mapping):
+        return tables
+    for name in _TABLES:
+        if name and name in sweep:
+            hint = f'write a key of the scene in quotes, as "{name}.spring" = [0.5, 1.0]'
+            raise InputError(f"sweep.{name}: {hint}")
+    own = {name: value for name, value in sweep.items() if "." not in name}
+    quoted = {name: value for name, value in sweep.items() if "." in name}
+    return {**tables, "sweep": own | ({QUOTED: quoted} if quoted else {})}
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from toolkit.scene import laws
-from toolkit.scene.tables import read_table, to_toml
+from toolkit.scene.tables import QUOTED, read_table, to_toml
 
 
 def written_out(tables: Mapping[str, Any], folder: Path) -> str:
@@ -30,6 +30,8 @@ def with_defaults(tables: Mapping[str, Any]) -> dict[str, Any]:
     for name, kinds in laws.CONTACTS.items():
         if contacts[name] is not None:
             contacts[name] = laws.with_defaults(kinds, contacts[name], f"contacts.{name}")
+    if out["sweep"] is not None:
+        out["sweep"] |= out["sweep"].pop(QUOTED) or {}
     # a tolerance that a scene names is a stricter promise than the same number by default
     if out["master"] is not None and "tolerance" not in tables["master"]:
         out["master"]["tolerance"] = None

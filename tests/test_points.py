@@ -1,0 +1,175 @@
+"""Sweeps over any key of a scene: each point is the scene with that value, however points are spread or interrupted."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scenes import ROUGH, refused, said, scene, write
+
+import master
+import toolkit
+from toolkit.running import points
+
+WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+DRIVE = {"to": 6.0, "points": 61}
+OVER: dict[str, Any] = {"drive.spring": [0.3, 0.6], "contacts.thresholds.std": [0.1, 0.2, 0.3]}
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def swept(**more: Any) -> dict[str, Any]:
+    return scene(WIDE, drive=DRIVE, master={"tolerance": 1e-6}, sweep=OVER | more)
+
+
+def columns(record: Any) -> str:
+    """All columns with all digits, as text, in which nan equals nan."""
+    return json.dumps([column.tolist() for column in record.columns.values()])
+
+
+def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
+    tables = swept(critical_spring=True)
+    status, out, _ = said(capsys, "run", write(**{"thresholds": WIDE, **tables}))
+    found = toolkit.load("mine-output").sweep
+    assert status == 0 and any(
+        line.startswith("sweep   6 points along drive.spring") for line in out
+    )
+    assert found.along == tuple(OVER) and len(found) == 6 and found.success
+    for k, (spring, std) in enumerate(
+        (spring, std) for spring in OVER["drive.spring"] for std in OVER["contacts.thresholds.std"]
+    ):
+        alone = toolkit.run(
+            scene(WIDE | {"std": std}, drive=DRIVE | {"spring": spring}, master={"tolerance": 1e-6})
+        )
+        own = master.propensity(toolkit.load_scene(scene(WIDE | {"std": std})).contacts)
+        assert (found["drive.spring"][k], found["contacts.thresholds.std"][k]) == (spring, std)
+        assert found["last_force"][k] == alone.master.force[-1]
+        assert found["regime"][k] == alone.master.regime.verdict
+        assert found["slips"][k] == alone.master.slips.drive.size
+        assert found["critical_spring"][k] == own.critical_spring
+    with Path("mine-output/sweep.csv").open(encoding="utf-8") as stream:
+        head, *rows = list(csv.reader(stream))
+    assert head[:3] == [*OVER, "mean_threshold [length]"] and "critical_spring [N_c<k>]" in head
+    assert [float(row[head.index("last_force [length]")]) for row in rows] == found[
+        "last_force"
+    ].tolist()
+    told = json.loads(Path("mine-output/summary.json").read_text())["sweep"]
+    assert told["points"] == 6 and told["along"] == list(OVER)
+
+
+def test_si_units_of_a_surface_and_the_ensemble() -> None:
+    """F_k/load does not depend on the area; forces in newtons are proportional to it."""
+    drive = {"spring": "1 N/m", "area": 1e-6, "to": 1e-8, "points": 5}
+    sweep = {
+        "drive.area": [1e-6, 2e-6],
+        "drive.spring": {"from": 1e5, "to": 1e6, "points": 2, "unit": "N/m"},
+    }
+    eq = {"contacts": 200, "replicas": 2}
+    found: Any = toolkit.run(scene(ROUGH, drive=drive, master=None, eq=eq, sweep=sweep)).sweep
+    assert list(found["drive.spring"]) == ["100000.0 N/m", "1000000.0 N/m"] * 2
+    newtons = found["kinetic_force_newtons"]
+    np.testing.assert_allclose(newtons[2:], 2.0 * newtons[:2], rtol=1e-14)
+    np.testing.assert_allclose(
+        found["kinetic_force_over_load"] * found["drive.area"] * 1e6, newtons
+    )
+    assert found.units["kinetic_force_newtons"] == "N" and (found["eq_last_force"] > 0.0).all()
+
+
+def test_a_point_that_is_refused_keeps_its_row(capsys: Any) -> None:
+    file = write(thresholds=WIDE, drive=DRIVE, sweep={"contacts.thresholds.std": [0.1, -1.0]})
+    status, _, err = said(capsys, "run", file)
+    found = toolkit.load("mine-output").sweep
+    assert (
+        status == 1
+        and "1 of 2 points are not as asked, the first at contacts.thresholds.std = -1.0" in err[-1]
+    )
+    assert np.isnan(found["last_force"]).tolist() == [False, True]
+    assert "std = -1.0: must be" in found["message"][1] and found["message"][0] == ""
+
+
+def test_finished_points_survive_an_interrupt(monkeypatch: Any, capsys: Any) -> None:
+    whole = columns(toolkit.run(swept()).sweep)
+    solve, count = points.solve_point, []
+
+    def counted(*job: Any) -> Any:
+        count.append(job)
+        if len(count) == 4:
+            raise KeyboardInterrupt
+        return solve(*job)
+
+    monkeypatch.setattr(points, "solve_point", counted)
+    file = write(**{"thresholds": WIDE, **swept()})
+    status, _, err = said(capsys, "run", file)
+    assert status == 130 and err[-1].endswith(
+        "its finished points are kept in mine-output/checkpoint"
+    )
+    (kept,) = Path("mine-output/checkpoint").glob("*")
+    kept.write_text(kept.read_text() + '["cut sho')
+    assert said(capsys, "run", file)[0] == 0 and len(count) == 4 + 3
+    assert columns(toolkit.load("mine-output").sweep) == whole
+    assert not Path("mine-output/checkpoint").exists()
+
+
+def test_processes_give_the_same_numbers(monkeypatch: Any) -> None:
+    here = columns(toolkit.run(swept()).sweep)
+    monkeypatch.setattr(points, "WORTH", 0.0)
+    monkeypatch.setattr(points, "cores_of", lambda comm: 2)
+    assert columns(toolkit.run(swept()).sweep) == here
+
+
+def test_ranks_share_the_points_and_find_the_same(mpirun: Any) -> None:
+    write(**{"thresholds": WIDE, **swept()})
+    (Path("small.toml")).write_text(Path("mine.toml").read_text())
+    done = mpirun(2, RANKS)
+    assert done.returncode == 0, done.stderr
+    told = [json.loads(line) for line in done.stdout.splitlines()]
+    alone = columns(toolkit.run("mine.toml").sweep)
+    assert len(told) == 2 and sorted(own[0] for own in told) == [3, 3]
+    assert all(json.dumps(own[1]) == alone for own in told)
+
+
+RANKS = """
+import json, sys, toolkit
+from mpi4py import MPI
+from toolkit.running import points
+solve, count = points.solve_point, []
+points.solve_point = lambda *job: count.append(1) or solve(*job)
+found = toolkit.run("mine.toml", comm=MPI.COMM_WORLD).sweep
+told = json.dumps([len(count), [column.tolist() for column in found.columns.values()]])
+for own in MPI.COMM_WORLD.gather(told) or []:
+    print(own)
+"""
+
+
+@pytest.mark.parametrize(
+    ("sweep", "told"),
+    [
+        ({"drive.sprin": [0.5]}, "drive.sprin: unknown key; did you mean spring?"),
+        ({"drive.spring": []}, 'sweep."drive.spring" = []: must be a list'),
+        ({"drive.spring": {"from": 0.0, "to": 1.0, "points": 3}}, 'write spacing = "even"'),
+        ({"drive.spring": {"begin": 0.0}}, "must be a value, a list, or"),
+        ({"drive.spring": {"from": 1.0, "to": 2.0, "points": 20_000}}, "take 10,000 at most"),
+        ({"drive": {"spring": [1.0]}}, 'write a key of the scene in quotes, as "drive.spring"'),
+        ({"velocity": {"from": 1.0, "to": 2.0, "points": 3, "unit": "m/s"}}, "sweep.velocity.unit"),
+        ({"colour": 3}, "known here: velocity"),
+    ],
+)
+def test_bad_sweeps_are_one_line(sweep: dict[str, Any], told: str, capsys: Any) -> None:
+    assert told in refused(capsys, "run", write(thresholds=WIDE, drive=DRIVE, sweep=sweep))
+
+
+def test_other_commands_take_one_scene(capsys: Any) -> None:
+    file = write(**{"thresholds": WIDE, **swept()})
+    for command in ("compare", "precision"):
+        assert f"sweep: {command} takes one scene, not a sweep over" in refused(
+            capsys, command, file
+        )
+    assert said(capsys, "thresholds", file)[0] == 0
+    numbers = json.loads(Path("mine-output/thresholds.json").read_text())["numbers"]
+    assert numbers["standard_deviation"]["value"] == pytest.approx(0.2, rel=1e-4)
+    assert "6 points" in "".join(said(capsys, "run", file, "--dry-run")[1])

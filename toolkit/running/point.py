@@ -1,0 +1,112 @@
+"""One point of a sweep over keys of the scene: a whole scene, solved for its most important numbers."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from origins.errors import InputError
+from toolkit.results.records import is_coupled
+from toolkit.running.solvers import follow, make_ensemble, solve_master
+from toolkit.scene.scene import Scene, Source, checked
+
+
+class Column(NamedTuple):
+    """A number or a text of a point, and its unit ("": none)."""
+
+    value: float | str
+    unit: str = ""
+
+
+def solve_point(
+    name: str, text: str, tables: dict[str, Any], folder: str, springs: bool
+) -> dict[str, Column]:
+    """The columns of a point, by name: smooth sliding, K* if `springs`, then what the point's [master] and [eq] find
+    along its drive. "message" says what is not as asked; a point that is refused has nothing else."""
+    try:
+        scene = checked(
+            Source(name, text, tables, Path(folder)), bool({"master", "eq"} & set(tables))
+        )
+        columns = {**_sliding(scene, springs)}
+        if scene.master is not None:
+            columns |= _by_master(scene)
+        if scene.eq is not None:
+            columns |= _by_ensemble(scene)
+    except InputError as error:
+        return {"message": Column(str(error))}
+    columns["message"] = columns.pop("message", Column(""))  # the last
+    return columns
+
+
+def _sliding(scene: Scene, springs: bool) -> dict[str, Column]:
+    """F_k and the fraction that holds, if asked K* and F_s/F_k, each with its error; of a surface in SI units, too."""
+    import master
+
+    contacts, surface = scene.contacts, scene.contacts.interface
+    unit = "length" if surface is None else "m"
+    steady = master.steady_state(contacts, velocity=scene.sliding)
+    error = steady.force_error * contacts.mean_threshold
+    found = {"mean_threshold": Column(contacts.mean_threshold, unit)}
+    found |= {
+        "kinetic_force": Column(steady.force, unit),
+        "kinetic_force_error": Column(error, unit),
+    }
+    found["holding"] = Column(steady.holding)
+    missed = [] if error <= 1e-3 * abs(steady.force) else [steady.message]
+    if springs:
+        own: Any = master.propensity(contacts, velocity=scene.sliding)
+        for quantity, its in (("critical_spring", "N_c<k>"), ("static_to_kinetic", "")):
+            found[quantity] = Column(getattr(own, quantity), its)
+            found[f"{quantity}_error"] = Column(getattr(own, f"{quantity}_error"), its)
+        if not own.success and not own.critical_spring_error <= 1e-3 * own.critical_spring:
+            missed.append(own.message)
+    if surface is not None:
+        stiffness = surface.contact_density * surface.mean_stiffness  # N/m for each m²
+        found["kinetic_stress"] = Column(stiffness * steady.force, "Pa")
+        found["kinetic_force_over_load"] = Column(stiffness * steady.force / surface.pressure)
+        if scene.area is not None:
+            each = stiffness * scene.area
+            found["contacts"] = Column(surface.contact_density * scene.area)
+            found["kinetic_force_newtons"] = Column(each * steady.force, "N")
+            if springs:
+                found["critical_spring_newtons"] = Column(each * own.critical_spring, "N/m")
+    return found | {"message": Column("; ".join(missed))}
+
+
+def _by_master(scene: Scene) -> dict[str, Column]:
+    """The force along the drive, and of a slider on a spring its regime and its slips."""
+    tolerance: Any = scene.master
+    solved = solve_master(scene, tolerance.tolerance)
+    unit, mean = (
+        ("length" if scene.contacts.interface is None else "m"),
+        scene.contacts.mean_threshold,
+    )
+    found = {"largest_force": Column(float(solved.force.max()), unit)}
+    found["last_force"] = Column(float(solved.force[-1]), unit)
+    found["force_error"] = Column(solved.force_error * mean, unit)
+    if solved.regime is not None:
+        slips: Any = solved.slips
+        some = slips.drive.size > 0
+        found["regime"] = Column(solved.regime.verdict)
+        found["slips"] = Column(slips.drive.size)
+        found["period"] = Column(np.nan if solved.period is None else solved.period, unit)
+        for name in ("force_before", "force_after"):
+            last = float(getattr(slips, name)[-1]) if some else np.nan
+            found[f"{name}_slip"] = Column(last, unit)
+    return found if solved.success else found | {"message": Column(solved.message)}
+
+
+def _by_ensemble(scene: Scene) -> dict[str, Column]:
+    """The ensemble's force at the end of the drive with its standard error, and of sliders on a spring their slips."""
+    asked: Any = scene.eq
+    found: Any = follow(make_ensemble(scene, asked, None))
+    unit = "length" if scene.contacts.interface is None else "m"
+    columns = {"eq_last_force": Column(float(found.force[-1]), unit)}
+    columns["eq_last_force_error"] = Column(float(found.force_standard_error[-1]), unit)
+    if is_coupled(found):
+        columns["eq_slips_a_slider"] = Column(len(found.slips.replica) / len(found.forces))
+        before = found.slips.force_before
+        columns["eq_force_before_slip"] = Column(
+            float(before.mean()) if len(before) else np.nan, unit
+        )
+    return columns if found.success else columns | {"message": Column(found.message)}

@@ -1,0 +1,123 @@
+"""The solvers of a scene: the master equation, and the ensemble from its first block to its result."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from origins.errors import InputError, refuse
+from toolkit.processes.ranks import cores_of
+from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
+from toolkit.results.records import SolvedRecord, record_of
+from toolkit.running.checkpoint import Checkpoint
+from toolkit.scene import laws
+from toolkit.scene.interfaces import of_so_many
+from toolkit.scene.scene import Scene
+from toolkit.scene.tables import EqTable
+
+_STOP = 7117  # tag of the message by which a rank passes a signal on to the others
+_OWN = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
+EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {name: name for name in _OWN}
+
+
+def follow(
+    ensemble: Any,
+    progress: Callable[[int, int], None] | None = None,
+    checkpoint: Checkpoint | None = None,
+    done_before: int = 0,
+    deadline: float | None = None,
+) -> Any:
+    """Run an ensemble from its first block to its result; all ranks of its communicator must call.
+
+    SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then act as usual: as a
+    rule they end the program. A rank that gets one informs the others, which end too. `progress` includes contacts
+    `done_before`, and takes the other ranks to be as far as this one. After the `deadline`, s of the monotonic clock,
+    no block begins.
+    """
+    comm, shown = ensemble.comm, (-1, -1)
+    ranks = 1 if comm is None else comm.Get_size()
+    with deferred() as asked:
+        for done, _ in ensemble:
+            now = min(done_before + done * ranks, ensemble.expected), ensemble.expected
+            if progress is not None and now != shown:
+                progress(*now)
+                shown = now
+            if deadline is not None and time.monotonic() > deadline:
+                ensemble.stop()
+            if ranks > 1 and asked.signal is None and comm.Iprobe(tag=_STOP):
+                asked.signal = comm.recv(tag=_STOP)
+            elif ranks > 1 and asked.signal is not None:
+                for rank in set(range(ranks)) - {comm.Get_rank()}:
+                    comm.isend(asked.signal, dest=rank, tag=_STOP)
+            if checkpoint is not None and asked.signal is None:
+                checkpoint.keep(ensemble.state)
+            elif asked.signal is not None:
+                if checkpoint is not None:
+                    checkpoint.write(ensemble.state)
+                asked.pass_on("nothing was written" if checkpoint is None else checkpoint.note)
+    if checkpoint is not None:  # of a finished run too, in case the result cannot be written
+        checkpoint.write(ensemble.state)
+    return ensemble.result()
+
+
+@contextmanager
+def within(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
+    """Raise InputError within once the deadline, in s of the monotonic clock, has passed."""
+    try:
+        with no_longer_than(None if deadline is None else deadline - time.monotonic()):
+            yield
+    except TimeIsUp:
+        hint = f"is over before {what} is solved; give more, or ask for less"
+        refuse("wall_time", scene.wall_time, hint)
+
+
+def solve_master(
+    scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None
+) -> SolvedRecord:
+    """The master equation's answer along the scene's drive; `refined` is called with each error on the way. Raises
+    InputError where there is none; the message says so if the scene's ensemble would run without [master]."""
+    import master
+
+    drive, contacts = scene.drive, scene.contacts
+    asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
+    asked |= {"progress": refined} if refined is not None else {}
+    if drive.spring is not None:
+        asked |= {name: getattr(drive, name) for name in ("spring", "slip", "mass", "damping")}
+    try:
+        with laws.inside("master", {"tolerance": "tolerance"}):
+            solved: Any = master.solve(contacts, scene.path, tolerance, **asked)
+            if not solved.path.size:
+                raise InputError(solved.message)
+    except InputError as error:
+        if scene.eq is None or contacts.each_by_itself() is not contacts:
+            raise
+        raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
+    found = record_of(solved)
+    if found.regime is not None:
+        reason = f"{found.regime.reason}{of_so_many(scene, found.regime)}"
+        found = replace(found, regime=replace(found.regime, reason=reason))
+    # without a tolerance an error that is hardly visible in a picture will do
+    as_asked = scene.tolerance_given or found.success or found.path.size != scene.path.size
+    if as_asked or not found.force_error <= 1e-3:
+        return found
+    said = f"error {found.force_error:.1e} of <x_s>; no tolerance was asked for"
+    return replace(found, success=True, message=said)
+
+
+def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
+    """The ensemble of the scene's [eq]; `other` arguments of its class replace those of the table. Raises InputError
+    with the scene's own keys."""
+    import eq_model
+
+    drive, contacts = scene.drive, scene.contacts
+    if scene.master is not None:
+        # single contacts have no mean rate and no common P_c: they show the error of these closures
+        contacts = contacts.each_by_itself()
+    arguments: dict[str, Any] = {name: getattr(asked, key) for name, key in EQ_KEYS.items()}
+    arguments |= {"comm": comm, "threads": asked.threads or cores_of(comm)}
+    arguments |= {"histograms": scene.histogram_points()}
+    motion = ("velocity", "time", "spring", "slip", "mass", "damping")
+    arguments |= {name: getattr(drive, name) for name in motion}
+    with laws.inside("eq", EQ_KEYS):
+        return eq_model.Ensemble(contacts, scene.path, **(arguments | other))
