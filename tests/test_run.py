@@ -47,6 +47,8 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
+    if "mass" in tables.get("drive", {}) and "master" not in tables:
+        return  # test_slider_scenes.py: the ensemble alone takes a delay beside a mass
     if "eq" not in tables:
         done = toolkit.run(name)
         found = done.master or done.sweep
@@ -54,12 +56,6 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
         return
     tables["eq"] |= {"contacts": 400, "replicas": 4}
     done = toolkit.run(tables)
-    if "master" not in tables:  # it does not take a delay beside a mass: each slip is half a swing
-        half = np.pi * (0.1 / 50.0) ** 0.5
-        lasts = np.median(done.eq.slips.duration)  # of 400 contacts a few slip by themselves
-        assert name == "tribometer" and lasts == pytest.approx(half, rel=0.1)
-        assert done.eq.slips.replica.size >= 8
-        return
     assert done.success and done.master.force_error <= tables["master"].get("tolerance", 1e-8)
     if "spring" in tables["drive"]:
         for k, exact in enumerate(done.master.slips.drive):

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from toolkit.pictures.points import plot_points, plot_points_spring, with_spring
+from toolkit.pictures.replicas import SHOWN, plot_replicas, with_slips
 from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
 from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.points import PointsRecord
 from toolkit.results.records import Result, is_coupled, is_heavy, is_known
 
 _BARS = 61  # error bars; with more the line would be hidden
-_REPLICAS = 5  # as can be distinguished
 _UNITS = {"velocity": "m/s", "temperature": "m²", "kelvin": "K", "rate": "m²/s", "delay": "s"}
 
 
@@ -48,12 +48,8 @@ def plot_force(axes: Any, result: Result) -> Any:
         if not solved.success:
             label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
         if solved.slips is not None and (np.diff(solved.path) > 0.0).all():
-            # the ends of each slip where it happens, between points of the path
-            slips = solved.slips
-            at = np.searchsorted(solved.path, slips.drive).repeat(2)
-            ends = np.column_stack([slips.force_before, slips.force_after]).ravel()
-            there = np.interp(slips.drive, solved.path, path).repeat(2)
-            path, force = np.insert(path, at, there), np.insert(force, at, ends)
+            ends = slice(None), "force_before", "force_after"
+            path, force = with_slips(result, solved, force, *ends)
         line = "-" if solved.success else "--"
         if not is_known(solved):
             label, path, force = "master equation: not solved", path[:0], force[:0]
@@ -62,15 +58,14 @@ def plot_force(axes: Any, result: Result) -> Any:
             label = "contacts outrun $P_c$ (Q15)"
             axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
     if is_coupled(eq):
-        number = min(_REPLICAS, len(eq.forces))
-        style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
-        lines = axes.plot(along(result, eq), eq.forces[:number].T, **style)
+        number = min(SHOWN, len(eq.forces))
+        line = plot_replicas(axes, result, "forces", "force_before", "force_after")
         each = f"{eq.contacts // len(eq.forces):,} contacts"
-        lines[0].set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
+        line.set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
         place, error = along(result, eq)[some], eq.force_standard_error[some]
-        style = {"color": INK["eq"], "fmt": "o", "ms": 3, "capsize": 2, "lw": 1}
+        style: dict[str, Any] = {"color": INK["eq"], "fmt": "o", "ms": 3, "capsize": 2, "lw": 1}
         axes.errorbar(place, eq.force[some], yerr=error, label="EQ, ±1 standard error", **style)
     write_along(axes, result)
     name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.thresholds.in_metres)
@@ -83,7 +78,10 @@ def plot_position(axes: Any, result: Result) -> Any:
     """Positions of the drive, or of the rigid slider, and of a soft slider against time."""
     curve = result.curves[0]
     axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
-    if getattr(curve, "position", None) is not None:
+    if is_coupled(curve):
+        plot_replicas(axes, result, "positions", "before", "after").set_label("slider")
+        axes.legend(fontsize="small")
+    elif getattr(curve, "position", None) is not None:
         axes.plot(along(result, curve), curve.position, color=INK["master"], lw=1.2, label="slider")
         axes.legend(fontsize="small")
     write_along(axes, result)
@@ -92,12 +90,16 @@ def plot_position(axes: Any, result: Result) -> Any:
 
 
 def plot_holding(axes: Any, result: Result) -> Any:
-    """The fraction of the contacts that hold; the others wait to form again."""
-    for curve, ink, mark in ((result.master, "master", "-"), (result.eq, "eq", ".")):
+    """The fraction of the contacts that hold, of a soft slider's replicas their mean; the others wait to form again."""
+    for curve, ink in ((result.master, "master"), (result.eq, "eq")):
         if curve is not None:
-            some = slice(None) if ink == "master" else some_of(curve.path.size, _BARS)
+            whole = ink == "master" or is_coupled(
+                curve
+            )  # which moves much between the points of some
+            some = slice(None) if whole else some_of(curve.path.size, _BARS)
+            style = "-" if whole else "."
             place = along(result, curve)[some]
-            axes.plot(place, curve.holding[some], mark, color=INK[ink], ms=4, lw=1.2)
+            axes.plot(place, curve.holding[some], style, color=INK[ink], ms=4, lw=1.2)
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     write_along(axes, result)
     return axes
@@ -119,11 +121,11 @@ def plot_deviation(axes: Any, result: Result) -> Any:
 
 
 def plot_velocity(axes: Any, result: Result) -> Any:
-    """The speed of a slider with mass at the points of the path: of the master equation, and in some replicas."""
+    """The speed of a slider with mass at the points of the path, and at its largest in slips between them: of the
+    master equation, and in some replicas."""
     solved, eq = result.master, result.eq
     if eq is not None:
-        style: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7}
-        axes.plot(along(result, eq), eq.velocities[:_REPLICAS].T, **style)
+        plot_replicas(axes, result, "velocities", "top_speed")
     if solved is not None and solved.velocity is not None and is_known(solved):
         axes.plot(along(result, solved), solved.velocity, color=INK["master"], lw=1.2)
     axes.set_ylabel("$dX/dt$ (m/s)" if result.thresholds.in_metres else "$dX/dt$")

@@ -12,7 +12,7 @@ SLIP_SHARE = 0.2
 
 
 class Fall(NamedTuple):
-    """A instant at which a fall of the spring's force begins or ends.
+    """A moment at which a fall of the spring's force begins or ends.
 
     time, drive, place, force : t, X_T, X and F/(N_c<k>) of the spring; breaks : of the present move, per contact
     """

@@ -1,0 +1,92 @@
+"""What the shipped scenes of sliders with mass show, with fewer contacts: delays, drive speeds, holds."""
+
+import tomllib
+from typing import Any
+
+import numpy as np
+import pytest
+
+import master
+import toolkit
+from toolkit.pictures.replicas import with_slips
+from toolkit.scene.scene import SHIPPED
+
+
+def run(name: str, contacts: int, replicas: int = 1, **drive: Any) -> Any:
+    """The result of a shipped scene with so many contacts, and with other values of its [drive]."""
+    tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
+    tables["eq"] |= {"contacts": contacts, "replicas": replicas}
+    tables["drive"] |= drive
+    return toolkit.run(tables)
+
+
+def test_a_slip_of_the_tribometer_is_half_a_swing() -> None:
+    slips = run("tribometer", 400, 4).eq.slips
+    half = np.pi * (0.1 / 50.0) ** 0.5
+    # of 400 contacts a few slip by themselves
+    assert np.median(slips.duration) == pytest.approx(half, rel=0.1) and slips.replica.size >= 8
+
+
+def test_the_delay_decides_between_smooth_sliding_and_stick_slip() -> None:
+    short = {"turns": [7.5e-6], "times": [7.5], "points": 301}
+    smooth, partial, full = (
+        run(f"tribometer-{name}", 2000, **short) for name in ("smooth", "partial", "full")
+    )
+    length, late = smooth.mean_threshold, smooth.time > 3.5
+    kinetic = master.steady_state(
+        toolkit.load_scene("tribometer-smooth").contacts, velocity=1e-6
+    ).force
+    # the share of contacts that wait at the drive's speed is 1e-5
+    force = smooth.eq.forces[0][late]
+    assert force.mean() == pytest.approx(kinetic, rel=0.01) and np.ptp(force) < 0.15 * kinetic
+    one, other = ((run.eq.slips.drop, run.eq.slips.force_after) for run in (partial, full))
+    slips = partial.eq.slips.drop > 0.1 * length
+    assert slips.sum() >= 3 and (one[0][slips] < partial.eq.slips.force_before[slips]).all()
+    assert (one[1][slips] > 0.0).all() and (one[1][slips] < 0.3 * kinetic).all()
+    # a free swing beyond the drive: damping 20 N s/m beside 2 (1e5 N/m 0.1 kg)^(1/2) = 200
+    ratio = 20.0 / 200.0
+    beyond = np.exp(-np.pi * ratio / (1.0 - ratio**2) ** 0.5)
+    slips = full.eq.slips.drop > 0.5 * length
+    assert slips.sum() >= 2
+    before = full.eq.slips.force_before[slips]
+    np.testing.assert_allclose(-other[1][slips] / before, beyond, atol=0.03)
+
+
+def test_slips_shorter_than_the_steps_of_the_path_are_drawn() -> None:
+    full = run("tribometer-full", 1000, turns=[6e-6], times=[6.0], points=61)
+    slips, times = full.eq.slips, full.time
+    first = np.flatnonzero(slips.drop > 0.5 * full.mean_threshold)[0]
+    place, force = with_slips(
+        full, full.eq, full.eq.forces[0], slips.replica == 0, "force_before", "force_after"
+    )
+    assert force.min() == slips.force_after.min() < full.eq.forces.min()
+    assert (np.diff(place) >= 0.0).all() and place.size == times.size + 2 * slips.drop.size
+    at = np.flatnonzero(force == slips.force_after[first])[0]
+    # a path of 1 um/s
+    assert place[at] == pytest.approx(slips.drive[first] / 1e-6 + slips.duration[first], rel=1e-9)
+
+
+def test_stick_slip_ends_above_a_drive_speed_and_comes_back_at_a_lower_one() -> None:
+    done = run("stick-slip-ends", 1000)
+    force, amplitude = done.eq.forces[0], []
+    for end in range(100, 701, 100):
+        amplitude.append(np.ptp(force[(done.time > end - 25.0) & (done.time <= end)]))
+    assert min(amplitude[:3]) > 0.4 and max(amplitude[3:5]) < 0.2 and min(amplitude[5:]) > 0.4
+    # at 14, where the swings decay, F_k falls with the speed as 1/(1 + 0.1 v); the damping bears the rest
+    mean = force[(done.time > 380.0) & (done.time <= 400.0)].mean()
+    assert mean == pytest.approx(0.52 / 2.4 + 0.013 * 14.0, rel=0.01)
+
+
+def test_the_force_after_a_hold_with_mass_grows_until_all_contacts_hold() -> None:
+    done = run("slide-hold-slide-mass", 4000, 2)
+    time, contacts = done.time, done.eq.contact_forces.mean(axis=0)
+    peaks = [contacts[(time >= begin) & (time < begin + 4.0)].max() for begin in (10.2, 18.7, 31.7)]
+    assert peaks[0] + 0.05 < peaks[1] and peaks[1] + 0.02 < peaks[2]
+    asked = toolkit.load_scene("slide-hold-slide-mass")
+    way = np.r_[20.0, 20.0, np.linspace(20.02, 24.0, 200)]
+    times = np.r_[10.0, 15.0, 15.0 + (way[2:] - 20.0) / 2.0]
+    rigid = master.solve(asked.contacts, way, 1e-5, time=times).force[2:].max()
+    # the slider rests while its contacts form, but those that hold were stretched less as it slowed down
+    assert 0.9 * rigid < peaks[2] < 1.01 * rigid
+    held = done.eq.holding[time <= 31.7][-1]
+    assert held == 1.0 and 0.4 < done.eq.holding[time <= 26.7][-1] < 0.6
