@@ -30,7 +30,7 @@ def with_slips(
     """Places along the abscissa and `values` (n,) of a curve with the slips `own`, a mask or a slice, put in between.
 
     `of_slips` names two fields of slips, what the curve is as a slip begins and as it ends, or one, what it is in the
-    middle. Slips that begin while the drive holds are left out, as the drive's position does not tell when; so are those
+    middle. Slips that begin while the drive holds are left out, as X_T does not tell when; so are those
     that the curve's own points show.
     """
     slips, place = curve.slips, along(result, curve)
