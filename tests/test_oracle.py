@@ -14,8 +14,8 @@ WRONG_BEFORE = "spectrum grains"
 ALL = load()
 FAST = 0.1  # s that a kept answer took: the calls asked by `make test` are of these
 PER_KIND = 3
-# rows of docs/given-up.md: may be short, never FALSE
-GIVEN_UP = {
+# hard laws (docs/limits.md): may be short, never FALSE
+HARD = {
     "hard law forward: arcsine",
     "hard law forward: beta(0.3, 0.3)",
     "hard law forward: gamma(0.5)",
@@ -46,13 +46,13 @@ def fast(kind: str) -> list[str]:
 
 
 def disagreements(names: list[str]) -> list[str]:
-    """One line for each call that is FALSE, or short without being given up; time alone fails none."""
+    """One line for each call that is FALSE, or short without being hard; time alone fails none."""
     told = [(name, *judge(KEPT[name], give("", KEPT[name].call))) for name in names]
     return [
         f"{word} {name}: {why}"
         for name, word, why in told
         if word == "FALSE"
-        or (word == "short" and name not in GIVEN_UP and "TimeoutError" not in why)
+        or (word == "short" and name not in HARD and "TimeoutError" not in why)
     ]
 
 

@@ -1,0 +1,54 @@
+"""docs/limits.md: short rows, and what it says is refused is refused, with a line that says what to do."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import eq_model
+import master
+import origins
+
+PAGE = (Path(__file__).parents[1] / "docs" / "limits.md").read_text(encoding="utf-8")
+PATH = np.linspace(0.0, 5.0, 51)
+PLAIN = origins.Contacts(origins.gaussian(1.0, 0.2))
+HOT = PLAIN.replace(thermal=origins.Thermal("soft", 0.1))
+AGEING = PLAIN.replace(ageing=origins.Ageing(origins.gaussian(1.5, 0.2), 1e-3))
+GRAINS = origins.growing_grains(1.0, 4.0, age=4.0)
+HEAVY: dict[str, Any] = {"spring": 1.0, "mass": 0.1, "damping": 0.1}
+FEW: dict[str, Any] = {"n_contacts": 50, "n_replicas": 2, "seed": 1}
+
+# words of the row, the call that it tells of, and a part of its refusal
+REFUSED: list[tuple[str, Callable[[], object], str]] = [
+    ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(HOT, PATH, spring=1.0, **FEW), "T = 0"),
+    ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(AGEING, PATH, spring=1.0, **FEW), "ageing"),
+    ("whose drive turns back", lambda: eq_model.simulate(PLAIN, [0.0, 3.0, 1.0], spring=1.0, **FEW), "turn"),
+    ("`mass` beside heat", lambda: master.solve(HOT, PATH, **HEAVY), "without laws"),
+    ("`mass` and a delay in `[master]`", lambda: master.solve(PLAIN.replace(delay=origins.Delay(1.0)), PATH, **HEAVY), "use eq_model"),
+    ("ageing with heat", lambda: master.solve(AGEING.replace(thermal=HOT.thermal), PATH), "use eq_model"),
+    ("growing grains with heat on a path", lambda: master.solve(GRAINS.replace(thermal=HOT.thermal), [0.0, 1.0, -1.0]), "use eq_model"),
+    ("begins above 0 or ends", lambda: origins.Ageing(origins.rectangular(0.5, 1.0), 1e-3), "ends at"),
+    ("a law without a finite mean", lambda: origins.Contacts(stats.pareto(0.9)), "finite mean"),
+    ("`persson` with centre", lambda: origins.persson(200.0, 1.0), "take gaussian"),
+    ("nearer to 1/x", lambda: master.steady_state(origins.Contacts(origins.lubricated(1.0, power=-0.97))), "1e-290"),
+    ("wait for 400 lives", lambda: master.decoherence_spectrum(PLAIN.replace(delay=origins.Delay(1e3))), "400"),
+    ("beyond 1e±100", lambda: master.solve(HOT, PATH, velocity=1e120), "another unit"),
+]  # fmt: skip
+
+
+def test_rows_are_few_and_short() -> None:
+    rows = re.findall(r"^\| .*\|$", PAGE.split("## What is refused")[1], re.MULTILINE)[1:]
+    assert 30 <= len(rows) <= 60 and max(map(len, rows)) <= 150
+    assert all(row.count(" | ") == 2 for row in rows)
+
+
+@pytest.mark.parametrize(("row", "call", "why"), REFUSED, ids=[row for row, *_ in REFUSED])
+def test_what_is_said_to_be_refused(row: str, call: Callable[[], object], why: str) -> None:
+    assert any(row in line and "refused" in line for line in PAGE.splitlines())
+    with pytest.raises(origins.InputError, match=re.escape(why)) as told:
+        call()
+    assert "\n" not in str(told.value)
