@@ -51,8 +51,7 @@ def disagreements(names: list[str]) -> list[str]:
     return [
         f"{word} {name}: {why}"
         for name, word, why in told
-        if word == "FALSE"
-        or (word == "short" and name not in HARD and "TimeoutError" not in why)
+        if word == "FALSE" or (word == "short" and name not in HARD and "TimeoutError" not in why)
     ]
 
 
