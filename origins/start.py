@@ -11,6 +11,8 @@ from origins.errors import TEMPERATURE, InputError, finite, non_negative, positi
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_frozen, single_mean
 
+LARGEST = 1e150  # of the mean and the width of a start, so that their squares are finite
+
 
 class Start:
     """Distribution of stretches (lengths, of either sign): Q_ini(x) at X = 0, or of those at which contacts re-form.
@@ -66,9 +68,14 @@ class GaussianStart(Start):
 def gaussian_start(mean: float, std: float) -> Start:
     """Starting stretches from a normal law (lengths); std = 0 is the single value `mean`.
 
-    Raises InputError unless mean is finite and std is finite and not negative.
+    Raises InputError unless std is not negative, and both are at most 1e150 in size.
     """
     mean, std = finite("mean", mean), non_negative("std", std)
+    for name, value in (("mean", mean), ("std", std)):
+        if abs(value) > LARGEST:
+            refuse(
+                name, value, f"must be at most {LARGEST:g} in size; choose another unit of length"
+            )
     return GaussianStart(mean, std) if std > 0.0 else SingleStart(mean)
 
 

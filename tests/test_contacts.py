@@ -85,6 +85,12 @@ def test_starts_are_those_of_scipy() -> None:
             np.testing.assert_allclose(found, known, rtol=1e-12, atol=1e-15)
 
 
+def test_a_start_so_wide_that_numbers_overflow_is_refused() -> None:
+    for given in ((0.0, 1e308), (1e308, 0.1), (-1e308, 1e308)):
+        with pytest.raises(InputError, match=r"^(std|mean) = -?1e\+308: must be at most 1e\+150"):
+            gaussian_start(*given)
+
+
 def test_boltzmann_reforming_is_the_law_of_a_spring() -> None:
     """R ~ exp(-k x²/2k_BT): equipartition, <k> <x²> = k_BT."""
     law = origins.boltzmann_reforming(0.03)

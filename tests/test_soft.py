@@ -11,6 +11,7 @@ from scipy import stats
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+import eq_model
 import master
 import origins
 
@@ -38,6 +39,35 @@ def test_identical_thresholds_are_a_sawtooth(spring):
     assert np.abs(solution.slips.drive - period * np.arange(1, 7)).max() <= 1e-12 * period
     assert solution.slips.drop == pytest.approx(np.ones(6), abs=1e-12)
     assert solution.regime.verdict == "stick-slip"
+
+
+@pytest.mark.parametrize("spring", [0.02, 1.0])
+def test_identical_thresholds_that_form_at_once_slip_threshold_by_threshold(spring):
+    """F = K X_T/(1 + K) up to 1; then X grows by 1 in each slip, as X_T does from one to the next."""
+    first, count = 1.0 + 1.0 / spring, 30
+    # at the slips themselves rounding decides
+    path = np.linspace(0.0, first + count - 0.5, 400) + 1e-4
+    solution = solved(origins.Contacts(origins.identical(1.0)), path, spring, "instant")
+    since = np.where(path < first, path, (path - first) % 1.0 + 1.0 / spring)
+    exact = since * spring / (1.0 + spring)
+    assert np.abs(solution.force - exact).max() <= solution.force_error <= 1e-10
+    assert np.abs(solution.slips.drive - first - np.arange(count)).max() <= 1e-10 * first
+    assert solution.slips.after == pytest.approx(np.arange(count) + 1.0 + 1.0 / (1.0 + spring))
+
+
+@pytest.mark.parametrize("law", [origins.identical(1.0), TWO])
+@pytest.mark.parametrize("spring", [1e-9, 1e-4, 0.5])
+def test_exact_thresholds_on_soft_springs_warn_of_nothing(law, spring):
+    """Runtime warnings are errors in all tests. Under "instant" too many slips are refused before the work."""
+    contacts, path = origins.Contacts(law), [0.0, 1.5 * (1.0 + 1.0 / spring)]
+    for rule in ("reset", "reform-after"):
+        eq_model.simulate(contacts, path, spring=spring, slip=rule, n_contacts=50)
+        solved(contacts, path, spring, rule, 1e-6)
+    if spring < 0.1:
+        with pytest.raises(origins.InputError, match=r"path\[-1\] = .* more than 2,000 times"):
+            solved(contacts, path, spring, "instant", 1e-6)
+    else:
+        assert solved(contacts, path, spring, "instant", 1e-6).success
 
 
 @pytest.mark.parametrize(("spring", "tolerance"), [(0.05, 1e-6), (6.0, 1e-9)])

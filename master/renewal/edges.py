@@ -66,7 +66,9 @@ def edges(
         least *= 10.0
     too_many = bool(births.life.atoms.size) and least > 1e3 * tolerance
     end = float(births.motion.times[-1])
-    times = np.array([continued_from, *(moment.time for moment in met), end])
+    # a moment at the end is an edge already; it is kept for a march that goes on from there
+    inside = (moment.time for moment in met if moment.time < end - chain.close(moment.time))
+    times = np.array([continued_from, *inside, end])
     return Edges(times, too_many, [*known, *met])
 
 
@@ -118,7 +120,7 @@ class _Moments:
         is_narrow = np.ptp(law.span) < (1.0 - ALIKE) * self.life.largest_stretch
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
-                if time > self.continued_from + self._close(time):
+                if time > self.continued_from + self.close(time):
                     yield Moment(time, size * (self.life.atom_fraction(bend, stretch) or SMOOTHER))
 
     def following(self, first: Sequence[Moment], least: float) -> Iterator[Moment]:
@@ -132,10 +134,10 @@ class _Moments:
         heapq.heapify(coming)
         while coming:
             time, size = heapq.heappop(coming)
-            close = self._close(time)
+            close = self.close(time)
             while coming and coming[0].time <= time + close:
                 size = min(size + heapq.heappop(coming).size, 1.0)
-            if size <= least or time >= end - close:
+            if size <= least or time > end + close:
                 continue
             if time > self.continued_from + close:
                 yield Moment(time, size)
@@ -145,7 +147,7 @@ class _Moments:
                 # at this moment the number of those that are out bends
                 heapq.heappush(coming, Moment(time + delay, SMOOTHER * size))
 
-    def _close(self, time: float) -> float:
+    def close(self, time: float) -> float:
         """Time within which moments count as equal to this one."""
         return same_time(self.motion, time) + self._rounded
 

@@ -4,13 +4,23 @@ from functools import lru_cache, partial
 
 import numpy as np
 
+from master.motion import Motion
 from master.outcome import StoppedError, stop_after
+from master.renewal.births import Births
+from master.renewal.edges import edges
 from master.soft.curve import SlipBegin
 from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths
 from master.soft.regime import Followed, slips_of
 from origins import Contacts
 from origins.drive import Drive
+from origins.errors import refuse
 from origins.thresholds.law import Array
+
+# Most moments at which exact thresholds break on the way of a slider that slips from one to the next; as many take some
+# 5 s for one value, 30 s for two values.
+MOST_TOGETHER = 2000
+# Way on which they are counted first, in mean thresholds.
+FIRST_WAY = 50.0
 
 
 class ColdSlider:
@@ -34,6 +44,32 @@ class ColdSlider:
         self._begun = lru_cache(4)(partial(Move, cold))
         # moves and travels at which slips begin after which no contact holds on
         self._clearing = set[tuple[Move, float]]()
+        if self.slip == "instant" and cold.life.atoms.size and drive.forward:
+            self._refuse_endless_slips(contacts)
+
+    def _refuse_endless_slips(self, contacts: Contacts) -> None:
+        """InputError where exact thresholds, which re-form at once, break together too often on the path.
+
+        The slider has moved at least to where the largest possible force balances the drive, and breaks at each moment
+        up to there follow from those before, without any march.
+        """
+        cold = self.contacts
+        largest = cold.life.largest_stretch
+        stretched = float(contacts.relative_stiffness(largest)) * largest / self.spring
+        way = float(self.path[-1]) - stretched
+        ahead, breaks = FIRST_WAY * cold.unit, 0
+        # way after way, as to count all moments would take long where there are millions
+        while breaks <= MOST_TOGETHER and ahead < 2.0 * way:
+            motion = Motion.along(np.array([0.0, min(ahead, way)]))
+            plan = edges(
+                Births(cold.life, cold.formed_again, motion), contacts.start, cold.of_panels
+            )
+            ahead, breaks = 2.0 * ahead, plan.times.size
+        if breaks > MOST_TOGETHER:
+            fault = f"the slider goes on by {way:.3g}, and contacts of exact thresholds break"
+            what = f"together more than {MOST_TOGETHER:,} times on the way"
+            hint = 'give the values a width, end the path sooner, or take "reset" or "reform-after"'
+            refuse("path[-1]", self.path[-1], f"{fault} {what}; {hint}")
 
     def follow(self) -> Followed:
         """The results along the path, as far as work and time allow."""

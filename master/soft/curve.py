@@ -112,7 +112,8 @@ class LoadCurve:
         level = np.broadcast_to(level, self.begin.shape)
         most = series[:, 0] + np.abs(series[:, 1:]).sum(axis=1)
         ends = np.append(self.begin[1:], self.end)
-        for panel in np.flatnonzero((most > level) & (ends > after)):
+        # far from a move's beginning a narrow panel may be rounded to no width
+        for panel in np.flatnonzero((most > level) & (ends > np.maximum(after, self.begin))):
             first, end = float(self.begin[panel]), float(ends[panel])
             excess = Legendre(series[panel], [first, end]) - level[panel]
             # trailing coefficients below 1e-15 of the largest are rounding: leave them out
