@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rank_bits import told
 from scenes import scene, write
 
 import toolkit
 from toolkit.processes.signals import Launch, read_environment
 from toolkit.scene.tables import to_toml
 
+GATHERED = "from tests.rank_bits import print_gathered; print_gathered()"
 SCRIPT = "import sys; from toolkit.command import main; sys.exit(main())"
 
 
@@ -43,59 +45,13 @@ def test_environment_is_read(environment: str, launch: Launch) -> None:
     assert read_environment(dict(one.split("=") for one in environment.split())) == launch
 
 
-# every kind of ensemble; islands whose sampling is shared; what one rank refuses all refuse
-BITS = """
-import json
-import numpy as np
-import eq_model, origins, toolkit
-
-wide, mixed = origins.gaussian(1.0, 0.2), origins.mixture(
-    [origins.rectangular(0.2, 0.5), origins.rectangular(1.0, 1.7)], [0.3, 0.7]
-)
-soft, loop = origins.Thermal("soft", 0.05), np.array([0.6, 1.4, 0.2, -1.1, 0.3])
-ageing, grains = origins.Ageing(origins.gaussian(1.2, 0.1), 0.01), origins.growing_grains(1.0, 1.0, age=4.0)
-start, path = origins.gaussian_start(mean=0.05, std=0.1), np.linspace(0.0, 6.0, 31)
-
-def told(comm):
-    for contacts, drive, number, more in (
-        (origins.Contacts(mixed, start), path, 5001, {}),
-        (origins.Contacts(wide, start, soft, None, origins.Delay(0.1), 0.1, "linked"), loop, 1001, {"histograms": [2]}),
-        (origins.Contacts(wide, start, ageing=ageing), loop, 3001, {"histograms": [4]}),
-        (origins.Contacts(grains, thermal=soft), loop, 301, {}),
-        (origins.Contacts(wide, delay=origins.Delay(0.1)), path, 300, {"spring": 0.7}),
-    ):
-        run = eq_model.simulate(contacts, drive, n_contacts=number, n_replicas=3, seed=9, comm=comm, **more)
-        rows = [run.force, run.force_standard_error, run.holding]
-        rows += [row for one in getattr(run, "histograms", ()) for row in (one.stretches, one.thresholds)]
-        rows += [run.slips.drive, *run.forces] if more.get("spring") else []
-        assert sum(run.breaks_per_rank) == run.breaks
-        assert comm is None or len(run.breaks_per_rank) == comm.Get_size() and min(run.breaks_per_rank) > 0
-        yield [[float(x).hex() for x in row if x] for row in rows]
-    law = origins.domains(3.88, mean_atoms=30.0, stiffness=1.0, samples=9000, comm=comm)
-    yield [float(x).hex() for x in law.domains.barriers[::100]]
-    try:
-        sizes = dict(sizes=[(1, 1), (3000, 3000)], weights=[1.0, 1e-3])
-        origins.domains(1.0, **sizes, temperature=1e-9, stiffness=1.0, comm=comm)
-    except origins.InputError as error:
-        yield str(error)
-"""
-GATHERED = """
-from mpi4py import MPI
-every = MPI.COMM_WORLD.gather(list(told(MPI.COMM_WORLD)))
-if MPI.COMM_WORLD.Get_rank() == 0:
-    print(json.dumps(every))
-"""
-
-
 def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Any) -> None:
-    here: dict[str, Any] = {}
-    exec(BITS, here)
-    alone = list(here["told"](None))
+    alone = list(told(None))
     assert len(alone) == 7 and alone[-1].startswith("temperature: ")
-    done = mpirun(2, BITS + GATHERED)
+    done = mpirun(2, GATHERED)
     assert done.returncode == 0, done.stderr
     every = json.loads(done.stdout)
-    assert len(every) == 2 and all(told == alone for told in every)
+    assert len(every) == 2 and all(one == alone for one in every)
 
 
 # several commands in one process after another, their words apart by "then"; each one's status and what it says

@@ -123,19 +123,27 @@ class Past:
         return out[:2].reshape(2, *grid.shape) + self._of_lumps(lumps, grid)
 
     def _of_lumps(self, lumps: Sequence[Lump], grid: Array) -> Array:
-        """Number and force of lumps at times in rows, whose middle column says on which side of a threshold."""
+        """Number and force of lumps at times in rows, each within one panel. A row's middle column says on which side
+        of a threshold it is, and whether a lump that is born at an end of the panel is born before."""
         births, motion, middle = self._births, self._motion, grid[:, grid.shape[1] // 2]
         out, first = np.zeros((2, *grid.shape)), grid.min(keepdims=True)
+        inside = INSIDE * np.ptp(grid, axis=1)
+        panel_begin, panel_end = grid.min(axis=1) + inside, grid.max(axis=1) - inside
         for law in dict.fromkeys(lump.law for lump in lumps):
             some = [[lump.time, lump.weight] for lump in lumps if lump.law is law]
             time, weight = np.array(some).T
             s = time[:, None] - self.began
-            out[0] += (weight @ (s > middle))[:, None]  # still out
+            # no panel ends at the birth of a small lump: it is out before, so that the panel's error shows the kink
+            amid = (panel_begin < s) & (s < panel_end)
+            out[0] += (weight @ ((s > middle) & ~amid))[:, None]  # still out
             may_hold = (s >= first) | self._hold(law, motion.history(first, s))[:, None]
-            lump, row = np.nonzero(may_hold & (s <= middle))
+            lump, row = np.nonzero(may_hold & ((s <= middle) | amid))
             if row.size:
                 births.add_work(row.size)
-                held = self._survivors(law, motion.history(grid[row], s[lump]))
+                t, birth = grid[row], s[lump]
+                held = self._survivors(law, motion.history(np.maximum(t, birth), birth))
+                is_out = amid[lump, row, None] & (t < birth)
+                held = np.where(is_out, [[[1.0]], [[0.0]]], held)
                 for sums, added in zip(out, weight[lump, None] * held, strict=True):
                     np.add.at(sums, row, added)
         return out
