@@ -171,6 +171,17 @@ def test_the_wall_time_is_that_of_all_solvers_and_commands(
     assert "wall_time = 0.01: is over before " in line and os.listdir() == ["mine.toml"]
 
 
+def test_resampled_laws_are_the_same_in_any_number_of_threads(monkeypatch: Any) -> None:
+    from origins.samples.from_samples import bootstrap_laws
+    from toolkit.running import resampled
+
+    law, seen = origins.from_samples([0.9, 1.0, 1.1, 1.3]), list[tuple[int, int]]()
+    known = [other.mean() for other in bootstrap_laws(law, 3)]
+    monkeypatch.setattr(resampled, "cores_of", lambda comm: 3)
+    found = resampled.of_resampled(law, 3, lambda other: other.mean(), lambda *of: seen.append(of))
+    assert found == known and len(set(known)) == 3 and seen == [(1, 3), (2, 3), (3, 3)]
+
+
 # -- the other commands ---------------------------------------------------------------------------------
 
 

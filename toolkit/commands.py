@@ -175,8 +175,9 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
             refuse("out", str(folder), f"holds the result of {whose}; choose another folder")
         for note in foreseen(scene):
             say(note)
-        with closing(Progress("thresholds")), within(scene.deadline(), scene, "[contacts]"):
-            found = describe(scene.contacts, scene.sliding)
+        shown = closing(Progress("thresholds", "resampled laws"))
+        with shown as bar, within(scene.deadline(), scene, "[contacts]"):
+            found = describe(scene.contacts, scene.sliding, bar.count)
         return replace(found, numbers=in_units_of(scene.scale, found.numbers))
 
     found = on_root(comm, describe_it)

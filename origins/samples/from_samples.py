@@ -214,7 +214,12 @@ def bootstrap_laws(
         hint = "must come from at least two different values in from_samples, or be a finite mixture with such a law"
         refuse("thresholds", thresholds, hint)
     count, seed = whole("resamples", resamples, 1), whole("seed", seed, 0)
-    return (_anew(thresholds, np.random.default_rng([seed, replica])) for replica in range(count))
+    return (bootstrap_law(thresholds, replica, seed) for replica in range(count))
+
+
+def bootstrap_law(thresholds: Thresholds, replica: int, seed: int = 0) -> Thresholds:
+    """One of the laws of `bootstrap_laws`, counted from 0."""
+    return _anew(thresholds, np.random.default_rng([seed, replica]))
 
 
 def sampled_parts(thresholds: Thresholds) -> list[Sampled]:

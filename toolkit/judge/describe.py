@@ -1,16 +1,17 @@
 """A law of thresholds in numbers, each with its error: moments, quantiles, onset, propensity, and its interface."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from origins import Contacts
 from origins.errors import InputError
-from origins.samples.from_samples import bootstrap_laws, sampled_parts
+from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
+from toolkit.running.resampled import of_resampled
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
 from toolkit.scene.scale import SHARED, Scale
 
@@ -32,11 +33,16 @@ class Description:
     run_time: float
 
 
-def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
+def describe(
+    contacts: Contacts,
+    velocity: float = 1.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Description:
     """Numbers of the contacts' thresholds, and of sliding at `velocity` (length per time; it matters only with rates or
     a delay).
 
-    The errors of F_k and of the propensity are the master equation's. Where the thresholds come from samples, all
+    `progress` is called with the resampled laws that are done, and how many there are. The errors of F_k and of the
+    propensity are the master equation's. Where the thresholds come from samples, all
     include the sampling error. Contacts with laws that the master equation does not take have no F_k and no propensity
     here, and a note says so.
     """
@@ -55,7 +61,7 @@ def describe(contacts: Contacts, velocity: float = 1.0) -> Description:
         if isinstance(law, ContinuousMixture) and sampled_parts(law):
             notes.append("sampling errors are missing: its laws may all be of the same samples")
         elif sampled := bool(sampled_parts(law)):
-            _add_sampling_errors(contacts, numbers)
+            _add_sampling_errors(contacts, numbers, progress)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
     notes += remarks(law)
@@ -99,16 +105,22 @@ def _of_law(law: Thresholds) -> dict[str, Number]:
     return numbers | {"onset_power": Number(law.onset_power, law.onset_power_error, "")}
 
 
-def _add_sampling_errors(contacts: Contacts, numbers: dict[str, Number]) -> None:
+def _add_sampling_errors(
+    contacts: Contacts, numbers: dict[str, Number], progress: Callable[[int, int], None] | None
+) -> None:
     """Add to the errors one standard error of what other samples would have given, bias of the smoothing included.
 
     inf where a resampled law has an infinite value; for K* and F_s/F_k, too, where all of them have the least possible
     value: then the error cannot be estimated.
     """
-    again: list[dict[str, Number]] = []
-    for law in [contacts.thresholds, *bootstrap_laws(contacts.thresholds, RESAMPLES)]:
-        again.append(_of_law(law))
-        _slide(Contacts(law, start=contacts.start), 1.0, again[-1], tolerance=1e-4)
+
+    def numbers_of(law: Thresholds) -> dict[str, Number]:
+        found = _of_law(law)
+        _slide(Contacts(law, start=contacts.start), 1.0, found, tolerance=1e-4)
+        return found
+
+    law = contacts.thresholds
+    again = [numbers_of(law), *of_resampled(law, RESAMPLES, numbers_of, progress)]
     for name in {*numbers} - {"lower_end", "upper_end", "onset_power"}:
         value, *others = (one[name].value for one in again)
         with np.errstate(invalid="ignore"):

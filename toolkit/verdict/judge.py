@@ -8,7 +8,9 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
-from origins.samples.from_samples import bootstrap_laws, sampled_parts
+from origins.samples.from_samples import sampled_parts
+from origins.thresholds.law import Thresholds
+from toolkit.running.resampled import of_resampled
 from toolkit.scene.scale import Scale, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
@@ -199,12 +201,13 @@ def _with_sampling(
     """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error."""
     import master
 
-    rows = []
-    for law in bootstrap_laws(contacts.thresholds, RESAMPLES):
+    def row(law: Thresholds) -> list[float]:
         other = Contacts(law, start=contacts.start)
         kinetic = master.steady_state(other, velocity=velocity).force
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
-        rows.append([kinetic, found.static_to_kinetic * kinetic, found.critical_spring])
+        return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
+
+    rows = of_resampled(contacts.thresholds, RESAMPLES, row)
     scatter = np.std(rows, axis=0, ddof=1)
     first, second, third = (
         replace(quantity, sampling=float(each))

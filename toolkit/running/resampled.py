@@ -1,0 +1,34 @@
+"""What other samples would have given: work on resampled laws, several at once."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+from origins.samples.from_samples import bootstrap_law
+from origins.thresholds.law import Thresholds
+from toolkit.processes.ranks import cores_of
+
+T = TypeVar("T")
+
+
+def of_resampled(
+    law: Thresholds,
+    count: int,
+    work: Callable[[Thresholds], T],
+    progress: Callable[[int, int], None] | None = None,
+) -> list[T]:
+    """The results of `work` on so many laws that other samples would have given, in their order.
+
+    Smoothing and `work` spend their time in products of matrices, which release Python's lock: one thread a core.
+    `progress` is called as progress(done, count). An exception ends the work after the laws that are begun.
+    """
+    found = list[T]()
+    pool = ThreadPoolExecutor(min(cores_of(None), count))
+    try:
+        for one in pool.map(lambda replica: work(bootstrap_law(law, replica)), range(count)):
+            found.append(one)
+            if progress is not None:
+                progress(len(found), count)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+    return found
