@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -237,6 +238,34 @@ def test_slips_that_die_out_and_slips_that_do_not():
     assert instant.regime.verdict == "decaying transient"
     short = solved(contacts, [0.0, 0.5], 0.5)
     assert short.regime.verdict == "undecided" and short.period is None
+
+
+@pytest.mark.parametrize(
+    ("spring", "thermal"),
+    [(1e-6, None), (0.5, None), (0.95, None), (0.5, origins.Thermal("soft", 0.02))],
+)
+def test_a_path_without_slips_says_how_far_to_drive_and_the_first_slip_decides(spring, thermal):
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=thermal)
+    tolerance = 1e-6 if thermal is None else 0.05
+    before = solved(contacts, [0.0, 0.5], spring, "reset", tolerance).regime
+    assert before.verdict == "undecided"
+    far = float(re.search(r"X_T = (\S+)", before.reason)[1].rstrip(";"))
+    after = solved(contacts, [0.0, far], spring, "reset", tolerance)
+    assert after.slips.drive.size >= 1 and after.regime.verdict == "stick-slip"
+    # the slip came within the last two thirds of that way: no path is asked for in vain
+    assert after.slips.drive[0] > far / 3.0
+
+
+def test_resets_by_few_weak_contacts_are_no_stick_slip_of_the_slider():
+    """2 % of the contacts are weak and alike: as soon as they break, a reset renews all."""
+    law = origins.mixture([origins.gaussian(0.1, 0.0003), origins.gaussian(1.0, 0.3)], [0.02, 0.98])
+    weak = solved(origins.Contacts(law), [0.0, 2.0], 0.5, "reset", 1e-6)
+    assert weak.slips.drive.size > 3 and weak.regime.verdict == "undecided"
+    share = float(re.search(r"up to (\S+) of the contacts", weak.regime.reason)[1])
+    # nearly all of the weak ones have broken when it begins or in it
+    assert 0.01 < share < 0.02 and "no stick-slip" in weak.regime.reason
+    alone = solved(origins.Contacts(origins.gaussian(1.0, 0.3)), [0.0, 8.0], 0.2, "reset", 1e-6)
+    assert alone.regime.verdict == "stick-slip"
 
 
 def test_a_turn_makes_a_slider_slip_on_a_spring_above_critical():

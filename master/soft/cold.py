@@ -9,7 +9,7 @@ from master.outcome import StoppedError, stop_after
 from master.renewal.births import Births
 from master.renewal.edges import edges
 from master.soft.curve import SlipBegin
-from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths
+from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths, SlipEnd
 from master.soft.regime import Followed, slips_of
 from origins import Contacts
 from origins.drive import Drive
@@ -42,8 +42,9 @@ class ColdSlider:
         self._loaded = LoadingHistory(cold.formed_again if relaxed else contacts.start)
         # resets repeat the same move, in each direction: it is solved once
         self._begun = lru_cache(4)(partial(Move, cold))
-        # moves and travels at which slips begin after which no contact holds on
-        self._clearing = set[tuple[Move, float]]()
+        # share of the contacts that break in slips from these moves and travels on; 1 where none holds on
+        self._broken = dict[tuple[Move, float], float]()
+        self.shares = list[float]()  # the same of each slip; nan where contacts form again at once
         if self.slip == "instant" and cold.life.atoms.size and drive.forward:
             self._refuse_endless_slips(contacts)
 
@@ -92,6 +93,7 @@ class ColdSlider:
             force=force,
             holding=np.ones(force.size),
             slips=slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error),
+            shares=np.array(self.shares),
             error=max(self.error, self.spring * self.drive_error) / unit,
             nodes=self.contacts.nodes,
             stopped_because=stopped,
@@ -121,7 +123,7 @@ class ColdSlider:
             drives = drives[count:]
             if self.slip == "instant":
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip)
-                self._note(move, slip, begin, float(curve.force(y)))
+                self._note(move, slip, begin, float(curve.force(y)), np.nan)
             else:
                 renew = self._reset if self.slip == "reset" else self._reform_after
                 self._loaded, y = renew(move, slip, begin), 0.0
@@ -129,35 +131,54 @@ class ColdSlider:
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them."""
         force = move.direction * self._force_after_reset
-        self._note(move, slip, begin, force)
+        self._note(move, slip, begin, force, self._share_broken(move, slip))
         self._base = move.direction * (begin + (slip.load - force) / self.spring)
         self._base_error += slip.error / self.spring
         return LoadingHistory(self.contacts.formed_again)
 
+    def _share_broken(self, move: Move, slip: SlipBegin) -> float:
+        """The share of the contacts that break before a reset renews the others; nan where that takes too much work."""
+        key = move, slip.travel
+        if key not in self._broken:
+            try:
+                slide, end = self._slide(move, slip)
+                self._broken[key] = 1.0 - slide.held(end.travel)
+            except StoppedError:
+                self._broken[key] = np.nan
+        return self._broken[key]
+
+    def _slide(self, move: Move, slip: SlipBegin) -> tuple[MoveWithoutBirths, SlipEnd]:
+        """The way of a slip in which broken contacts stay out, and where it ends."""
+        loaded = move.stopped(slip.travel, slip.error)
+        slide = MoveWithoutBirths(self.contacts, move.direction, loaded)
+        return slide, slide.end_of_slip(0.0, slip.load - self.spring * slip.travel, slip)
+
     def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip in which broken contacts stay out until the slider stops."""
-        if (move, slip.travel) in self._clearing:
+        key = move, slip.travel
+        if self._broken.get(key) == 1.0:
             return self._reset(move, slip, begin)
-        spring, loaded = self.spring, move.stopped(slip.travel, slip.error)
-        slide = MoveWithoutBirths(self.contacts, move.direction, loaded)
-        curve, y = slide.end_of_slip(0.0, slip.load - spring * slip.travel, slip)
+        slide, (curve, y) = self._slide(move, slip)
         if slide.holds_none(y):
             # such a slip is a reset at another place, whose moves are known
-            self._clearing.add((move, slip.travel))
+            self._broken[key] = 1.0
             return self._reset(move, slip, begin)
-        self._note(move, slip, begin, float(curve.force(y)))
+        held = slide.held(y)
+        self._note(move, slip, begin, float(curve.force(y)), 1.0 - held)
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         far = min(
             y, self.contacts.life.largest_stretch
         )  # no contact that holds is stretched by more
-        error = (1.0 + spring) * slip.begin_error * far / self.contacts.unit
+        error = (1.0 + self.spring) * slip.begin_error * far / self.contacts.unit
         self._base_error += float(curve.travel_errors(y, 0.0, slip.error + error))
-        return slide.after_slip(y, error + float(curve.error_at(y)))
+        # errors of the history do not affect contacts that broke
+        return slide.after_slip(y, (error + float(curve.error_at(y))) * held)
 
-    def _note(self, move: Move, slip: SlipBegin, begin: float, force: float) -> None:
-        """Record a slip, of a move that begins at `begin`, with F after it along the motion."""
+    def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, share: float) -> None:
+        """Record a slip, of a move that begins at `begin`, with F after it along the motion, and the share broken."""
         drive, force_before = begin + slip.load / self.spring, float(slip.curve.force(slip.travel))
         self.slips.append(move.direction * np.array([drive, force_before, force]))
+        self.shares.append(share)
         self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
         if len(self.slips) > 20_000:  # as many take some 20 s
             raise StoppedError("stopped as slips ask for too much work")

@@ -4,7 +4,7 @@ At T = 0 nothing depends on time, so t of the march is the distance that the sli
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -80,6 +80,13 @@ class LoadingHistory:
     error: float = 0.0
 
 
+class SlipEnd(NamedTuple):
+    """The load along a move, and the travel at which a slip on it ends."""
+
+    curve: LoadCurve
+    travel: float
+
+
 class Move:
     """Contacts while the slider moves in one direction, +1 or -1, and broken contacts re-form."""
 
@@ -110,7 +117,7 @@ class Move:
                 return SlipBegin(curve, y, load)
             travel = curve.end + self.contacts.life.resolution_length
 
-    def end_of_slip(self, after: float, load: float, begin: SlipBegin) -> tuple[LoadCurve, float]:
+    def end_of_slip(self, after: float, load: float, begin: SlipBegin) -> SlipEnd:
         """The curve, and the travel at the end of the slip that begins at the travel `after` with this load."""
         # next to the beginning, which is known to `begin_error`, the computed load may still rise: its rise at the end
         # is looked for from ten times as far on, at most 1e-4 of the travel, as slips are longer
@@ -119,7 +126,7 @@ class Move:
             curve = self.curve_to(travel)
             y = curve.slip_ends(after, load, falling)
             if np.isfinite(y):
-                return curve, y
+                return SlipEnd(curve, y)
             travel = curve.end + self.contacts.life.resolution_length
 
     def curve_to(self, y: float) -> LoadCurve:
@@ -270,10 +277,14 @@ class MoveWithoutBirths(Move):
         march.keep(begin, width, Run(np.zeros_like(force), force, error), 1, begin - leg_begin)
         return True
 
+    def held(self, y: float) -> float:
+        """The share of the contacts that hold after the travel y."""
+        if self.holds_none(y):
+            return 0.0
+        return float(self._march.known(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0])
+
     def after_slip(self, y: float, error: float) -> LoadingHistory:
-        """The history when the slip ends after the travel y, and broken contacts re-form; the error is that before."""
-        # errors of the history do not affect contacts that broke
-        held = self._march.known(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0]
-        history = self.stopped(y, error * float(held))
+        """The history when the slip ends after the travel y, and broken contacts re-form; the error is that after."""
+        history = self.stopped(y, error)
         moments = (*self.loaded.moments, Moment(history.end, 1.0))
         return replace(history, cut=self.loaded.end, moments=moments)

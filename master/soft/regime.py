@@ -16,11 +16,17 @@ from origins.thresholds.law import Array
 
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
+# Laws under which contacts change in time.
+IN_TIME = frozenset({"thermal", "ageing", "grains", "delay"})
 # Error of the force, in mean thresholds, from which on its slips are no evidence.
 UNRELIABLE = 0.1
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
+# Force, in mean thresholds, at or below which, and within its error, no contact holds on after a slip.
+NONE_HOLDS = 1e-3
+# Fewest breaks per contact in a slip of the slider: below it some weak contacts break, and the others hold.
+SLIP_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -69,6 +75,7 @@ class Followed(NamedTuple):
     force, holding : arrays of shape (k,), at the first k points of the path
     error, holding_error : estimates from above, of force and load at slips, and of the share that holds
     stopped_because : why the path was not followed to its end, or steps were not halved further
+    shares : array, the share of the contacts that break in each slip, nan where unknown; empty where none is known
     """
 
     balance: float
@@ -79,6 +86,7 @@ class Followed(NamedTuple):
     nodes: int
     holding_error: float = 0.0
     stopped_because: str = ""
+    shares: Array = np.empty(0)
 
     @property
     def largest_error(self) -> float:
@@ -133,9 +141,12 @@ def regime(
     motion = drive_motion(drive, found.balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     unsolved = bool(why_no_passage(contacts))  # on a rigid slider
-    critical, error = np.nan, np.inf
+    critical, error, latest = np.nan, np.inf, np.nan
     if not unsolved:
-        critical, error, _ = extremes(contacts, fastest or drive.velocity, tolerance, until).fall
+        found_along = extremes(contacts, fastest or drive.velocity, tolerance, until)
+        critical, error, steepest = found_along.fall
+        # where F falls most steeply a softer spring has slipped, and F was no larger than the largest one
+        latest = steepest + found_along.force.value / spring
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     if np.isnan(critical):
         why = "of these laws is not solved for" if unsolved else "was not found within wall_time"
@@ -147,11 +158,19 @@ def regime(
         reason = f"{count} slips up to where the solution stopped, or is no longer known"
     elif not count:
         # K* is that of a rigid slider; a soft slider's speed differs from the drive's
-        lacking = _lacking(contacts, drive, found, critical)
+        lacking = _lacking(contacts, drive, found, critical, latest)
         verdict = "undecided" if lacking else "smooth"
         reason = f"{known}; no slip up to the end of the path{lacking}"
     else:
         verdict, reason = _by_slips(contacts, drive, found, trend)
+        shares = found.shares[np.isfinite(found.shares)]
+        largest = float(shares.max(initial=0.0))
+        if shares.size:
+            reason += f"; up to {largest:.2g} of the contacts break in a slip"
+        if verdict == "stick-slip" and shares.size == count and largest < SLIP_SHARE:
+            verdict = "undecided"
+            renewed = ", although a reset renews all" if drive.slip == "reset" else ""
+            reason += f", fewer than {SLIP_SHARE:g}: no stick-slip of the slider{renewed}"
         reason = f"{reason}; {known}"
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
@@ -168,11 +187,8 @@ def _by_slips(
     counted = f"{count} slips up to the end of the path"
     if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
-    if _first_slip_repeats(contacts, drive) and drops[0] == np.abs(slips.force_before[0]):
-        told = (
-            f"{counted}, and no contact holds on in a slip: all begin again, as they were at first"
-        )
-        return "stick-slip", told
+    if _first_slip_repeats(contacts, drive, found):
+        return "stick-slip", f"{counted}, and after the first all contacts begin again as at first"
     silent = abs(float(drive.path[-1] - slips.drive[-1]))
     first = (spring + 1.0) / spring * _oldest_threshold(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
@@ -181,7 +197,8 @@ def _by_slips(
         over = f"then none for {silent / longest:.3g} times the longest period"
         return "decaying transient", f"{count} slips, {over}"
     if count < FEWEST:
-        return "undecided", f"{counted} are too few to tell; lengthen it"
+        far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * (FEWEST + 1 - count) * longest
+        return "undecided", f"{counted} are too few to tell; drive to about X_T = {far:.3g}"
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
     # large and small slips may alternate: compare the largest of the last third and of two thirds
@@ -191,12 +208,15 @@ def _by_slips(
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 
 
-def _first_slip_repeats(contacts: Contacts, drive: Drive) -> bool:
-    """Whether contacts that all formed again are those of the start: relaxed, at T = 0, on a drive that goes forward,
-    and under a rule by which none forms again within a slip."""
+def _first_slip_repeats(contacts: Contacts, drive: Drive, found: Followed) -> bool:
+    """Whether the first slip leaves contacts as they were at the start: relaxed ones, on a drive that goes forward at
+    one speed, after a reset, or after a slip in which none forms again and none holds on."""
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
-    in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
-    return relaxed and not in_time and drive.forward and drive.slip != "instant"
+    out = drive.slip != "instant" or contacts.delay is not None
+    held = abs(float(found.slips.force_after[0])) / contacts.mean_threshold
+    steadily = drive.forward and (drive.time is None or not IN_TIME.intersection(contacts.laws))
+    alike = relaxed and steadily and contacts.grains is None
+    return alike and out and held <= min(found.error, NONE_HOLDS)
 
 
 def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:
@@ -208,8 +228,11 @@ def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> floa
     return max(contacts.mean_threshold, final)
 
 
-def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float) -> str:
-    """Why a path without slips does not yet prove smooth sliding; "" if it does.
+def _lacking(
+    contacts: Contacts, drive: Drive, found: Followed, critical: float, latest: float
+) -> str:
+    """Why a path without slips does not yet prove smooth sliding, and how far to drive; "" if it does. `latest`: X_T
+    before which a slider that is as fast as its drive slips below K*, nan where unknown.
 
     Without ageing it cannot slip above K* before it turns; with heat it may creep with the drive on a softer spring and
     never slip. With ageing, contacts under a slider that runs ahead have no time to age: F drops more steeply than on a
@@ -222,6 +245,8 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
     if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):
+        if drive.forward and np.isfinite(latest):
+            return f", but the first one comes before X_T = {latest:.3g}; drive as far"
         return ", but it ends before a first slip may come; lengthen it"
     times, place = drive.arrival_times(found.balance), drive.path - found.force / spring
     begin, speed = motion.times[moving[-1]], abs(motion.speeds[moving[-1]])
@@ -230,7 +255,14 @@ def _lacking(contacts: Contacts, drive: Drive, found: Followed, critical: float)
     far = _oldest_threshold(contacts, drive, found) * (1.5 if ages else 3.0)
     far += 0.0 if ages else speed * contacts.waiting_time
     if slid <= far:
-        return f", but one may come until the slider has gone on by {far:.3g}; lengthen the path"
+        told = f", but one may come until the slider has gone on by {far:.3g}"
+        # the slider follows its drive by what the spring lacks of the largest force
+        ahead = max(latest + far, float(abs(drive.path[-1])) + far - slid)
+        return (
+            f"{told}; drive to X_T = {ahead:.3g}"
+            if drive.forward and ahead > 0.0
+            else f"{told}; lengthen the path"
+        )
     force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks
     loads = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])

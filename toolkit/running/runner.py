@@ -122,10 +122,6 @@ def solve(
             "errors are numerical only, not those of the samples: `mesofriction thresholds` tells sampling errors"
         )
     soft: Any = master if master is not None and master.regime is not None else None
-    if soft is not None and soft.regime.verdict == "undecided" and not soft.slips.drive.size:
-        far = float(law.isf(1e-3)) + scene.contacts.mean_threshold / (scene.drive.spring or 1.0)
-        if max(scene.path) < far:
-            notes.append(f"a first slip is to be expected before X_T = {far:.3g}; drive as far")
     if soft is not None:
         with shown("slip rules"):
             notes += beside_other_rules(scene, soft, deadline)

@@ -5,10 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from master.soft.inertia.reaction import Reaction
+from master.soft.regime import SLIP_SHARE
 from origins.thresholds.law import Array
-
-# Fewest breaks per contact in a fall of the spring's force that is a slip.
-SLIP_SHARE = 0.2
 
 
 class Fall(NamedTuple):
