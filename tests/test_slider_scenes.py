@@ -6,17 +6,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+import eq_model
 import master
+import origins
 import toolkit
 from toolkit.pictures.replicas import with_slips
 from toolkit.scene.scene import SHIPPED
 
 
 def run(name: str, contacts: int, replicas: int = 1, **drive: Any) -> Any:
-    """The result of a shipped scene with so many contacts, and with other values of its [drive]."""
+    """The result of a shipped scene, without a sweep, with so many contacts and other values of its [drive]."""
     tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
     tables["eq"] |= {"contacts": contacts, "replicas": replicas}
     tables["drive"] |= drive
+    tables.pop("sweep", None)
     return toolkit.run(tables)
 
 
@@ -90,3 +93,33 @@ def test_the_force_after_a_hold_with_mass_grows_until_all_contacts_hold() -> Non
     assert 0.9 * rigid < peaks[2] < 1.01 * rigid
     held = done.eq.holding[time <= 31.7][-1]
     assert held == 1.0 and 0.4 < done.eq.holding[time <= 26.7][-1] < 0.6
+
+
+def test_a_sweep_over_drive_speeds_has_the_swings_and_where_they_end() -> None:
+    tables = tomllib.loads((SHIPPED / "critical-speed.toml").read_text())
+    tables["eq"] |= {"contacts": 400}
+    tables["drive"] |= {"to": 2500.0, "points": 2001}
+    tables["sweep"] = {"drive.velocity": [8.0, 16.0]}
+    swept = toolkit.run(tables).sweep
+    alone = run("critical-speed", 400, 2, to=2500.0, points=2001, velocity=8.0)
+    swings = np.ptp(alone.eq.forces[:, -500:], axis=1)
+    assert swept["eq_force_swing"][0] == swings.mean()
+    assert swept["eq_force_swing_error"][0] == swings.std(ddof=1) / 2**0.5
+    assert swept["eq_force_swing"][0] > 0.5 and swept["eq_force_swing"][1] < 0.1
+
+
+def test_damping_and_delay_decide_how_far_the_force_falls() -> None:
+    contacts, spring, mass = origins.gaussian(1.0, 0.2), 0.01, 0.05
+    kinetic, critical = 0.52, 2.0 * (spring * mass) ** 0.5  # <x_s²>/2<x_s>
+    for ratio in (0.05, 0.2):
+        beyond = 1.0 + np.exp(-np.pi * ratio / (1.0 - ratio**2) ** 0.5)
+        for delay, held in ((None, kinetic), (origins.Delay(500.0), 0.0)):
+            law = origins.Contacts(contacts, delay=delay)
+            pulled = {"spring": spring, "mass": mass, "damping": ratio * critical, "velocity": 0.01}
+            # the drive goes to 80 <x_s>, a little farther than the first slip
+            run = eq_model.simulate(
+                law, [0.0, 80.0], **pulled, n_contacts=20_000, n_replicas=1, seed=1
+            )
+            first = np.argmax(run.slips.drop)
+            whole = (run.slips.force_before[first] - held) * beyond
+            assert run.slips.drop[first] == pytest.approx(whole, rel=0.02)

@@ -1,4 +1,4 @@
-"""The picture of a sweep over keys of the scene: F_k, and K* where it was asked for, along the first key."""
+"""The picture of a sweep over keys of the scene: F_k, K* where it was asked for, and the swings of a spring's force."""
 
 import re
 from typing import Any
@@ -36,6 +36,9 @@ def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
         axes.legend(fontsize="small")
     if name == "kinetic_force":
         name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.thresholds.in_metres)
+    elif name == "eq_force_swing":
+        label = "spring force,\nlargest less smallest"
+        name_lengths(axes.yaxis, label, result.thresholds.in_metres)
     else:
         axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, None))
     return axes
@@ -44,6 +47,16 @@ def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
 def plot_points_spring(axes: Any, result: Result) -> Any:
     """K* along the sweep, from 0: below it stick-slip."""
     return plot_points(axes, result, "critical_spring")
+
+
+def plot_points_swing(axes: Any, result: Result) -> Any:
+    """By how much the force of the ensemble's spring swings in the end: stick-slip, or the noise of smooth sliding."""
+    return plot_points(axes, result, "eq_force_swing")
+
+
+def with_swing(sweep: object) -> bool:
+    """Whether a sweep over keys of the scene has swings of the force of a spring."""
+    return isinstance(sweep, PointsRecord) and "eq_force_swing" in sweep.columns
 
 
 def with_spring(sweep: object) -> bool:

@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.pictures.points import plot_points, plot_points_spring, with_spring
+from toolkit.pictures.points import (
+    plot_points,
+    plot_points_spring,
+    plot_points_swing,
+    with_spring,
+    with_swing,
+)
 from toolkit.pictures.replicas import SHOWN, plot_replicas, with_slips
 from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
 from toolkit.results.beside import NOT_COMPARED, deviation
@@ -189,6 +195,8 @@ def save_picture(result: Result, path: Path) -> None:
         swept.append(plot_critical_spring)
     if with_spring(result.sweep):
         swept.append(plot_points_spring)
+    if with_swing(result.sweep):
+        swept.append(plot_points_swing)
     heights = [3, *(1 for _ in below), *(2 for _ in swept)]
     figure = Figure(figsize=(10, 1 + sum(heights)), layout="constrained")
     rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in (*below, *swept))]

@@ -97,13 +97,19 @@ def _by_master(scene: Scene) -> dict[str, Column]:
 
 
 def _by_ensemble(scene: Scene) -> dict[str, Column]:
-    """The ensemble's force at the end of the drive with its standard error, and of sliders on a spring their slips."""
+    """The ensemble's force at the end of the drive with its standard error; of sliders on a spring their slips, and by
+    how much the spring's force swings over the last quarter of the path's points."""
     asked: Any = scene.eq
     found: Any = follow(make_ensemble(scene, asked, None))
     unit = "length" if scene.contacts.interface is None else "m"
     columns = {"eq_last_force": Column(float(found.force[-1]), unit)}
     columns["eq_last_force_error"] = Column(float(found.force_standard_error[-1]), unit)
     if is_coupled(found):
+        swings = np.ptp(found.forces[:, -max(found.path.size // 4, 2) :], axis=1)
+        count = len(swings)
+        scatter = swings.std(ddof=1) / np.sqrt(count) if count > 1 else np.nan
+        columns["eq_force_swing"] = Column(float(swings.mean()), unit)
+        columns["eq_force_swing_error"] = Column(float(scatter), unit)
         columns["eq_slips_a_slider"] = Column(len(found.slips.replica) / len(found.forces))
         before = found.slips.force_before
         columns["eq_force_before_slip"] = Column(
