@@ -18,6 +18,7 @@ COMMANDS = {
     "verdict": "does this interface, on this machine, stick and slip? one page, one picture, in SI units",
     "precision": "what precision costs: true error against run time of each solver, of a scene",
     "scenes": "list the scenes that are shipped",
+    "figures": "draw the paper's figures, each with a number beside an exact one; all take some 30 s",
     "show": "print a scene with all its defaults, as TOML that runs",
     "copy": "copy a shipped scene into a file of your own; an existing file is never overwritten",
 }
@@ -78,6 +79,12 @@ def _parse(words: list[str]) -> "argparse.Namespace":
     for name, purpose in COMMANDS.items():
         own = subparsers.add_parser(name, help=purpose, description=purpose)
         if name == "scenes":
+            continue
+        if name == "figures":
+            explained = "labels or numbers, such as A08c, A02 (all that begin so), fig10; all where it is left out"
+            own.add_argument("figure", metavar="FIGURE", nargs="*", help=explained)
+            explained = "folder for what is written (default: ./paper-figures)"
+            own.add_argument("--out", metavar="DIR", help=explained)
             continue
         many, folder = ("+", "compare-output") if name == "compare" else (None, "NAME-output")
         scene = "a scene file, or the name of a shipped scene"

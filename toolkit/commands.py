@@ -30,22 +30,36 @@ from toolkit.running.solvers import within
 from toolkit.scene.changes import read_changes
 from toolkit.scene.interfaces import foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
+from toolkit.scene.paper import numbers_in_paper
 from toolkit.scene.scale import SHARED, spoken
 from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes
 from toolkit.scene.tables import did_you_mean
 from toolkit.scene.writing import written_out
 
-ON_ONE_RANK = ("copy", "precision", "scenes", "show", "verdict")  # the other ranks wait
+ON_ONE_RANK = ("copy", "figures", "precision", "scenes", "show", "verdict")  # the other ranks wait
 _APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
 
 def scenes(arguments: argparse.Namespace) -> int:
-    """Print the names in one column and the titles in another, 100 characters wide; long titles are wrapped."""
+    """Print names and titles in columns, 100 characters wide, with the numbers of the paper's figures; long titles are
+    wrapped."""
     width = max(map(len, shipped_scenes())) + 2
     for name in shipped_scenes():
         title = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))["title"]
+        if numbers := numbers_in_paper(name):
+            title += f" (Fig. {', '.join(map(str, numbers))})"
         print(textwrap.fill(f"{name:{width}}{title}", 100, subsequent_indent=" " * width))
     return 0
+
+
+def figures(arguments: argparse.Namespace) -> int:
+    """Draw the paper's figures that are named, or all; returns 1 where a number does not agree with its reference."""
+    from toolkit.figures.paper import draw_figures, labels_of
+
+    labels, folder = labels_of(arguments.figure), arguments.out or "paper-figures"
+    agree = draw_figures(labels, folder, partial(print, flush=True))
+    print(f"written to {folder}")
+    return 0 if agree else 1
 
 
 def show(arguments: argparse.Namespace) -> int:

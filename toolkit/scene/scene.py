@@ -21,6 +21,7 @@ from toolkit.scene import laws, tables
 from toolkit.scene.changes import changed
 from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed
 from toolkit.scene.grid import Grid, make_grid
+from toolkit.scene.paper import scene_of_figure
 from toolkit.scene.scale import SHARED, SI, Scale, scale_of
 from toolkit.scene.sweep import Sweep, make_sweep
 from toolkit.scene.tables import to_toml
@@ -178,7 +179,7 @@ def read_scene(
 
 
 def _find(scene: object) -> Path:
-    """The file of a scene given by its name or as a file."""
+    """The file of a scene given by its name, as a file, or by the label of a figure of the paper, such as A08c."""
     if not isinstance(scene, str | PathLike):
         refuse("scene", scene, "must be a dict, a scene file or the name of a shipped scene")
     if isinstance(scene, str) and scene in shipped_scenes():
@@ -190,10 +191,12 @@ def _find(scene: object) -> Path:
         beside = {other.stem: str(other) for other in file.parent.glob("*.toml")}
     except (OSError, ValueError) as error:  # a name too long for the disk, or with a NUL
         refuse("scene", str(scene), f"cannot be read: {getattr(error, 'strerror', None) or error}")
+    if isinstance(scene, str) and (shipped := scene_of_figure(scene)) is not None:
+        return SHIPPED / f"{shipped}.toml"
     close = get_close_matches(file.stem, sorted({*beside, *shipped_scenes()}))
     meant = f" did you mean {' or '.join(beside.get(name, name) for name in close)}?"
-    shipped = "`mesofriction scenes` lists those that are shipped"
-    hint = f"no such file, and no shipped scene;{meant if close else ''} {shipped}"
+    listed = "`mesofriction scenes` lists those that are shipped"
+    hint = f"no such file, and no shipped scene;{meant if close else ''} {listed}"
     refuse("scene", str(scene), hint)
 
 

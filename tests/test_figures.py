@@ -1,0 +1,82 @@
+"""The paper's figures: each is drawn from a shipped scene, and its number agrees with an exact result."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from matplotlib.figure import Figure
+from scenes import said
+
+from toolkit.figures.found import Found
+from toolkit.figures.paper import DRAW, labels_of
+from toolkit.scene.paper import PAPER_FIGURES
+from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
+
+SLOW = (
+    "A04",
+    "A05",
+    "A06",
+    "A08c",
+    "A08d",
+    "A08e",
+    "A02c",
+    "A03c",
+    "delta12",
+)  # half a second to 9 s
+EVERY = [pytest.param(one, marks=[pytest.mark.slow] if one in SLOW else []) for one in DRAW]
+
+
+@pytest.mark.parametrize("label", EVERY)
+def test_number_agrees(label: str) -> None:
+    figure = Figure()
+    found = DRAW[label](figure)
+    assert found.agrees, found
+    assert len(figure.axes) >= 1 and all(axes.has_data() for axes in figure.axes)
+    if found.exact is not None:  # a reference that is off would be seen
+        assert found.off <= 0.01 * abs(found.exact)
+        assert not replace(found, exact=found.exact + 2.1 * found.off).agrees
+    else:
+        assert label == "A06" and abs(found.value - 2.0692) < 5e-5 and "1.5" in found.paper
+
+
+def test_every_figure_with_data_has_its_scene_and_number() -> None:
+    assert list(PAPER_FIGURES) == [*labels_of([])] and set(DRAW) == set(PAPER_FIGURES)
+    assert [one.number for one in PAPER_FIGURES.values()] == list(range(2, 25))
+    assert {name for one in PAPER_FIGURES.values() for name in one.scenes} <= set(shipped_scenes())
+    # scenes say so themselves, except where the figure differs in one key
+    for label, one in PAPER_FIGURES.items():
+        text = (SHIPPED / f"{one.scenes[0]}.toml").read_text(encoding="utf-8")
+        assert label[:3] in text, label
+
+
+@pytest.mark.parametrize(
+    ("name", "scene"),
+    [("A08c", "kinetic-force"), ("fig 10", "kinetic-force"), ("figA12", "grains")],
+)
+def test_scenes_are_found_by_figures(name: str, scene: str) -> None:
+    assert load_scene(name).name == scene
+
+
+def test_command(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, _ = said(capsys, "figures", "A13b", "fig17")
+    assert status == 0 and [line[:7] for line in out if line.startswith("Fig.")] == [
+        "Fig. 17",
+        "Fig. 23",
+    ]
+    found = json.loads(Path("paper-figures/figures.json").read_text(encoding="utf-8"))
+    assert found["A13b"]["agrees"] and found["A13b"]["number"] == 23
+    assert Path("paper-figures/A10b.png").stat().st_size > 10_000
+    assert (
+        "do not agree" not in Path("paper-figures/figures.txt").read_text(encoding="utf-8").lower()
+    )
+    wrong = Found("a number", 1.0, 1e-3, 2.0, "nothing")
+    monkeypatch.setitem(DRAW, "A13b", lambda figure: wrong)
+    status, out, _ = said(capsys, "figures", "A13b")
+    assert status == 1 and "THEY DO NOT AGREE" in out[0]
+    status, _, told = said(capsys, "figures", "A99")
+    assert status == 2 and "is none of the paper's figures" in told[0]
+    _, out, _ = said(capsys, "scenes")
+    assert any(line.startswith("kinetic-force ") and "Fig. 10" in line for line in out)
