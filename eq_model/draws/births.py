@@ -111,7 +111,10 @@ def _cell_of(v, bits):  # type: ignore[no-untyped-def]
 
 @inlined
 def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # type: ignore[no-untyped-def]
-    """Whole quantiles for a row of a round. A word's top bit is the side; the rest are octave, cell and share in it."""
+    """Whole quantiles for a row of a round. A word's top bit is the side; the rest are octave, cell and share in it.
+
+    `plain_values` is its plain twin.
+    """
     if row == 0:
         draw(n, turn, stream, purpose, words)
     start, bits, fraction = unsigned(row * ROW), table.bits, (whole(1) << 52) - 1
@@ -136,6 +139,46 @@ def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # t
         largest = max(largest, value)
     if largest >= FAR:
         _replace_far(n, row, turn, stream, purpose, words, table, out)
+
+
+def plain_values(
+    words: npt.NDArray[np.uint32], further: npt.NDArray[np.uint32], table: QuantileTable
+) -> list[int]:
+    """Plain twin of `draw_values`: the whole quantiles of random words, to the same bits.
+
+    further : the next 32 bits of each word, which only values beyond the quick cells use.
+    """
+    return [
+        _plain_value(int(word), int(more), table) for word, more in zip(words, further, strict=True)
+    ]
+
+
+def _plain_value(word: int, further: int, table: QuantileTable) -> int:
+    """The whole quantile of one word, from its quick cell or else from its tree."""
+    above, v = word >> 31, (word & 0x7FFFFFFF) + 0.5  # which side; v in units of 2^-32
+    fraction, exponent = np.frexp(v)  # v = fraction 2^exponent, fraction from 1/2 to 1
+    octave, across = int(exponent) - 32 + OCTAVES, 2.0 * float(fraction) - 1.0
+
+    share, cell = np.modf(across * 2.0**table.bits)
+    cells = OCTAVES << int(table.bits)
+    quick = above * (cells + 1)  # the first cell of a side is its tail
+    quick += 1 + (octave << int(table.bits)) + int(cell) if octave >= 0 else 0
+    first, slopes = table.hot[2 * quick : 2 * quick + 2]
+    c0, c1, c2 = np.array([first, slopes, slopes << 32]).view(np.float64)
+    value = int(np.floor(c0 + share * (c1 + share * c2)))
+    if value < FAR:
+        return value
+
+    v = ((word & 0x7FFFFFFF) + (further + 0.5) * 2.0**-32) * 2.0**-32
+    node = 1 + (octave << CELL_BITS) + int(across * 2**CELL_BITS) if octave >= 0 else 0
+    place = v if node else -np.log2(v)  # tails are tables in -log2 v
+    node += above * int(table.above)
+    while (lower := int(table.child[node])) >= 0:  # a cell's lower half, and its upper one
+        node = lower + int(place >= table.cells[lower + 1, 0])
+    left, width, c0, c1, c2 = table.cells[node]
+    share = (place - left) / width
+    value = c0 + share * (c1 + share * c2)
+    return int(np.floor(min(max(value, 1.0 - FAR), FAR - 1.0) + 0.5))
 
 
 @bare
