@@ -1,7 +1,7 @@
 """Compiled functions of one contact: its break under laws that do not change its threshold, and its sums.
 
 The loops select a law by the type of its settings: BREAKS holds the function that breaks a contact, AGED the one that
-returns its threshold at a later moment.
+returns its threshold at a later instant.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from origins.laws.compiled import CompiledRates
 
 
 class Contact(NamedTuple):
-    """A contact that holds at a stretch (in whole units) at a moment of the clock."""
+    """A contact that holds at a stretch (in whole units) at an instant of the clock."""
 
     clock: np.int64
     leg: np.int64
@@ -35,9 +35,9 @@ class Contact(NamedTuple):
 
 
 class Break(NamedTuple):
-    """Moment at which a contact breaks; a clock beyond the drive's end if it holds until then.
+    """Instant at which a contact breaks; a clock beyond the drive's end if it holds until then.
 
-    It is the moment of its birth if the contact never held.
+    It is the instant of its birth if the contact never held.
     """
 
     clock: np.int64
@@ -54,7 +54,7 @@ class Work(NamedTuple):
     exposures: QuantileTable  # logs of the integrals of rates at which contacts break
     law: Any
     forward: bool  # whether it is a Forward
-    way: WholeDrive
+    drive: WholeDrive
     mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
     needs_exposure: bool  # whether the law breaks contacts at a rate, or at a hazard
@@ -95,9 +95,9 @@ BREAKS: dict[type, Callable[..., Any]] = {}
 AGED: dict[type, Callable[..., Any]] = {}
 # functions by the class of their law: engine.law_of fills RATES; BREAKS and AGED are filled below and in laws/*.py
 RATES: dict[type, CompiledRates] = {}
-# break_of(law, contact, way, counts): the break of a contact
+# break_of(law, contact, drive, counts): the break of a contact
 break_of = by_law(BREAKS.__getitem__)
-# aged_threshold(law, contact, way, moment): its threshold at a later moment; below 0 if `break_of` counts it itself
+# aged_threshold(law, contact, drive, instant): its threshold at a later instant; below 0 if `break_of` counts it itself
 aged_threshold = by_law(AGED.__getitem__)
 log_rate = by_law(lambda law: RATES[law].log_rate)
 passed = by_law(lambda law: RATES[law].passed)
@@ -113,36 +113,36 @@ def rate_at(x, y, law, k):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def bin_of(clock, way):  # type: ignore[no-untyped-def]
-    """Index of the first point at or after a moment of the clock; the moment is not after the end."""
-    if way.even:
-        return max((clock + way.offset) >> way.shift, whole(0))
-    j = whole(way.first_bin[unsigned(clock >> way.shift)])
-    j += whole(way.bin_ends[unsigned(j)] < clock)  # nearly always enough, and no branch
-    while way.bin_ends[unsigned(j)] < clock:
+def bin_of(clock, drive):  # type: ignore[no-untyped-def]
+    """Index of the first point at or after an instant of the clock; the instant is not after the end."""
+    if drive.even:
+        return max((clock + drive.offset) >> drive.shift, whole(0))
+    j = whole(drive.first_bin[unsigned(clock >> drive.shift)])
+    j += whole(drive.bin_ends[unsigned(j)] < clock)  # nearly always enough, and no branch
+    while drive.bin_ends[unsigned(j)] < clock:
         j += 1
     return j
 
 
 @inlined
-def place_of(clock, leg, way):  # type: ignore[no-untyped-def]
-    """The slider's position at a moment of a leg (in whole units)."""
+def place_of(clock, leg, drive):  # type: ignore[no-untyped-def]
+    """The slider's position at an instant of a leg (in whole units)."""
     k = unsigned(leg)
-    return way.positions[k] + way.directions[k] * (clock - way.begins[k])
+    return drive.positions[k] + drive.directions[k] * (clock - drive.begins[k])
 
 
 @bare
-def later(clock, leg, time, way):  # type: ignore[no-untyped-def]
+def later(clock, leg, time, drive):  # type: ignore[no-untyped-def]
     """Clock and leg after `time` has passed; a clock beyond the drive's end if that comes first."""
-    while leg < way.directions.size:
-        pace = way.paces[leg]
-        left = (way.begins[leg + 1] - clock) * pace
+    while leg < drive.directions.size:
+        pace = drive.paces[leg]
+        left = (drive.begins[leg + 1] - clock) * pace
         if time <= left:
             ticks = whole(np.floor(time / pace + 0.5)) if pace > 0.0 else whole(0)
-            return min(clock + ticks, way.begins[leg + 1]), leg
+            return min(clock + ticks, drive.begins[leg + 1]), leg
         time -= left
         leg += 1
-        clock = way.begins[leg]
+        clock = drive.begins[leg]
     return clock + 1, leg
 
 
@@ -156,7 +156,7 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     beyond the path.
     """
     j = unsigned(j)
-    y, k, square = birth - work.way.bin_positions[j], stiffness * stiffness, work.way.square
+    y, k, square = birth - work.drive.bin_positions[j], stiffness * stiffness, work.drive.square
     exact = real(y)
     sums[j, 0] += sign
     if work.measured:
@@ -172,32 +172,32 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
 
 
 @bare
-def look_at(k, birth, threshold, way, counts):  # type: ignore[no-untyped-def]
+def look_at(k, birth, threshold, drive, counts):  # type: ignore[no-untyped-def]
     """Count a contact at the k-th watched point.
 
     birth : the slider's position at which the contact is relaxed (whole units). counts : (points, 2, bins),
     of stretches of either sign and of thresholds.
     """
     many = counts.shape[2]
-    place = way.bin_positions[way.watched[k]]
-    x = real(place - birth) * way.per_stretch + 0.5 * many
-    y = threshold * way.per_threshold
+    place = drive.bin_positions[drive.watched[k]]
+    x = real(place - birth) * drive.per_stretch + 0.5 * many
+    y = threshold * drive.per_threshold
     counts[k, 0, whole(min(max(np.floor(x), 0.0), many - 1.0))] += 1
     counts[k, 1, whole(min(max(y, 0.0), many - 1.0))] += 1
 
 
-def _at_threshold(law, contact, way, counts):  # type: ignore[no-untyped-def]
+def _at_threshold(law, contact, drive, counts):  # type: ignore[no-untyped-def]
     """The break of a contact at T = 0."""
-    leg, clock, legs = contact.leg, contact.clock, way.directions.size
-    birth = place_of(clock, leg, way) - contact.stretch
+    leg, clock, legs = contact.leg, contact.clock, drive.directions.size
+    birth = place_of(clock, leg, drive) - contact.stretch
     while leg < legs:
         then = unsigned(leg + 1)
-        beyond = abs(way.positions[then] - birth) - contact.threshold
+        beyond = abs(drive.positions[then] - birth) - contact.threshold
         if beyond >= 0 or (beyond >= -law.tie and leg + 1 < legs):
             # the threshold is reached on this leg; within `tie` of a turn it counts as reached at the turn
-            return Break(max(way.begins[then] - max(beyond, 0), clock), leg, contact.drawn)
+            return Break(max(drive.begins[then] - max(beyond, 0), clock), leg, contact.drawn)
         leg += 1
-    return Break(way.begins[legs] + 1, leg, contact.drawn)
+    return Break(drive.begins[legs] + 1, leg, contact.drawn)
 
 
 @inlined
@@ -233,7 +233,7 @@ def _in_row(law, n, x, breaks_at, lanes, work):  # type: ignore[no-untyped-def]
         log_amounts[i] = real(lanes.log_exposure[i]) * LEVEL_UNIT - law.log_slow[unsigned(legs[i])]
     _from_rest(law, n, x, log_amounts, breaks_at)
     for i in range(n if work.linked or not work.again.relaxed else 0):
-        r = -lanes.stretch[i] if work.way.directions[legs[i]] < 0 else lanes.stretch[i]
+        r = -lanes.stretch[i] if work.drive.directions[legs[i]] < 0 else lanes.stretch[i]
         if r != 0 or work.linked:
             threshold, k = real(x[i]) * law.unit, real(x[i]) / work.mean if work.linked else 1.0
             goal = _integral(law, r, threshold, k) + np.exp(log_amounts[i])
@@ -241,16 +241,16 @@ def _in_row(law, n, x, breaks_at, lanes, work):  # type: ignore[no-untyped-def]
     return breaks_at
 
 
-def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
+def _by_rate(law, contact, drive, counts):  # type: ignore[no-untyped-def]
     """The break of a contact, where the integral of its rate over time reaches its exposure."""
     clock, leg, x, k = contact.clock, contact.leg, contact.stretch, contact.stiffness
-    moved, d = contact.breaks_at - way.directions[leg] * x, way.directions[leg]
-    legs, room = way.directions.size, way.begins[leg + 1] - clock
+    moved, d = contact.breaks_at - drive.directions[leg] * x, drive.directions[leg]
+    legs, room = drive.directions.size, drive.begins[leg + 1] - clock
     if d != 0 and (moved <= room or leg + 1 == legs):
         return Break(clock + min(moved, room + 1), leg, contact.drawn)
     threshold, budget, slow = real(contact.threshold) * law.unit, np.exp(contact.log_exposure), 0.0
     while leg < legs:
-        room, d, pace = way.begins[leg + 1] - clock, way.directions[leg], way.paces[leg]
+        room, d, pace = drive.begins[leg + 1] - clock, drive.directions[leg], drive.paces[leg]
         # on a leg a contact breaks where the product of the time per length and the integral reaches the budget, a time
         here = _integral(law, x, threshold, k)
         remaining, slow = max(budget - slow * here, 1e-300), d * (pace / law.unit)
@@ -266,12 +266,12 @@ def _by_rate(law, contact, way, counts):  # type: ignore[no-untyped-def]
                 return Break(clock + moved, leg, contact.drawn)
         x += d * room
         leg += 1
-        clock = way.begins[leg]
+        clock = drive.begins[leg]
     return Break(clock + 1, leg, contact.drawn)
 
 
 BREAKS |= {Cold: _at_threshold, Warm: _by_rate}
-AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, way, moment: real(contact.threshold))
+AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, drive, instant: real(contact.threshold))
 # breaks_in_row(law, n, x, breaks_at, lanes, work): the stretches at which contacts break in steady motion, or their
 # thresholds x under laws that do not give them
 breaks_in_row = by_law(lambda law: _in_row if law is Warm else lambda law, n, x, *rest: x)

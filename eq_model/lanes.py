@@ -34,7 +34,7 @@ from origins.thresholds.law import Array
 
 
 class Forward(NamedTuple):
-    """Steady forward motion by a law that breaks whole rows; the moments of lanes are then positions of the slider."""
+    """Steady forward motion by a law that breaks whole rows; the instants of lanes are then positions of the slider."""
 
     law: Any
 
@@ -44,7 +44,7 @@ class Lanes(NamedTuple):
 
     number: Whole  # index in the block; the lane's next contact is LANES further
     initial: Whole  # 1 for a contact of the start that has not broken
-    moment: Whole  # of the drive's clock, at which it forms; beyond the end once `Forward` has no contact left for it
+    instant: Whole  # of the drive's clock, at which it forms; beyond the end once `Forward` has no contact left for it
     leg: Whole
     drawn: Whole  # steps for which the laws have drawn words in the lane
     threshold: Whole
@@ -58,34 +58,34 @@ class Lanes(NamedTuple):
 
 def _advance_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Move n contacts forward to their breaks, by a law for lanes. Returns the number of breaks."""
-    way, breaks, end, many = work.way, whole(0), work.way.end, work.way.bin_ends.size
-    moment, bins, square = lanes.moment, lanes.bins, lanes.square
+    drive, breaks, end, many = work.drive, whole(0), work.drive.end, work.drive.bin_ends.size
+    instant, bins, square = lanes.instant, lanes.bins, lanes.square
     x = breaks_in_row(law.law, n, lanes.threshold, lanes.breaks_at, lanes, work)
     # from here on, the slider's position at which the contact is relaxed
     for i in range(unsigned(0 if work.again.relaxed else n)):
-        moment[i] -= lanes.stretch[i]
-        lanes.initial[i] = whole(moment[i] + x[i] > end)
-    for i in range(n if counts.shape[0] or not way.even else 0):
-        born, broken = moment[i] + lanes.stretch[i], moment[i] + x[i]
-        bins[i] = np.int32(many if broken > end else bin_of(broken, way))
-        square[i] = way.bin_positions[min(bins[i], many - 1)]
+        instant[i] -= lanes.stretch[i]
+        lanes.initial[i] = whole(instant[i] + x[i] > end)
+    for i in range(n if counts.shape[0] or not drive.even else 0):
+        born, broken = instant[i] + lanes.stretch[i], instant[i] + x[i]
+        bins[i] = np.int32(many if broken > end else bin_of(broken, drive))
+        square[i] = drive.bin_positions[min(bins[i], many - 1)]
         if born <= end:
-            for k in range(way.before[bin_of(born, way)], way.before[bins[i]]):
-                look_at(k, moment[i], real(lanes.threshold[i]), way, counts)
+            for k in range(drive.before[bin_of(born, drive)], drive.before[bins[i]]):
+                look_at(k, instant[i], real(lanes.threshold[i]), drive, counts)
     for i in range(unsigned(n)):
-        broken = moment[i] + x[i]
+        broken = instant[i] + x[i]
         over = broken > end
-        if way.even:
-            bins[i] = np.int32(min(max((broken + way.offset) >> way.shift, whole(0)), many))
+        if drive.even:
+            bins[i] = np.int32(min(max((broken + drive.offset) >> drive.shift, whole(0)), many))
         number = lanes.number[i] + (whole(LANES) if over else whole(0))
         again = whole(0) if number < count else end + 1
-        lanes.number[i], moment[i] = number, again if over else broken
+        lanes.number[i], instant[i] = number, again if over else broken
         breaks += whole(not over)
     measured = unsigned(n if work.measured else 0)
-    for i in range(measured if way.even else unsigned(0)):
-        square[i] = way.bin_positions[0] + (whole(bins[i]) << way.shift)
+    for i in range(measured if drive.even else unsigned(0)):
+        square[i] = drive.bin_positions[0] + (whole(bins[i]) << drive.shift)
     for i in range(measured):
-        change = real(x[i]) * real(2 * (moment[i] - square[i]) - x[i]) * way.square
+        change = real(x[i]) * real(2 * (instant[i] - square[i]) - x[i]) * drive.square
         square[i] = whole(np.floor(0.5 + change))
     for i in range(unsigned(n)):
         sums[unsigned(bins[i]), 1] += x[i]
@@ -96,35 +96,40 @@ def _advance_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-u
 
 def _follow_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one life in each of n lanes, by any law. Returns the number of breaks."""
-    breaks, way = whole(0), work.way
+    breaks, drive = whole(0), work.drive
     breaks_at = breaks_in_row(law, n, lanes.threshold, lanes.breaks_at, lanes, work)
     for i in range(unsigned(n)):
         number = lanes.number[i]
         if number >= count:
             continue
-        clock, leg, initial, drawn = lanes.moment[i], lanes.leg[i], lanes.initial[i], lanes.drawn[i]
+        clock, leg, initial, drawn = (
+            lanes.instant[i],
+            lanes.leg[i],
+            lanes.initial[i],
+            lanes.drawn[i],
+        )
         x, r, e = lanes.threshold[i], lanes.stretch[i], real(lanes.log_exposure[i]) * LEVEL_UNIT
         k = real(x) / work.mean if work.linked else 1.0
         contact = Contact(clock, leg, r, x, e, breaks_at[i], k, initial == 0, i, drawn, work.stream)
-        birth = place_of(clock, leg, way) - r
-        found = break_of(law, contact, way, counts)
-        moment, leg, holds = found.clock, found.leg, found.clock > way.end
-        born, broken = bin_of(clock, way), way.bin_ends.size
+        birth = place_of(clock, leg, drive) - r
+        found = break_of(law, contact, drive, counts)
+        instant, leg, holds = found.clock, found.leg, found.clock > drive.end
+        born, broken = bin_of(clock, drive), drive.bin_ends.size
         count_event(whole(1), k, birth, born, work, sums)
         if not holds:
-            broken = bin_of(moment, way)
+            broken = bin_of(instant, drive)
             count_event(whole(-1), k, birth, broken, work, sums)
-            breaks += whole(moment > clock)
+            breaks += whole(instant > clock)
         if counts.shape[0]:
-            for j in range(way.before[born], way.before[broken]):
-                threshold = aged_threshold(law, contact, way, way.bin_ends[way.watched[j]])
+            for j in range(drive.before[born], drive.before[broken]):
+                threshold = aged_threshold(law, contact, drive, drive.bin_ends[drive.watched[j]])
                 if threshold >= 0.0:
-                    look_at(j, birth, threshold, way, counts)
+                    look_at(j, birth, threshold, drive, counts)
         if not holds and work.wait > 0.0:
-            moment, leg = later(moment, leg, work.wait, way)
-        over = moment > way.end
+            instant, leg = later(instant, leg, work.wait, drive)
+        over = instant > drive.end
         lanes.drawn[i], lanes.initial[i] = found.drawn, whole(over)
-        lanes.moment[i], lanes.leg[i] = (whole(0), whole(0)) if over else (moment, leg)
+        lanes.instant[i], lanes.leg[i] = (whole(0), whole(0)) if over else (instant, leg)
         lanes.number[i] += LANES if over else 0
     return breaks
 

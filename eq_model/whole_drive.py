@@ -33,13 +33,13 @@ class WholeDrive(NamedTuple):
     positions: Whole  # (m + 1,): the slider there
     directions: Whole  # (m,): of the motion, 0 in a hold
     paces: Array  # (m,): time in one unit of the clock
-    bin_ends: Whole  # (n,): the last moment that belongs to each bin
+    bin_ends: Whole  # (n,): the last instant that belongs to each bin
     bin_positions: Whole  # (n,): the slider there, to which stretches of the bin's events refer
     first_bin: npt.NDArray[np.int32]  # the first bin that ends in each cell of the clock or later
     shift: np.int64  # a cell is 2^shift long
     even: bool  # whether each cell is a bin, that of (clock + offset) >> shift
     offset: np.int64
-    end: np.int64  # last moment of the drive
+    end: np.int64  # last instant of the drive
     square: float  # whole second moments are this times unit^-2
     watched: npt.NDArray[np.intp] = np.zeros(0, np.intp)  # bins at whose ends contacts are counted
     before: npt.NDArray[np.intp] = np.zeros(0, np.intp)  # (n + 2,): number of them before each bin

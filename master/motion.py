@@ -12,7 +12,7 @@ from origins.thresholds.law import Array
 
 
 class Legs(NamedTuple):
-    """The straight legs between the births of contacts and a later moment; those before a birth have no duration.
+    """The straight legs between the births of contacts and a later instant; those before a birth have no duration.
 
     displacement : array of shape (..., k + 1), the slider's displacement since the birth, at the
         beginning of the first leg and at the end of each
@@ -100,7 +100,7 @@ class History:
     Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
     another leg begins. So the middle column determines on which side of such a point the whole row lies.
 
-    t, s : moments and births, which broadcast to shape (rows, columns)
+    t, s : instants and births, which broadcast to shape (rows, columns)
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)
         and its smallest (at most 0) value since s
     """

@@ -19,7 +19,7 @@ from origins.thresholds.law import Array
 
 @dataclass(frozen=True)
 class StretchDistribution:
-    """Density of stretches at one moment, and the delta functions beside it.
+    """Density of stretches at one instant, and the delta functions beside it.
 
     delta_positions, delta_weights : stretches (lengths) of finite shares of the contacts, and these shares, shape (n,).
     """
@@ -70,7 +70,7 @@ class Solution:
     force : F/(N_c <k>), the mean of k_i x_i/<k> over all contacts, also those that are out, shape (n,), a length.
     force_error : estimate from above of its largest error over the path, in units of the mean threshold.
     holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains.
-    run_time : s; nodes : number of moments at which number conservation was solved.
+    run_time : s; nodes : number of instants at which number conservation was solved.
     success : whether force_error is at or below the requested tolerance.
     message : the accuracy reached, or why it was missed; any weight cut off the start or the thresholds.
     """
@@ -94,7 +94,7 @@ class Solution:
         """Q(x;X) at one point of the path.
 
         where : X (a length), between 0 and the path's end; the index of a point of the path where
-            X alone does not fix the moment: with `time`, or where contacts with laws turn round
+            X alone does not fix the instant: with `time`, or where contacts with laws turn round
         leg : which straight leg of a path that turns round, counted from 0; may be omitted where
             the path passes X only once
 

@@ -61,7 +61,7 @@ QUESTIONS = {
     "number conservation solved at the nodes of a panel": ("master:solve_run",),
     "force_error of a path; of a panel": ("master:solve_rigid", "master:solve_run"),
     "F_k, the force of steady sliding; at many speeds": (
-        "master:Travel.force",
+        "master:Cycle.force",
         "master:kinetic_curve",
     ),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),

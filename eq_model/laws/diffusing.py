@@ -181,13 +181,13 @@ def _step(y, x, speed, longest, law):  # type: ignore[no-untyped-def]
     return min(max(time, 1e-3 * law.longest), longest)
 
 
-def break_diffusing(law, contact, way, counts):  # type: ignore[no-untyped-def]
+def break_diffusing(law, contact, drive, counts):  # type: ignore[no-untyped-def]
     """The break of a contact whose threshold diffuses, counted at the watched points on its way."""
     lane, stream, drawn, y = contact.lane, contact.stream, contact.drawn, real(contact.threshold)
     begin, leg, stretch = contact.clock, contact.leg, contact.stretch
-    remaining, watched = np.exp(contact.log_exposure), way.before[bin_of(begin, way)]
-    while leg < way.directions.size:
-        d, pace, end = way.directions[leg], way.paces[leg], way.begins[leg + 1]
+    remaining, watched = np.exp(contact.log_exposure), drive.before[bin_of(begin, drive)]
+    while leg < drive.directions.size:
+        d, pace, end = drive.directions[leg], drive.paces[leg], drive.begins[leg + 1]
         # on a leg the travel is a float, and is rounded where the contact breaks
         passed, room = 0.0, real(end - begin)
         while room - passed >= 0.5:
@@ -225,15 +225,15 @@ def break_diffusing(law, contact, way, counts):  # type: ignore[no-untyped-def]
             gone = min(whole(np.floor(passed + part * ticks + 0.5)), end - begin)
             until = begin + gone if broken else begin + whole(passed + ticks + 0.5) + 1
             while watched < counts.shape[0]:
-                moment = way.bin_ends[way.watched[watched]]
-                if moment >= until or moment > end:
+                instant = drive.bin_ends[drive.watched[watched]]
+                if instant >= until or instant > end:
                     break
-                share = (real(moment - begin) - passed) / max(met * ticks, 1.0)
+                share = (real(instant - begin) - passed) / max(met * ticks, 1.0)
                 # a path has at most 2^12 watched points
                 turn, low = (drawn << 12) | watched, max(below, 0.0)
                 gap = _between(above, low, max(variance, 1e-300), share, lane, turn, stream)
-                birth = place_of(moment, leg, way) - stretch - d * (moment - begin)
-                look_at(watched, birth, x + share * met * (then - x) + gap, way, counts)
+                birth = place_of(instant, leg, drive) - stretch - d * (instant - begin)
+                look_at(watched, birth, x + share * met * (then - x) + gap, drive, counts)
                 watched += 1
             if broken:
                 return Break(begin + gone, leg, drawn)
@@ -242,9 +242,9 @@ def break_diffusing(law, contact, way, counts):  # type: ignore[no-untyped-def]
         stretch += d * (end - begin)
         leg += 1
         begin = end
-    return Break(way.begins[way.directions.size] + 1, leg, drawn)
+    return Break(drive.begins[drive.directions.size] + 1, leg, drawn)
 
 
 BREAKS[Diffusing] = break_diffusing
 # break_diffusing itself counts contacts at watched points, as it knows their thresholds
-AGED[Diffusing] = lambda law, contact, way, moment: -1.0
+AGED[Diffusing] = lambda law, contact, drive, instant: -1.0

@@ -27,9 +27,9 @@ class Growing(NamedTuple):
     unit: float  # a length
 
 
-def make_growing(grains: GrainContact, way: WholeDrive, *heat: Any) -> Growing:
+def make_growing(grains: GrainContact, drive: WholeDrive, *heat: Any) -> Growing:
     """The growth of these contacts on a drive; heat : the last three fields of Growing."""
-    tau_m, root = grains.growth.first_pinning_time, float(np.sqrt(grains.growth.B)) * way.unit
+    tau_m, root = grains.growth.first_pinning_time, float(np.sqrt(grains.growth.B)) * drive.unit
     return Growing(tau_m, root, (grains.age or 0.0) / tau_m - 1.0, *heat)
 
 
@@ -133,7 +133,7 @@ def _pinned(contact, law):  # type: ignore[no-untyped-def]
     return law.age, hazard(real(contact.threshold), law.age, 0.0, law.root)[0]
 
 
-def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
+def break_growing(law, contact, drive, counts):  # type: ignore[no-untyped-def]
     """The break of a contact with a growing threshold: where its hazard is reached, or by heat before.
 
     By heat by thinning: breaks are proposed at a rate above the contact's, and accepted with the ratio of the two
@@ -147,11 +147,15 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
         remaining = -np.log(uniform(words[0], words[1]))
         drawn += 1
     while True:
-        while leg < way.directions.size and clock >= way.begins[leg + 1]:
+        while leg < drive.directions.size and clock >= drive.begins[leg + 1]:
             leg += 1
-        if leg == way.directions.size:
-            return Break(way.begins[leg] + 1, leg, drawn)
-        d, pace, room = way.directions[leg], way.paces[leg] / law.tau_m, way.begins[leg + 1] - clock
+        if leg == drive.directions.size:
+            return Break(drive.begins[leg] + 1, leg, drawn)
+        d, pace, room = (
+            drive.directions[leg],
+            drive.paces[leg] / law.tau_m,
+            drive.begins[leg + 1] - clock,
+        )
         # contacts with hazards up to (9/2) B (v tau_m)² are stretched faster than their thresholds grow
         pins = contact.fresh and d != 0 and clock == contact.clock
         if pins and goal <= 4.5 * (law.root / pace) ** 2:
@@ -192,12 +196,12 @@ def break_growing(law, contact, way, counts):  # type: ignore[no-untyped-def]
             return Break(clock, leg, drawn)
 
 
-def _aged(law, contact, way, moment):  # type: ignore[no-untyped-def]
-    """The threshold at a later moment."""
+def _aged(law, contact, drive, instant):  # type: ignore[no-untyped-def]
+    """The threshold at a later instant."""
     age, goal = _pinned(contact, law)
-    for leg in range(contact.leg, way.paces.size):
-        begin, end = max(way.begins[leg], contact.clock), min(way.begins[leg + 1], moment)
-        age += max(end - begin, 0) * (way.paces[leg] / law.tau_m)
+    for leg in range(contact.leg, drive.paces.size):
+        begin, end = max(drive.begins[leg], contact.clock), min(drive.begins[leg + 1], instant)
+        age += max(end - begin, 0) * (drive.paces[leg] / law.tau_m)
     return quantile(goal, age, law.root)
 
 

@@ -134,18 +134,18 @@ def integrals_above(
     return Integrals(value[1:], missed[1:], fine)
 
 
-class StretchRule(NamedTuple):
+class StretchNodes(NamedTuple):
     """Stretches (lengths) that represent a law of stretches, and their weights, of sum 1; shape (n,)."""
 
     stretch: Array
     weight: Array
 
 
-def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
-    """The Gauss rule of `count` nodes for the stretches of `born` below `most` in size. It averages polynomials of
+def stretch_nodes(born: Start, most: float, count: int) -> StretchNodes:
+    """The `count` Gauss nodes for the stretches of `born` below `most` in size. It averages polynomials of
     degree 2 count - 1 over the law exactly. It has one node where all contacts have the same stretch."""
     if born.is_single:
-        return StretchRule(np.array([born.mean()]), np.ones(1))
+        return StretchNodes(np.array([born.mean()]), np.ones(1))
     low, high = np.clip(born.span, -most, most)
     pieces = np.linspace(low, high, max(9, count // 4))  # some 3 count nodes
     edges = np.clip(np.append(pieces, born.breakpoints), low, high)
@@ -155,9 +155,9 @@ def stretch_rule(born: Start, most: float, count: int) -> StretchRule:
     nodes = (fine.low[:, None] + width * _GAUSS.nodes).ravel()
     weights = (width * _GAUSS.series[:, 0]).ravel() * finite_density(born, nodes)
     nodes, weights = nodes[weights > 0.0], weights[weights > 0.0] / weights.sum()
-    # orthogonal polynomials on the nodes: their Jacobi matrix has the rule's nodes as eigenvalues
+    # orthogonal polynomials on the nodes: their Jacobi matrix has these nodes as eigenvalues
     middle, scale = 0.5 * (nodes.min() + nodes.max()), 0.5 * np.ptp(nodes)
     at, root = (nodes - middle) / scale, np.sqrt(weights)
     basis = np.linalg.qr(root[:, None] * legendre.legvander(at, min(count, nodes.size) - 1))[0]
     values, vectors = np.linalg.eigh(basis.T @ (at[:, None] * basis))
-    return StretchRule(middle + scale * values, (root @ basis @ vectors) ** 2)
+    return StretchNodes(middle + scale * values, (root @ basis @ vectors) ** 2)

@@ -1,12 +1,12 @@
 """Births: what is born along a motion, on panels or together, and pieces of it to integrate over.
 
 A contact that breaks at s is out until s + delay, where it is born again at a stretch r. As long as it is out it counts
-among the contacts, but carries no force. So with E and K of its life the kernels of number and force are
+among the contacts, but carries no force. So with E and K of its life the contributions to number and force are
 
     number: 1 for t < s + delay, E(t, s + delay) after,      force: 0, then K(t, s + delay).
 
 Both are integrated against the derivative of the number of breaks, a polynomial on each panel
-(kernels: births on the present leg; past: births on the legs before).
+(present: births on the present leg; past: births on the legs before).
 """
 
 from dataclasses import dataclass
@@ -63,7 +63,7 @@ class Births:
 
 
 class Lump(NamedTuple):
-    """Contacts that were born at one moment, or hold at t = 0 (paper, Eqs. Q7b and Q6e): time of the
+    """Contacts that were born at one instant, or hold at t = 0 (paper, Eqs. Q7b and Q6e): time of the
     birth, weight (share of all contacts) and law of the stretches at birth."""
 
     time: float

@@ -1,7 +1,7 @@
-"""Edges: the times at which the number of breaks may jump or bend, so that panels end there.
+"""Edges: the times at which the number of breaks may jump or bend (kinks), so that panels end there.
 
-These are the moments at which the slider turns or changes its speed, at which contacts of the start reach a bend of P_c
-(a jump or an exact threshold), and at which contacts born at an earlier such moment do.
+There is a kink where the slider turns or changes its speed, where contacts of the start reach a bend of P_c (a jump or
+an exact threshold), and where contacts born at an earlier kink do.
 """
 
 import heapq
@@ -29,7 +29,7 @@ ALIKE = 0.9
 SAME_TIME, ROUNDED = 1e-12, 2e-15
 
 
-class Moment(NamedTuple):
+class Kink(NamedTuple):
     """A time at which breaks jump or bend, and the share of contacts in it; for a bend, in a jump of equal effect."""
 
     time: float
@@ -37,12 +37,12 @@ class Moment(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """Edges, times sorted from `continued_from` to the end, and the moments that make them, the known ones first;
+    """Edges, times sorted from `continued_from` to the end, and the kinks that make them, the known ones first;
     too_many_jumps : whether there are more than can be followed."""
 
     times: Array
     too_many_jumps: bool
-    moments: list[Moment]
+    kinks: list[Kink]
 
 
 def edges(
@@ -50,15 +50,15 @@ def edges(
     start: Start,
     tolerance: float,
     continued_from: float = 0.0,
-    known: Sequence[Moment] = (),
+    known: Sequence[Kink] = (),
 ) -> Edges:
     """Where panels begin and end.
 
     start : law of the stretches at t = 0
-    tolerance : of the number of breaks; the panels' own errors count moments of a size below SMOOTHER times this
-    continued_from, known : for a march that is continued, the time that it has reached, and the moments that it has met
+    tolerance : of the number of breaks; the panels' own errors count kinks of a size below SMOOTHER times this
+    continued_from, known : for a march that is continued, the time that it has reached, and the kinks that it has met
     """
-    chain = _Moments(births, continued_from)
+    chain = _Kinks(births, continued_from)
     first = [*known, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     # where there are too many, the smallest are left to the panels' own errors
@@ -66,21 +66,21 @@ def edges(
         least *= 10.0
     too_many = bool(births.life.atoms.size) and least > 1e3 * tolerance
     end = float(births.motion.times[-1])
-    # a moment at the end is an edge already; it is kept for a march that goes on from there
-    inside = (moment.time for moment in met if moment.time < end - chain.close(moment.time))
+    # a kink at the end is an edge already; it is kept for a march that goes on from there
+    inside = (kink.time for kink in met if kink.time < end - chain.close(kink.time))
     times = np.array([continued_from, *inside, end])
     return Edges(times, too_many, [*known, *met])
 
 
-class _Moments:
-    """Moments along a motion, and those that follow from each.
+class _Kinks:
+    """Kinks along a motion, and those that follow from each.
 
-    A moment at which breaks jump or bend is, one delay later, one at which births do. Contacts born then meet the bends
-    of P_c together, so that later breaks jump or bend, too, less sharply each time. So moments form a chain.
+    A kink of breaks is, one delay later, one of births. Contacts born then meet the bends
+    of P_c together, so that later breaks jump or bend, too, less sharply each time. So kinks form a chain.
     """
 
     def __init__(self, births: Births, continued_from: float) -> None:
-        """For moments after the time `continued_from`."""
+        """For kinks after the time `continued_from`."""
         self.births, self.motion, self.life = births, births.motion, births.life
         self.continued_from = continued_from
         fastest = float(np.abs(self.motion.speeds).max())
@@ -91,29 +91,29 @@ class _Moments:
         near, far = self.life.safe_stretch, self.life.largest_stretch
         self._bends = np.union1d(self.life.bends, [near, far] if near > ALIKE * far else [])
 
-    def of_start(self, start: Start) -> list[Moment]:
-        """Moments that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
-        beginnings = [Moment(0.0, SMOOTHER), Moment(self.births.delay, SMOOTHER)]
+    def of_start(self, start: Start) -> list[Kink]:
+        """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
+        beginnings = [Kink(0.0, SMOOTHER), Kink(self.births.delay, SMOOTHER)]
         return [*self.broken(0.0, 1.0, start), *beginnings]
 
-    def of_knots(self) -> list[Moment]:
-        """Moments at which the slider turns, or changes its speed: there breaks bend."""
+    def of_knots(self) -> list[Kink]:
+        """Kinks where the slider turns, or changes its speed."""
         found, delay = [], self.births.delay
         one_stretch = self.births.law.is_single and not self.life.timeless
         knots = self.motion.times[1:-1].tolist()
         for time, speed_before in zip(knots, self.motion.speeds[:-1].tolist(), strict=True):
-            found.append(Moment(time, SMOOTHER))
+            found.append(Kink(time, SMOOTHER))
             # contacts born in one hold share one stretch, and later break together: a jump
             in_hold = one_stretch and speed_before == 0.0
             if in_hold:
-                found.append(Moment(time - delay, 1.0))
+                found.append(Kink(time - delay, 1.0))
             elif delay > 0.0:
                 # breaks one delay before a knot are born at it, where X(s) bends: twice as smooth as a jump of births
-                found.append(Moment(time - delay, SMOOTHER * SMOOTHER))
+                found.append(Kink(time - delay, SMOOTHER * SMOOTHER))
         return found
 
-    def broken(self, birth: float, size: float, law: Start) -> Iterator[Moment]:
-        """Moments at which contacts meet bends, if their births at the time `birth` have a jump or bend of this size.
+    def broken(self, birth: float, size: float, law: Start) -> Iterator[Kink]:
+        """Kinks when contacts meet bends, if their births at the time `birth` have a jump or bend of this size.
         At a jump of P_c breaks are one order smoother; at an exact threshold they are as sharp, times the share of the
         contacts that have it."""
         # the ends of a narrow law are like a jump
@@ -121,12 +121,12 @@ class _Moments:
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
                 if time > self.continued_from + self.close(time):
-                    yield Moment(time, size * (self.life.atom_fraction(bend, stretch) or SMOOTHER))
+                    yield Kink(time, size * (self.life.atom_fraction(bend, stretch) or SMOOTHER))
 
-    def following(self, first: Sequence[Moment], least: float) -> Iterator[Moment]:
-        """All moments, in the order of time, of a size above the least: the first ones, and those that follow.
+    def following(self, first: Sequence[Kink], least: float) -> Iterator[Kink]:
+        """All kinks, in the order of time, of a size above the least: the first ones, and those that follow.
 
-        Moments still to come wait in a heap. The next one is taken out, together with all at the same time; if it is
+        Kinks still to come wait in a heap. The next one is taken out, together with all at the same time; if it is
         large enough, what follows from it is put in.
         """
         end, delay = float(self.motion.times[-1]), self.births.delay
@@ -140,20 +140,20 @@ class _Moments:
             if size <= least or time > end + close:
                 continue
             if time > self.continued_from + close:
-                yield Moment(time, size)
-            for moment in self.broken(time + delay, size, self.births.law):
-                heapq.heappush(coming, moment)
+                yield Kink(time, size)
+            for kink in self.broken(time + delay, size, self.births.law):
+                heapq.heappush(coming, kink)
             if delay > 0.0:
-                # at this moment the number of those that are out bends
-                heapq.heappush(coming, Moment(time + delay, SMOOTHER * size))
+                # the number of those that are out bends then
+                heapq.heappush(coming, Kink(time + delay, SMOOTHER * size))
 
     def close(self, time: float) -> float:
-        """Time within which moments count as equal to this one."""
+        """Time within which kinks count as equal to this one."""
         return same_time(self.motion, time) + self._rounded
 
 
 def same_time(motion: Motion, time: float) -> float:
-    """Time within which moments count as equal to this one; the ends of its leg are farther off, but for rounding."""
+    """Time within which kinks count as equal to this one; the ends of its leg are farther off, but for rounding."""
     rounded = ROUNDED * time
     leg = min(int(np.searchsorted(motion.times, time + rounded, "right")), motion.speeds.size) - 1
     before, after = time - motion.times[leg], motion.times[leg + 1] - time

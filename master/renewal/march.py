@@ -5,7 +5,7 @@ With B(t) the breaks per contact since t = 0, at every t
     1 = G_0(t) + integral over s of E(t, s) dB(s),      F(t) = M_0(t) + integral of K(t, s) dB(s),
 
 where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums
-over lumps: the contacts that hold at t = 0, and sets of contacts that break at one moment because
+over lumps: the contacts that hold at t = 0, and sets of contacts that break at one instant because
 they reach one exact threshold together. On a panel B is a polynomial; its values at the Radau nodes
 follow from conservation there, given all panels before. A panel that does not resolve B is narrowed.
 """
@@ -18,9 +18,9 @@ import numpy as np
 from master.numerics import polynomials
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import MOST_WORK, Births, Lump, Panels
-from master.renewal.kernels import TARGETS, Kernels, Run, solve_run
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
+from master.renewal.present import TARGETS, Present, Run, solve_run
 from master.survival.life import NO_SURVIVAL
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -74,14 +74,14 @@ class March:
         self._as_births = (
             start.is_single and start.span == births.law.span and self.life.start_as_births
         )
-        self.kernels, self._past = Kernels(births), Past(births)
+        self.present, self._past = Present(births), Past(births)
         self.steady_since = self.widest = np.inf
 
     @property
     def life_error(self) -> float:
         """Error of the survivals themselves, to which the residuals of the panels are blind: of each contact that of
         births on the present leg or that of earlier births, plus that of the sums over earlier births."""
-        return max(self.kernels.error, self._past.survival_error) + self._past.error
+        return max(self.present.error, self._past.survival_error) + self._past.error
 
     @property
     def reached(self) -> float:
@@ -146,7 +146,7 @@ class March:
 
     def _memory(self, leg: int) -> float:
         """The longest time from a break to the next one of the same contact."""
-        return self.kernels.straight(float(self.motion.speeds[leg])).longest + self.births.delay
+        return self.present.straight(float(self.motion.speeds[leg])).longest + self.births.delay
 
     def _steady(self) -> bool:
         """Whether breaks have been steady for longer than any life. Each rate of breaks is a mean of those before, to
@@ -175,30 +175,30 @@ class March:
         """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += WORK_OF_PANEL * count
         # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
-        # that begin before `oldest`, a second width on the safe side of rounding, add nothing. The kernel holds for
+        # that begin before `oldest`, a second width on the safe side of rounding, add nothing. The sums hold for
         # breaks on this leg only, whose survival depends on the lag alone.
         oldest = self.reached - self._memory(leg) - 2.0 * width
         first = np.searchsorted(self.begin, max(oldest, self.motion.times[leg] - 1e-9 * width))
         other = np.flatnonzero(self.width[first:] != width)
-        in_kernel = self.width.size - int(first) - (int(other[-1]) + 1 if other.size else 0)
-        kernel = self.kernels.on(float(self.motion.speeds[leg]), width, in_kernel + count)
-        known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), in_kernel, leg)
-        return solve_run(kernel, known, self.breaks[self.width.size - in_kernel :], self.stretch)
+        alike = self.width.size - int(first) - (int(other[-1]) + 1 if other.size else 0)
+        of_panel = self.present.on(float(self.motion.speeds[leg]), width, alike + count)
+        known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), alike, leg)
+        return solve_run(of_panel, known, self.breaks[self.width.size - alike :], self.stretch)
 
-    def known(self, grid: Array, in_kernel: int = 0, leg: int | None = None) -> Array:
-        """Number and force at later times, of all but the last `in_kernel` panels. Those have the width of the panels
+    def known(self, grid: Array, alike: int = 0, leg: int | None = None) -> Array:
+        """Number and force at later times, of all but the last `alike` panels. Those have the width of the panels
         to be solved, and solve_run adds them. Three sums: lumps and earlier legs (Past), births on this leg, contacts
         that are out. The times `grid`, in rows, are all on one leg, and with `leg` counted from its beginning."""
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
-        leg_begin, last = float(self.motion.times[leg]), self.begin.size - in_kernel
+        leg_begin, last = float(self.motion.times[leg]), self.begin.size - alike
         if leg != self._past.leg:
             self._past.enter(leg, self.panels(0))
         looked_up = not leg and self._as_births
         out, t, delay = self._past.at(grid, self.lumps[looked_up:]), grid.ravel(), self.births.delay
         if looked_up:
-            out += self.kernels.look_up(float(self.motion.speeds[leg]), grid)
+            out += self.present.look_up(float(self.motion.speeds[leg]), grid)
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         oldest = leg_begin + t.min() - self._memory(leg)
         first = max(int(np.searchsorted(self.begin, oldest, "right")) - 1, 0)
@@ -226,7 +226,7 @@ class March:
         panels = Panels(*(part[broken[0] : broken[-1] + 1] for part in panels))
         begin = panels.births_begin(self.motion.times[leg], self.births.delay)
         speed = float(self.motion.speeds[leg])
-        return self.kernels.sums(speed, t, panels.ends(begin), panels.breaks)
+        return self.present.sums(speed, t, panels.ends(begin), panels.breaks)
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a lump of the contacts that break together at the edge t, if any: the fall of the number there."""

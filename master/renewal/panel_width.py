@@ -32,7 +32,7 @@ class WidthRules:
     spare_soon, spare_late : part of the tolerance below which errors let panels widen: soon, where few panels may have
         their width; late, by what one doubling costs: the error grows as the width to the power of the degree
     rounding : residual of conservation, in contacts, which no width reduces: errors below it let panels widen, too
-    patience : good panels of one width before the next are widened: each width needs a kernel of its own, which costs
+    patience : good panels of one width before the next are widened: each width needs sums of its own, which costs
         as much as solving some 30 panels
     widening, far_widening, calm_widening : factor on the width; where errors are `far_below` the spare ones; and where
         hardly any contact breaks
@@ -117,7 +117,7 @@ class PanelWidth:
         now."""
         rules = self.rules
         ahead = max(1, int(np.ceil(left / self.widest * (1.0 - rules.same))))
-        # the same width, to the last bit, finds its kernel again
+        # the same width, to the last bit, finds its sums again
         if abs(left / ahead - self._width) > rules.same * self._width:
             self._width = left / ahead
         return Proposal(self._width, min(self._run, ahead), ahead)

@@ -16,7 +16,7 @@ from master.motion import History
 from master.numerics import polynomials
 from master.numerics.polynomials import Pieces, Rows
 from master.renewal.births import MOST_WORK, TINY, Births, Lump, Panels, legendre_births
-from master.renewal.kernels import TARGETS
+from master.renewal.present import TARGETS
 from master.renewal.strand_births import StrandBirths
 from master.survival.life import MARGIN
 from origins.start import Start
@@ -107,7 +107,7 @@ class Past:
             first, last = (end(axis=1, keepdims=True) for end in (grid.min, grid.max))
             inside = INSIDE * (last - first)
             t = np.clip(grid, first + inside, last - inside)
-        t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as a moment of the leg before
+        t = np.maximum(t, TINY).ravel()  # t = 0 itself would count as an instant of the leg before
         out = np.zeros((3, t.size))  # the third: the error of the number
         for strand in self._strands:
             out[:2] += strand.sums(t)

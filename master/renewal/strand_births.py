@@ -1,7 +1,7 @@
 """Births of one finished leg, of contacts that age: strands which follow the slider.
 
 Where contacts age, the survival has no closed form in the slider's displacements. So contacts born at
-some moments of the leg (the strands) are followed once along each later leg. The sum over all births
+some instants of the leg (the strands) are followed once along each later leg. The sum over all births
 is a weighted sum over strands: on pieces of the time of birth the survival is a polynomial in it.
 """
 
@@ -44,7 +44,7 @@ class StrandBirths:
         nodes = left[:, None] + (right - left)[:, None] * basis.nodes
         ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
         stretches = life.stretches(births.law)
-        fresh = life.begin(stretches.rule)
+        fresh = life.begin(stretches.nodes)
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs, self._known_error = life.follow(self._strands, leg + 1), stretches.error
@@ -53,7 +53,7 @@ class StrandBirths:
 
     @property
     def survival_error(self) -> float:
-        """By the stretches at birth, the first passages with splines between moments, and rounding."""
+        """By the stretches at birth, the first passages with splines between instants, and rounding."""
         return self._known_error + self._strands.error + ROUNDING
 
     def seen_from(self, motion: Motion, negligible: float) -> bool:

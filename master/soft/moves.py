@@ -12,10 +12,10 @@ from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import StoppedError
 from master.renewal.births import MOST_WORK, Births, reforming_law
-from master.renewal.edges import SMOOTHER, Moment, edges
-from master.renewal.kernels import TARGETS, Run
+from master.renewal.edges import SMOOTHER, Kink, edges
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
+from master.renewal.present import TARGETS, Run
 from master.soft.curve import LoadCurve, SlipBegin, SteadyForce
 from master.survival.life import NO_SURVIVAL, ColdLife
 from origins import Contacts
@@ -36,7 +36,7 @@ class ColdContacts:
     unit, spring : mean threshold (a length), and K/(N_c <k>)
     tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
-    nodes : moments at which number conservation was solved
+    nodes : instants at which number conservation was solved
     """
 
     def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
@@ -67,7 +67,7 @@ class LoadingHistory:
     cut, end : distance travelled up to which the march holds, and at which the move begins: in
         between no contact is born
     places : X where the slider began, stopped or turned, and where it is (lengths)
-    moments : those at which breaks bend
+    kinks : times at which breaks jump or bend
     error : of the force, due to errors of this history (a length)
     """
 
@@ -76,7 +76,7 @@ class LoadingHistory:
     cut: float = 0.0
     end: float = 0.0
     places: tuple[float, ...] = (0.0,)
-    moments: tuple[Moment, ...] = ()
+    kinks: tuple[Kink, ...] = ()
     error: float = 0.0
 
 
@@ -93,7 +93,7 @@ class Move:
     def __init__(self, contacts: ColdContacts, direction: int, loaded: LoadingHistory) -> None:
         self.contacts, self.direction, self.loaded = contacts, direction, loaded
         # plan 2 mean thresholds ahead first: most sliders slip before
-        self._moments, self._ahead = loaded.moments, 2.0 * contacts.unit
+        self._kinks, self._ahead = loaded.kinks, 2.0 * contacts.unit
         self._widest = self._guess
         self._plan(loaded.march, loaded.cut, loaded.end)
         self._first = len(self._march.begin)
@@ -168,7 +168,7 @@ class Move:
         no contact that held at the move's begin is left: where rates agree, so do all that follow.
         """
         march, largest = self._march, self.contacts.life.largest_stretch
-        memory = max(1.1 * march.kernels.straight(float(self.direction)).longest, 2.0 * largest)
+        memory = max(1.1 * march.present.straight(float(self.direction)).longest, 2.0 * largest)
         undisturbed = march.reached - max(self.loaded.end, march.lumps[-1].time)
         if undisturbed < memory:
             return None
@@ -194,9 +194,9 @@ class Move:
         """The history after the travel y; `error` is that of the force due to it."""
         y = max(y, STILL * self.contacts.life.resolution_length)
         end, places = self.loaded.end + y, (*self.loaded.places, self.at(y))
-        met = tuple(moment for moment in self._moments if moment.time < end)
-        moments = (*met, Moment(end, SMOOTHER))
-        return LoadingHistory(self.loaded.start, self._march, end, end, places, moments, error)
+        met = tuple(kink for kink in self._kinks if kink.time < end)
+        kinks = (*met, Kink(end, SMOOTHER))
+        return LoadingHistory(self.loaded.start, self._march, end, end, places, kinks, error)
 
     @property
     def _guess(self) -> float:
@@ -226,10 +226,10 @@ class Move:
             march.tolerance = tolerance
             if cut_at < continued_from:
                 march.postpone_births(cut_at, continued_from)
-        plan = edges(births, start, tolerance, continued_from, self._moments)
+        plan = edges(births, start, tolerance, continued_from, self._kinks)
         if plan.too_many_jumps:
             raise StoppedError("stopped as exact thresholds break too often to be followed")
-        self._moments, march.edges = tuple(plan.moments), plan.times
+        self._kinks, march.edges = tuple(plan.kinks), plan.times
         self._march, self._runs = march, march.runs()
 
 
@@ -286,5 +286,5 @@ class MoveWithoutBirths(Move):
     def after_slip(self, y: float, error: float) -> LoadingHistory:
         """The history when the slip ends after the travel y, and broken contacts re-form; the error is that after."""
         history = self.stopped(y, error)
-        moments = (*self.loaded.moments, Moment(history.end, 1.0))
-        return replace(history, cut=self.loaded.end, moments=moments)
+        kinks = (*self.loaded.kinks, Kink(history.end, 1.0))
+        return replace(history, cut=self.loaded.end, kinks=kinks)

@@ -33,7 +33,7 @@ class SoftSolution:
         the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
     holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains, as slips take no time.
     period : distance of X_T between the last two slips, a length; None for fewer than two.
-    run_time : s; nodes : number of moments at which number conservation was solved.
+    run_time : s; nodes : number of instants at which number conservation was solved.
     success : whether force_error, and the error of `holding`, are at or below the requested tolerance.
     """
 

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from master.numerics.polynomials import Pieces
 from master.outcome import WELL, judged
+from master.steady.cycle import Cycle
 from master.steady.q15 import paper_steady
 from master.steady.sums import summed
-from master.steady.travel import Travel
 from master.survival.heat import ThermalLife
 from master.survival.life import Life
 from master.survival.make import steady_life
@@ -82,34 +82,34 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
             resolved = 1e-9 if life.quick else 1e-7  # the error of an average is about its square
             life = copy(life)  # its owner may ask for more
             life.coefficient_limit = max(life.coefficient_limit, resolved)
-        travel = Travel(contacts, life, velocity)
+        cycle = Cycle(contacts, life, velocity)
         if isinstance(life, ThermalLife) and contacts.reforming is None:
             # sums over single contacts resolve the strongest, which bear F_k where the others hardly hold
             sums = summed(contacts, np.array([velocity]))[..., 0].tolist()
-            if sums[1][1] < travel.area_error:
-                (travel.length, travel.length_error), (travel.area, travel.area_error) = sums
-        force, force_error = travel.force()
+            if sums[1][1] < cycle.area_error:
+                (cycle.length, cycle.length_error), (cycle.area, cycle.area_error) = sums
+        force, force_error = cycle.force()
         known = {
             "force": force,
             "force_error": force_error / unit,
-            "holding": travel.length / travel.birth_to_birth,
+            "holding": cycle.length / cycle.birth_to_birth,
             "thresholds": contacts.thresholds,
             "mean_threshold": unit,
-            "cycle_length": travel.length,
-            "cycle_length_error": travel.length_error / unit,
-            "_held": partial(_held, travel),
+            "cycle_length": cycle.length,
+            "cycle_length_error": cycle.length_error / unit,
+            "_held": partial(_held, cycle),
         }
     relative = known["force_error"] * unit / max(abs(known["force"]), 1e-300)
     success, message = judged("F_k", relative, WELL)
     return SteadyState(success=bool(success), message=message, **known)
 
 
-def _held(travel: Travel, x: Array) -> Array:
+def _held(cycle: Cycle, x: Array) -> Array:
     """Of the contacts born, the share that holds when they come to the stretches x (n,), averaged over births."""
-    life, births = travel.life, travel.born
+    life, births = cycle.life, cycle.born
     if births.is_single:
         way = x[:, None] - births.mean()
-        return np.asarray((way >= 0.0) * travel.scaled(np.maximum(way, 0.0)).survival)[:, 0]
+        return np.asarray((way >= 0.0) * cycle.scaled(np.maximum(way, 0.0)).survival)[:, 0]
     low, high = np.clip(births.span, -life.largest_stretch, life.largest_stretch)
     # twelve panels, and edges where the survival bends
     even = np.linspace(low, high, 13)
@@ -118,5 +118,5 @@ def _held(travel: Travel, x: Array) -> Array:
     pieces = Pieces.between(np.clip(cuts, low, np.clip(x, low, high)[:, None]))
     born, weights = gauss(pieces.low, pieces.high)
     weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
-    held = travel.scaled(x[pieces.owner, None] - born, born).survival
+    held = cycle.scaled(x[pieces.owner, None] - born, born).survival
     return np.asarray(np.bincount(pieces.owner, (weights * held).sum(axis=1), x.size), float)

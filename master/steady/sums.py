@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from master.numerics.table import Table
-from master.steady.travel import check_finite, thresholds_beyond
+from master.steady.cycle import check_finite, thresholds_beyond
 from origins import Contacts
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges

@@ -11,7 +11,7 @@ from master.renewal.budget import SMALLEST_TOLERANCE
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
 from master.rigid import ROUND_OFF, longest_stretch, march_of
-from master.steady.travel import Travel
+from master.steady.cycle import Cycle
 from master.survival.make import steady_life
 from origins import Contacts
 from origins.thresholds.law import Array
@@ -35,95 +35,95 @@ class Extremes(NamedTuple):
 
     fall: Largest
     force: Largest
-    travel: Travel
+    cycle: Cycle
 
 
 def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = np.inf) -> Extremes:
     """K* to a tolerance relative to 1 + K*, and F_s to one in units of `unit_of`; unknown where they are not found by
     the reading `until` of time.monotonic()."""
-    travel = travel_table(contacts, speed, tolerance)
-    horizon, followed = _horizon(travel)
-    unit, diverges = unit_of(travel), _diverges(contacts, travel.life.bends)
+    cycle = cycle_table(contacts, speed, tolerance)
+    horizon, followed = _horizon(cycle)
+    unit, diverges = unit_of(cycle), _diverges(contacts, cycle.life.bends)
     # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of its slope:
     # panels are solved to a thousandth of the slope's tolerance; beside densities that diverge, 1e-6 takes long
     asked = max(tolerance, 1e-6) if diverges else 1e-3 * tolerance
     asked *= unit / contacts.mean_threshold
     solved_to = np.inf
     for finer in (1.0, 1e-2, 1e-4):
-        march = forward_march(travel, horizon, finer * asked, until)
+        march = forward_march(cycle, horizon, finer * asked, until)
         if march.tolerance >= solved_to:  # the finest already
             break
         solved_to = march.tolerance
         if march.run().unfinished:
             unknown = Largest(np.nan, np.inf, np.nan)
-            return Extremes(unknown, unknown, travel)
-        fall, force = _steepest_and_highest(march, travel)
+            return Extremes(unknown, unknown, cycle)
+        fall, force = _steepest_and_highest(march, cycle)
         good = fall.error <= tolerance * (1.0 + fall.value) and force.error <= tolerance * unit
         if good or diverges:
             break
     fall = Largest(np.inf, 0.0, fall.position) if diverges else fall
     # F decays to the kinetic force, so that F_s is at least this
-    force = force._replace(value=max(force.value, travel.force()[0]))
+    force = force._replace(value=max(force.value, cycle.force()[0]))
     if not followed:
-        steepest, highest = _beyond(travel, horizon)
+        steepest, highest = _beyond(cycle, horizon)
         fall = fall._replace(error=max(fall.error, steepest - fall.value))
         force = force._replace(error=max(force.error, highest - force.value))
-    return Extremes(fall, force, travel)
+    return Extremes(fall, force, cycle)
 
 
-def travel_table(contacts: Contacts, velocity: float, tolerance: float) -> Travel:
+def cycle_table(contacts: Contacts, velocity: float, tolerance: float) -> Cycle:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(1e-6 * tolerance, 1e-13)  # a slope loses some four digits
-    return Travel(contacts, steady_life(contacts, velocity), velocity, accuracy)
+    return Cycle(contacts, steady_life(contacts, velocity), velocity, accuracy)
 
 
-def forward_march(travel: Travel, horizon: float, tolerance: float, until: float = np.inf) -> March:
-    """The march of contacts with this `travel_table` from their start to X = `horizon` (a length), not yet run;
+def forward_march(cycle: Cycle, horizon: float, tolerance: float, until: float = np.inf) -> March:
+    """The march of contacts with this `cycle_table` from their start to X = `horizon` (a length), not yet run;
     the tolerance of the force, in mean thresholds, is limited by the error of the survival."""
-    contacts, life, mean = travel.contacts, travel.life, travel.contacts.mean_threshold
-    motion = Motion(np.array([0.0, horizon / travel.velocity]), np.array([0.0, horizon]))
+    contacts, life, mean = cycle.contacts, cycle.life, cycle.contacts.mean_threshold
+    motion = Motion(np.array([0.0, horizon / cycle.velocity]), np.array([0.0, horizon]))
     # with heat contacts break long before they reach the longest stretch; a limit below a tenth of the mean
     # threshold would make the march's tolerance finer than rounding
-    most = max(max(abs(end) for end in contacts.start.span) + travel.most, 0.1 * mean)
-    known = travel.survival_error + (0.0 if life.quick else float(travel.table.tails.max()))
+    most = max(max(abs(end) for end in contacts.start.span) + cycle.most, 0.1 * mean)
+    known = cycle.survival_error + (0.0 if life.quick else float(cycle.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
     finest = max(
-        SMALLEST_TOLERANCE, 10.0 * known, 0.1 * np.spacing(horizon) / travel.resolution_length
+        SMALLEST_TOLERANCE, 10.0 * known, 0.1 * np.spacing(horizon) / cycle.resolution_length
     )
     finest *= min(longest_stretch(contacts, motion, life), most) / mean
     march = march_of(contacts, motion, life, max(tolerance, finest), until, most)
     if not life.quick:
         # an error of the force divided by the panel's width is one of the slope: avoid narrow panels
-        march.guess = WIDE * travel.resolution_length
+        march.guess = WIDE * cycle.resolution_length
     return march
 
 
-def unit_of(travel: Travel) -> float:
+def unit_of(cycle: Cycle) -> float:
     """The unit of the tolerance of F_s, a length: the mean threshold, or with heat the mean travel C, which is no
     measure with growing grains: contacts of the start are older and live far longer."""
-    contacts = travel.contacts
+    contacts = cycle.contacts
     plain = contacts.thermal is None or contacts.grains is not None
-    return contacts.mean_threshold if plain else travel.length
+    return contacts.mean_threshold if plain else cycle.length
 
 
-def _steepest_and_highest(march: March, travel: Travel) -> tuple[Largest, Largest]:
-    """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `travel` as in `forward_march`."""
-    begin, width = travel.velocity * np.array([march.begin, march.width])
+def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]:
+    """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `cycle` as in `forward_march`."""
+    begin, width = cycle.velocity * np.array([march.begin, march.width])
     series = np.array(march.force) @ polynomials.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
     errors = (np.maximum(march.error, 2e-15) + march.life_error) * march.stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
     # over which contacts break: conservation puts the number right at the panel's end
-    shifted = np.maximum.accumulate(errors * np.minimum(width / travel.resolution_length, 1.0))
+    shifted = np.maximum.accumulate(errors * np.minimum(width / cycle.resolution_length, 1.0))
     force = _largest(series, np.maximum(errors, shifted), begin, width)
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
     force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
-        return Largest(np.inf, 0.0, march.lumps[1].time * travel.velocity), force
+        return Largest(np.inf, 0.0, march.lumps[1].time * cycle.velocity), force
     # on panels narrower than this the change of F is rounding, and so would be its slope
-    wide = width > min(1e-6 * travel.typical, 0.5 * width.max())
+    wide = width > min(1e-6 * cycle.typical, 0.5 * width.max())
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
-    errors = 2.0 * polynomials.DEGREE**2 * errors / width + shifted / travel.resolution_length
+    errors = 2.0 * polynomials.DEGREE**2 * errors / width + shifted / cycle.resolution_length
     fall = _largest(slopes, errors[wide], begin[wide], width[wide])
     return fall._replace(value=max(fall.value, 0.0)), force
 
@@ -142,34 +142,34 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
     return Largest(float(best[k]), error, float(begin[k] + 0.5 * width[k] * (1.0 + z[k, at[k]])))
 
 
-def _horizon(travel: Travel) -> tuple[float, bool]:
+def _horizon(cycle: Cycle) -> tuple[float, bool]:
     """How far to follow F (a length), and if its extremes surely lie before. If generations of breaks do not overlap,
     the first is the sharpest, or the second if contacts re-form elsewhere than relaxed: else three delays more then."""
-    life, contacts, elsewhere = travel.life, travel.contacts, any(travel.born.span)
+    life, contacts, elsewhere = cycle.life, cycle.contacts, any(cycle.born.span)
     low, high = contacts.start.span
-    if life.largest_stretch - low < 2.0 * life.safe_stretch - high - max(travel.born.span[1], 0.0):
+    if life.largest_stretch - low < 2.0 * life.safe_stretch - high - max(cycle.born.span[1], 0.0):
         # the last contact breaks before any breaks for the second time: F is followed for 0.01 mean thresholds beyond
-        second = life.largest_stretch - travel.born.span[0] + travel.wait if elsewhere else 0.0
+        second = life.largest_stretch - cycle.born.span[0] + cycle.wait if elsewhere else 0.0
         return life.largest_stretch - min(low, 0.0) + second + 0.01 * contacts.mean_threshold, True
-    unit, begin, end = unit_of(travel), travel.table.begin, travel.table.end
-    old = end[travel.table(begin)[0] * end > OLD * travel.length].max(initial=0.0)
+    unit, begin, end = unit_of(cycle), cycle.table.begin, cycle.table.end
+    old = end[cycle.table(begin)[0] * end > OLD * cycle.length].max(initial=0.0)
     furthest = max(UNITS * unit, old + unit)
     horizon = min(furthest, MOST_UNITS * unit)
     # contacts that re-form relaxed fall most steeply in the first generation
-    return horizon - min(low, 0.0) + 3.0 * travel.wait * elsewhere, bool(furthest <= horizon)
+    return horizon - min(low, 0.0) + 3.0 * cycle.wait * elsewhere, bool(furthest <= horizon)
 
 
-def _beyond(travel: Travel, horizon: float) -> tuple[float, float]:
+def _beyond(cycle: Cycle, horizon: float) -> tuple[float, float]:
     """Bounds of the slope -dF/dX and of F (a length) beyond the horizon. In -dF/dX = integral of x p (u - 1), u
     is C times the rate of breaks; u - 1 has an integral of about F_k, and decays to the contribution of lives longer
     than the horizon. Both bounds are doubled for safety."""
-    ways = np.append(0.5 * horizon, travel.table.end[travel.table.end > 0.5 * horizon])
+    ways = np.append(0.5 * horizon, cycle.table.end[cycle.table.end > 0.5 * horizon])
     middle = np.sqrt(ways[1:] * ways[:-1])
-    held, kinetic = travel.table(middle)[0], travel.area / travel.length
-    broken = np.maximum(-np.diff(travel.table(ways)[0]) / np.log(ways[1:] / ways[:-1]), 0.0)
-    older = float(held @ np.diff(ways)) / travel.length
-    steepest = kinetic / travel.length * float(broken.max(initial=0.0)) + older
-    excess = float((held * middle).max(initial=0.0)) / travel.length + older
+    held, kinetic = cycle.table(middle)[0], cycle.area / cycle.length
+    broken = np.maximum(-np.diff(cycle.table(ways)[0]) / np.log(ways[1:] / ways[:-1]), 0.0)
+    older = float(held @ np.diff(ways)) / cycle.length
+    steepest = kinetic / cycle.length * float(broken.max(initial=0.0)) + older
+    excess = float((held * middle).max(initial=0.0)) / cycle.length + older
     return 2.0 * steepest, kinetic * (1.0 + 2.0 * excess)
 
 

@@ -63,17 +63,17 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     tolerance = check_tolerance("tolerance", tolerance)
     check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
     velocity = between("velocity", velocity, 1e-100, 1e100)
-    fall, static, travel = extremes(contacts, velocity, tolerance)
-    kinetic, off = travel.force()
+    fall, static, cycle = extremes(contacts, velocity, tolerance)
+    kinetic, off = cycle.force()
     if not kinetic > 0.0:
         fault = f"contacts form again behind x = 0 and bear {kinetic:.3g} in steady sliding"
         hint = "of which no F_s is a multiple; ask master.phase_line for K* alone"
         raise InputError(f"reforming: {fault}, {hint}")
-    length, length_error = decoherence_length(travel)
+    length, length_error = decoherence_length(cycle)
     # where F(X) falls nowhere F_k is its largest value
     ratio = max(static.value / kinetic, 1.0) if fall.value > 0.0 else 1.0
     sure_spring, spring_message = judged("K*", fall.error / (1.0 + fall.value), tolerance)
-    sure_static, static_message = judged("F_s", static.error / unit_of(travel), tolerance)
+    sure_static, static_message = judged("F_s", static.error / unit_of(cycle), tolerance)
     return Propensity(
         critical_spring=fall.value,
         critical_spring_error=fall.error,

@@ -19,8 +19,8 @@ from scipy.optimize import brentq
 
 from master.numerics import polynomials
 from master.numerics.table import SIZE, Table
-from master.renewal.kernels import NARROWEST_PANEL
-from master.steady.travel import FEW, UNDERFLOW, Travel
+from master.renewal.present import NARROWEST_PANEL
+from master.steady.cycle import FEW, UNDERFLOW, Cycle
 from origins.thresholds.law import Array
 from origins.thresholds.tail import tail_rate
 
@@ -90,26 +90,26 @@ class Transform:
     relative accuracy on each panel, until it underflows or no wave grows as fast as it falls.
     """
 
-    def __init__(self, travel: Travel, deepest: float) -> None:
+    def __init__(self, cycle: Cycle, deepest: float) -> None:
         """Extend the table of E until hardly any contact holds; deepest: the fastest decay of a wave (per length)."""
-        self.travel, self.deepest = travel, deepest
-        life, edges = travel.life, travel.table.edges
+        self.cycle, self.deepest = cycle, deepest
+        life, edges = cycle.life, cycle.table.edges
         for _ in range(40):  # doublings of the way
             edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
-            held = travel.scaled(edges[:, None] * (1.0 - 1e-12)).survival[:, 0]
+            held = cycle.scaled(edges[:, None] * (1.0 - 1e-12)).survival[:, 0]
             felt = _count_felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
             if felt < edges.size:
                 break
             edges = np.append(edges, 2.0 * edges[-1])
         edges = edges[: felt + 1]
         # where each survival takes long (many stretches at birth, warm grains) the table is coarser
-        short = life.quick or (travel.born.is_single and life.pair_work < 100)
-        accuracy = 1e-13 if short else max(travel.accuracy, 1e-9)
+        short = life.quick or (cycle.born.is_single and life.pair_work < 100)
+        accuracy = 1e-13 if short else max(cycle.accuracy, 1e-9)
 
-        self._survival_error = travel.survival_error
+        self._survival_error = cycle.survival_error
 
         def for_table(way: Array) -> Array:
-            found = travel.scaled(way)
+            found = cycle.scaled(way)
             self._survival_error = max(self._survival_error, found.error)
             return found.both
 
@@ -118,22 +118,22 @@ class Transform:
             held = np.abs(values[0])
             held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
             known = held * self._survival_error / np.maximum(held, FEW) + self._neglected
-            return np.maximum(held, np.stack([known, known + life.kernel_error]) / accuracy)
+            return np.maximum(held, np.stack([known, known + life.error_of_force]) / accuracy)
 
-        shortest = NARROWEST_PANEL * min(travel.typical, float(edges[1]))
+        shortest = NARROWEST_PANEL * min(cycle.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
         self.table = Table(for_table, edges, accuracy, shortest, looser=sizes, rounding=1e2)
 
     @property
     def _neglected(self) -> float:
         """Error of the survival however few contacts hold, a fraction of them."""
-        life = self.travel.life
+        life = self.cycle.life
         return life.neglected if life.error_is_relative else self._survival_error
 
     def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
         """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
         of wave/fastest, `fastest` the largest |s|."""
-        table, scale, life = self.table, self.travel.scale, self.travel.life
+        table, scale, life = self.table, self.cycle.scale, self.cycle.life
         felt = _count_felt(table(table.begin)[0], table.end, decay)
         pieces = np.maximum(np.ceil(table.widths[:felt] * fastest / wave), 1.0).astype(int)
         numbers = np.append(0, pieces.cumsum())
@@ -149,7 +149,7 @@ class Transform:
         errors = np.abs(values) * share
         errors += self._neglected * np.stack([np.ones(way.shape), way / scale])
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
-        errors[1] = (errors[1] + life.kernel_error * (way < life.largest_stretch)) * scale
+        errors[1] = (errors[1] + life.error_of_force * (way < life.largest_stretch)) * scale
         some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
         return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
 
@@ -157,7 +157,7 @@ class Transform:
         """The transforms at s (per length) of shape (n,), none of which is 0; nodes are for all s near."""
         if nodes is None:
             nodes = self.nodes(np.abs(s).max(initial=0.0), -s.real.min(initial=0.0))
-        wait, (way, sums, errors) = self.travel.wait, nodes
+        wait, (way, sums, errors) = self.cycle.wait, nodes
         rounded = way * np.abs(sums[::2])  # a rounded way turns the wave
         transforms, off = np.empty((3, s.size), dtype=complex), np.empty((2, s.size))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -183,14 +183,14 @@ class Transform:
         return (coarse.T * (sums[0] * np.exp(decay * way)) @ each).ravel()[:count]
 
 
-def crowding(travel: Travel) -> float:
+def crowding(cycle: Cycle) -> float:
     """Decay rate (per length) near which infinitely many roots of ever higher frequency crowd, due to
     exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
-    ways = travel.atoms[(travel.atoms > 0.0) & (travel.atoms <= travel.longest)]
+    ways = cycle.atoms[(cycle.atoms > 0.0) & (cycle.atoms <= cycle.longest)]
     # the share that breaks at each is that just before less that just after it
     sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], ways)
-    before, after = travel.scaled(sides.reshape(-1, 1)).survival.reshape(sides.shape)
-    ways, shares = ways[before > after] + travel.wait, (before - after)[before > after]
+    before, after = cycle.scaled(sides.reshape(-1, 1)).survival.reshape(sides.shape)
+    ways, shares = ways[before > after] + cycle.wait, (before - after)[before > after]
     if not ways.size or shares.sum() > 1.0 - 1e-14:
         return 0.0 if ways.size else np.inf
     logs = np.log(shares)
@@ -198,20 +198,20 @@ def crowding(travel: Travel) -> float:
     return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))
 
 
-def decoherence_length(travel: Travel) -> tuple[float, float]:
+def decoherence_length(cycle: Cycle) -> tuple[float, float]:
     """X* of the slowest term e^(-X/X*), and its error; inf where nothing decays exponentially.
 
     It is inf for exact values alone (F is periodic or nearly so), and for a tail slower than any exponential. Where a
     few contacts live more than 10,000 times as long as the mean, the error is inf. Where exact values have a share of
     the weight, roots slower than the rate at which infinitely many crowd may not exist: X* is that of this rate.
     """
-    rate, off = min(tail_rate(travel.contacts.thresholds), (crowding(travel), 0.0))
+    rate, off = min(tail_rate(cycle.contacts.thresholds), (crowding(cycle), 0.0))
     if rate == 0.0:
         return np.inf, 0.0
-    if travel.longest > BROAD * travel.length:
+    if cycle.longest > BROAD * cycle.length:
         # X* depends on the few contacts that live longest, which the table of E does not resolve
-        return travel.longest, np.inf
-    transform = Transform(travel, deepest_wave(travel, rate))
+        return cycle.longest, np.inf
+    transform = Transform(cycle, deepest_wave(cycle, rate))
     roots, searched = leading_roots(transform, 1)
     if roots.size:
         decay, error = -float(roots[0].real), float(transform(roots[:1]).root_error()[0])
@@ -219,19 +219,19 @@ def decoherence_length(travel: Travel) -> tuple[float, float]:
         return (1.0 / decay, error / decay**2) if error < decay else (1.0 / error, np.inf)
     if searched > 0.95 * NEAR * rate:  # an undetected root may lie from there to the rate
         return 1.0 / rate, (off + rate - searched) / rate**2
-    return (0.5 / searched, 0.5 / searched) if searched else (travel.length, np.inf)
+    return (0.5 / searched, 0.5 / searched) if searched else (cycle.length, np.inf)
 
 
-def deepest_wave(travel: Travel, rate: float) -> float:
+def deepest_wave(cycle: Cycle, rate: float) -> float:
     """Decay rate to which roots are searched (per length): deeper waves vanish within a mean life."""
-    return min(NEAR * rate, 40.0 / travel.birth_to_birth)
+    return min(NEAR * rate, 40.0 / cycle.birth_to_birth)
 
 
 def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
     """All roots of D with Im s > 0 right of Re s = -searched, slowest first, and `searched` (per length):
     at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate (0: everywhere)."""
     roots, searched, deepest = np.empty(0, dtype=complex), 0.0, transform.deepest
-    decay = min(0.5 / transform.travel.birth_to_birth, deepest)
+    decay = min(0.5 / transform.cycle.birth_to_birth, deepest)
     while roots.size < count and searched <= 0.99 * deepest:
         found, number = _right(transform, decay, roots)
         if found.size >= number:
@@ -247,19 +247,19 @@ def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
 def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, float]:
     """Roots right of the line Re s = -decay, or hardly left of it, of which `some` are known; and how many are right of
     it, inf where D is too inaccurate to tell."""
-    travel, s = transform.travel, np.array([complex(-decay)])
+    cycle, s = transform.cycle, np.array([complex(-decay)])
     end = transform(s)
     if not end.conserved_error[0] * decay < COUNTABLE:
         return some, np.inf
     # the slope of w = 1 - sD on the real axis is the mean way, weighted by e^(decay x)
     step = float((TURN * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     by_work = np.sqrt(MOST_SUMMANDS * step / transform.table.end[-1])
-    highest = min(MOST_FREQUENCIES / travel.birth_to_birth, by_work)
-    last = max(4.0 / travel.resolution_length, 15.0 * step)
+    highest = min(MOST_FREQUENCIES / cycle.birth_to_birth, by_work)
+    last = max(4.0 / cycle.resolution_length, 15.0 * step)
     while True:
         last = min(2.0 * last, highest)
         s = -decay + 1j * step * np.arange(int(np.ceil(last / step)) + 2)
-        w = (1.0 - s * transform.held_on_line(decay, step, s.size)) * np.exp(-s * travel.wait)
+        w = (1.0 - s * transform.held_on_line(decay, step, s.size)) * np.exp(-s * cycle.wait)
         loudest = float(s[np.flatnonzero(np.abs(w) > QUIET)[-1]].imag)
         if loudest < LAST_PART * last or last >= highest:
             break

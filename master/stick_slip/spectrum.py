@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from master.numerics import polynomials
-from master.steady.travel import Travel
-from master.stick_slip.extremes import forward_march, travel_table
+from master.steady.cycle import Cycle
+from master.stick_slip.extremes import cycle_table, forward_march
 from master.stick_slip.roots import BROAD, Complex, Transform, crowding, deepest_wave, leading_roots
 from origins import Contacts, InputError
 from origins.brief import brief
@@ -103,15 +103,15 @@ def decoherence_spectrum(
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = between("velocity", velocity, 1e-100, 1e100), whole("n_roots", n_roots, 1)
-    travel, start = travel_table(contacts, velocity, TOLERANCE), contacts.start
-    wait, unit = travel.wait, contacts.mean_threshold
-    transform = Transform(travel, _deepest(travel))
+    cycle, start = cycle_table(contacts, velocity, TOLERANCE), contacts.start
+    wait, unit = cycle.wait, contacts.mean_threshold
+    transform = Transform(cycle, _deepest(cycle))
     roots, searched = leading_roots(transform, n_roots + 1)
     s, of_start = roots[:n_roots], transform
     next_decay = float(-roots[n_roots].real) if roots.size > n_roots else searched
     # at X = 0 grains are older than those just pinned, at the same stretch, too
-    if contacts.grains is not None or not (start.is_single and start.span == travel.born.span):
-        way = Travel(contacts, travel.life, velocity, born=start)
+    if contacts.grains is not None or not (start.is_single and start.span == cycle.born.span):
+        way = Cycle(contacts, cycle.life, velocity, born=start)
         of_start = Transform(way, -float(s.real.min(initial=0.0)))
     root_error = transform(s).root_error()
     beside = np.append(s, s + root_error)
@@ -120,7 +120,7 @@ def decoherence_spectrum(
     amplitude, moved = np.split(2.0 * values.force * late / values.slope, 2)
     share = values.force_error / np.abs(values.force) + 1e-14
     share += first.held_error / np.abs(1.0 / beside - first.held)
-    kinetic, kinetic_off = travel.force()
+    kinetic, kinetic_off = cycle.force()
     spectrum = DecoherenceSpectrum(
         roots=s,
         roots_error=root_error,
@@ -134,38 +134,38 @@ def decoherence_spectrum(
         _unit=unit,
         _left_out=0.0,
     )
-    left = _remainder(travel, spectrum)
+    left = _remainder(cycle, spectrum)
     return replace(spectrum, _left_out=left, run_time=time.perf_counter() - began)
 
 
-def _deepest(travel: Travel) -> float:
+def _deepest(cycle: Cycle) -> float:
     """The decay rate to which roots are searched; InputError where none can be resolved."""
-    contacts, wait = travel.contacts, travel.wait
-    if wait > LONGEST_DELAY * travel.length:
+    contacts, wait = cycle.contacts, cycle.wait
+    if wait > LONGEST_DELAY * cycle.length:
         grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
-        fault = f"{grown}contacts wait for {wait / travel.length:.3g} times as long as they hold"
-        refuse("velocity", travel.velocity, f"{fault}; roots are told to {LONGEST_DELAY:g} times")
-    crowd, tail = crowding(travel), tail_rate(contacts.thresholds)[0]
-    if crowd * travel.birth_to_birth < 1e-2:
+        fault = f"{grown}contacts wait for {wait / cycle.length:.3g} times as long as they hold"
+        refuse("velocity", cycle.velocity, f"{fault}; roots are told to {LONGEST_DELAY:g} times")
+    crowd, tail = crowding(cycle), tail_rate(contacts.thresholds)[0]
+    if crowd * cycle.birth_to_birth < 1e-2:
         fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
         hint = "and none is the slowest; give each a width, or follow F(X) with master.solve"
         raise InputError(f"thresholds: {fault}, {hint}")
     if tail == 0.0:
         fault = "the tail falls slower than any exponential, and with it F - F_k: no root exists"
         raise InputError(f"thresholds: {fault}")
-    if travel.longest > BROAD * travel.length:
-        fault = f"contacts live for all lengths up to {travel.longest / travel.length:.1g} times the mean: among so"
+    if cycle.longest > BROAD * cycle.length:
+        fault = f"contacts live for all lengths up to {cycle.longest / cycle.length:.1g} times the mean: among so"
         hint = "many no leading oscillating wave can be resolved; master.propensity tells X*, or that it is unknown"
         raise InputError(f"contacts: {fault} {hint}")
-    return deepest_wave(travel, min(tail, crowd))
+    return deepest_wave(cycle, min(tail, crowd))
 
 
-def _remainder(travel: Travel, spectrum: DecoherenceSpectrum) -> float:
+def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
     """The largest error of the terms over the first few mean ways from birth to birth, times e^(X/beyond), a length."""
-    horizon = 6.0 * travel.birth_to_birth + max(-2.0 * travel.contacts.start.span[0], 0.0)
-    march = forward_march(travel, horizon, TOLERANCE).run()
+    horizon = 6.0 * cycle.birth_to_birth + max(-2.0 * cycle.contacts.start.span[0], 0.0)
+    march = forward_march(cycle, horizon, TOLERANCE).run()
     share = np.append(0.0, polynomials.NODES)
-    x = travel.velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
+    x = cycle.velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
     off = (np.array(march.error) + march.life_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F

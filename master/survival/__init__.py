@@ -1,1 +1,1 @@
-"""Survival and force, after any motion, of contacts born at one moment: one file for each law."""
+"""Survival and force, after any motion, of contacts born at one instant: one file for each law."""

@@ -58,7 +58,7 @@ class Survivors(NamedTuple):
 class Life:
     """Survival and force, after any motion of the slider, of contacts that were born together.
 
-    The method `survival_and_force` gives the survival E(t, s) and the force kernel K(t, s) of number conservation for
+    The method `survival_and_force` gives the survival E(t, s) and the force K(t, s) of number conservation for
     contacts born at the stretches at which broken contacts re-form, and G_0(t) and M_0(t) for contacts
     born at t = 0 at the stretches of the start. Each law of contacts is a subclass; attributes that it
     does not set are those of a survival that depends on time and has no bends.
@@ -73,13 +73,13 @@ class Life:
     marks : array of shape (n,), where `quick`: |x| between which the survival is nearly a polynomial
     resolution_length : length over which the survival has to be resolved
     quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
-    pair_work : work of `survival_and_force` for one birth at one moment, in look-ups in a table
+    pair_work : work of `survival_and_force` for one birth at one instant, in look-ups in a table
     timeless : whether the survival depends only on the distance moved, and not on the time that it took
     error : the least error of a survival that `survival_and_force` can return, known when the life is made; no query
         changes it, as each returns its own error
     neglected : fraction of the contacts that the survival may leave out: its error is never below that
     error_is_relative : whether the error of a survival shrinks with it where few contacts hold; only transforms need it
-    kernel_error : further error of K, in units of the stretches at a break; only transforms need it
+    error_of_force : further error of K, in units of the stretches at a break; only transforms need it
     coefficient_limit : last coefficients, on a piece of the stretches at birth, below which it is not halved
     start_as_births : whether contacts of the start survive as those born later at the same stretch
     has_strands : whether births of earlier legs have to be followed, since `survival_and_force` does not know them
@@ -97,7 +97,7 @@ class Life:
     error = 0.0
     neglected = 0.0
     error_is_relative = True
-    kernel_error = 0.0
+    error_of_force = 0.0
     coefficient_limit = 1e-12
     atoms: Array = np.empty(0)
     bends: Array = np.empty(0)
@@ -174,7 +174,7 @@ class LawLife(Life):
     def __init__(self, contacts: Contacts) -> None:
         """Find how far contacts may be stretched, where their survival bends, and how finely it varies."""
         law = self.law = contacts.thresholds
-        self.kernel_error = 1e-12 if contacts.stiffness == "linked" else 0.0
+        self.error_of_force = 1e-12 if contacts.stiffness == "linked" else 0.0
         self.atoms, self.atom_weights = law.atoms
         # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
@@ -240,7 +240,7 @@ class ColdLife(LawLife):
             shortest = (
                 1e-9 * self._mean
             )  # of a panel: beside a density that diverges halving ends here
-            edges, accuracy = self.marks, self.kernel_error
+            edges, accuracy = self.marks, self.error_of_force
             self._survival_table = Table(lambda x: law.sf(x)[None], edges, accuracy, shortest)
 
     def _weighted_by_stiffness(self, m: Array, survival: Array) -> Array:

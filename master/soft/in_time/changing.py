@@ -21,26 +21,26 @@ WIDTHS_OF_BIRTHS = 2.0
 # First step of a hold: of contacts that age in times in which thresholds spread by the narrowest width, of grains in
 # times until they pin.
 FIRST_OF_AGEING, FIRST_OF_GROWTH = 1e-3, 0.05
-# Largest root of the hazard at an edge: the survival there is 2e-14. Cells on the coarsest level; they are halved with
+# Largest root of the hazard at an edge: the survival there is 2e-14. Cells on the coarsest steps; they are halved with
 # every second one.
 LARGEST_ROOT, COARSEST_CELLS = 5.6, 48
 
 
 class AgeingMemory(Memory):
-    """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each level.
+    """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each halving.
 
     fastest : speed at which an edge of the density is resolved
     """
 
     error, finer_before_slips = 0.0, True
 
-    def __init__(self, contacts: Contacts, level: int, fastest: float) -> None:
+    def __init__(self, contacts: Contacts, halvings: int, fastest: float) -> None:
         ageing = contacts.ageing
         assert ageing is not None
-        self._cells = cells = Cells(contacts, level, fastest)
+        self._cells = cells = Cells(contacts, halvings, fastest)
         self.width = cells.edges.size - 1
         self.largest_stretch = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
-        self.starts = warm_nodes(level)
+        self.starts = warm_nodes(halvings)
         shortest = FIRST_OF_AGEING * cells.width**2 / ageing.rate
         self.scales = Scales(WIDTHS_OF_BIRTHS * cells.width, shortest, cells.heat_rate)
 
@@ -60,21 +60,21 @@ class GrainMemory(Memory):
 
     error, others = 1e-13, RATE_INTEGRAL
 
-    def __init__(self, contacts: Contacts, level: int) -> None:
-        """Choose the moments at which grains pin in the start, and how far births are apart."""
-        super().__init__(contacts, level)
+    def __init__(self, contacts: Contacts, halvings: int) -> None:
+        """Choose the instants at which grains pin in the start, and how far births are apart."""
+        super().__init__(contacts, halvings)
         grains = contacts.grains
         assert grains is not None and grains.age is not None
         # cells are those of quantiles, whose thresholds begin at 0: what the law's cells resolve does not matter
         self.resolves_heat = True
         self._grains, first = grains, grains.growth.first_pinning_time
         self._start_since, self.largest_stretch = grains.age - first, grains.at_start.support()[1]
-        self.starts = warm_nodes(level)
+        self.starts = warm_nodes(halvings)
         length = WIDTHS_OF_BIRTHS * min(self.scales.length, grains.quick_width)
         time = FIRST_OF_GROWTH * first
         self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
         # edges are roots of hazards, as small thresholds are proportional to these
-        edges = np.linspace(0.0, LARGEST_ROOT, COARSEST_CELLS * 2 ** (level // 2) + 1)
+        edges = np.linspace(0.0, LARGEST_ROOT, COARSEST_CELLS * 2 ** (halvings // 2) + 1)
         self._hazards = edges**2
         self._set_cells(edges, np.exp(-self._hazards))
         if contacts.thermal is not None:

@@ -5,8 +5,8 @@ born at s, number conservation says
 
     G_0(t) + integral of E(t, s) dN(s) + [B(t) - N(t)] = 1,        N(t) = B(t - delay).
 
-Contacts are independent: the survival of those born at one moment depends on the motion since and on nothing else. They
-are represented by a cohort born at the end of each step, and each cohort by one group for each stretch at which
+Contacts are independent: the survival of those born at one instant depends on the motion since and on nothing else.
+They are represented by a cohort born at the end of each step, and each cohort by one group for each stretch at which
 contacts form again. Within a step the rate of births is taken as constant: half of its births belong to the cohort at
 its begin, half to that at its end, of second order in the step.
 """
@@ -16,7 +16,7 @@ from bisect import bisect_left
 import numpy as np
 from scipy.interpolate import KroghInterpolator
 
-from master.numerics.averages import StretchRule, stretch_rule
+from master.numerics.averages import StretchNodes, stretch_nodes
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import reforming_law
 from master.soft.in_time.groups import Groups, Trial, per_survival
@@ -29,12 +29,13 @@ DEAD = 1e-19
 # Most steps, and most operations in them, which take a minute or less. A group costs as many operations in a step as
 # there are numbers in its record, and as many as FIXED_WORK numbers beside them.
 MOST_STEPS, MOST_WORK, FIXED_WORK = 6e3, 1e9, 60
-# An error estimate needs as many levels of halved steps, so that the coarser ones may take only a part of that.
-LEVELS = 3
+# An error estimate needs as many sliders, each with its steps halved once more, so that the coarser ones may take only
+# a part of that.
+COMPARED = 3
 # Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
 UNRESOLVED = 0.5
-# By this part of the time since the beginning a delay is prolonged, so that births that are due at a moment do not come
-# before it by rounding.
+# By this part of the time since the beginning a delay is prolonged, so that births that are due at an instant do not
+# come before it by rounding.
 LATE = 1e-13
 # Nodes of the polynomial through past breaks, of a higher order than the steps, which are of second order.
 NODES = 4
@@ -50,21 +51,21 @@ class Cohorts:
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
     pending : times at which the rate of births jumps, and the fractions, possibly 0, born at once there
-    level : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
+    halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
     unresolved : bound on the force (a length) of contacts whose survival steps do not resolve
     """
 
-    def __init__(self, contacts: Contacts, memory: Memory, level: int, until: float) -> None:
+    def __init__(self, contacts: Contacts, memory: Memory, halvings: int, until: float) -> None:
         """All contacts at the beginning; `until` is a reading of time.monotonic() at which to stop."""
         self.memory, self.delay, self._until = memory, contacts.waiting_time, until
-        self.level, self.steps, self.work, self.unresolved = level, 0, 0.0, 0.0
+        self.halvings, self.steps, self.work, self.unresolved = halvings, 0, 0.0, 0.0
         self.position, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
         self.largest_stiffness = float(contacts.relative_stiffness(memory.largest_stretch))
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
         self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())
-        start = stretch_rule(contacts.start, memory.largest_stretch, memory.starts)
-        # births at many stretches have more nodes with each level
-        reformed = stretch_rule(reforming_law(contacts), memory.largest_stretch, 8 + 4 * level)
+        start = stretch_nodes(contacts.start, memory.largest_stretch, memory.starts)
+        # births at many stretches have more nodes with each halving
+        reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, 8 + 4 * halvings)
         self._reformed = per_survival(memory, reformed)
         self._begin(per_survival(memory, start), memory.start(start.stretch))
 
@@ -72,7 +73,7 @@ class Cohorts:
         """Replace all contacts, also those that are out, by those just formed again."""
         self._begin(self._reformed, self.memory.fresh(self._reformed.stretch, 0.0))
 
-    def _begin(self, start: StretchRule, record: Array) -> None:
+    def _begin(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
         groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
         held = groups.survival_and_force(self.memory)
@@ -111,7 +112,7 @@ class Cohorts:
         return Trial(travel, now, groups, held, force, holding, breaks, born + new)
 
     def _births_at(self, now: float) -> tuple[float, float]:
-        """Births up to a later moment, as a linear function of the breaks B up to then: slope and rest."""
+        """Births up to a later instant, as a linear function of the breaks B up to then: slope and rest."""
         if not self.delay:
             return 1.0, 0.0
         at, last = now - self.delay - LATE * (now - self._began), self.now
@@ -148,14 +149,14 @@ class Cohorts:
         self._born = trial.births
 
     def slide_steadily(self, travel: float, error: float) -> None:
-        """Slide on at this moment while each break is followed by a birth and stretches stay distributed as they are;
+        """Slide on at this instant while each break is followed by a birth and stretches stay distributed as they are;
         `error` bounds what F changes on the way (a length)."""
         self.position += travel
         self.unresolved = max(self.unresolved, error)
 
     def _stop_at_limits(self) -> None:
         """Raise StoppedError after too many steps, or too much work in them."""
-        part = 0.5 ** max(LEVELS - 1 - self.level, 0)
+        part = 0.5 ** max(COMPARED - 1 - self.halvings, 0)
         if self.steps > MOST_STEPS * part or self.work > MOST_WORK * part**2:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise StoppedError(f"{done}, and more are not taken on")
@@ -170,7 +171,7 @@ class Cohorts:
         self.unresolved = max(self.unresolved, float(unknown.sum()))
 
     def begin_section(self) -> None:
-        """The speed and the rate of breaks may jump at this moment."""
+        """The speed and the rate of breaks may jump at this instant."""
         self._sections.append(self._sections[-1][-1:])
 
     def repeat_later(self, at: float, fraction: float = 0.0) -> None:

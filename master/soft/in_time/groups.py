@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.numerics.averages import StretchRule
+from master.numerics.averages import StretchNodes
 from master.soft.in_time.memory import Leg, Memory
 from origins.thresholds.law import Array
 
@@ -30,7 +30,7 @@ class Groups(NamedTuple):
         return Groups(stretch, largest, self.weight, record)
 
     def and_born(
-        self, memory: Memory, born: StretchRule, fraction: float, speed: float
+        self, memory: Memory, born: StretchNodes, fraction: float, speed: float
     ) -> "Groups":
         """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
         x, record = born.stretch, memory.fresh(born.stretch, speed)
@@ -63,9 +63,9 @@ class Trial(NamedTuple):
     births: float
 
 
-def per_survival(memory: Memory, rule: StretchRule) -> StretchRule:
-    """The rule with weights divided by the survival at birth, 0 where none hold."""
-    stretch = rule.stretch
+def per_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
+    """The nodes with weights divided by the survival at birth, 0 where none hold."""
+    stretch = nodes.stretch
     survival = memory.survival_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]
-    weight = np.divide(rule.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
-    return StretchRule(stretch, weight)
+    weight = np.divide(nodes.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
+    return StretchNodes(stretch, weight)

@@ -29,8 +29,8 @@ WRONG_EFFECT = 3.0
 LATER = 2.0
 
 
-# The level of steps at which most answers end: heat that its cells resolve is followed, however little it does.
-USUAL_LEVEL = 2
+# How often steps are halved where most answers end: heat that its cells resolve is followed, however little it does.
+USUAL_HALVINGS = 2
 
 
 class Idle(NamedTuple):
@@ -44,7 +44,7 @@ class Idle(NamedTuple):
 def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, tolerance: float) -> Idle:
     """The contacts without heat, where its skin is too thin for the cells and its effect is far below the tolerance."""
     effect = largest_effect(contacts, drive, duration, EARLY * tolerance)
-    if not effect < IDLE * tolerance or Memory(contacts, USUAL_LEVEL).resolves_heat:
+    if not effect < IDLE * tolerance or Memory(contacts, USUAL_HALVINGS).resolves_heat:
         return Idle(contacts)
     note = f"; heat is left out: it changes the force by at most {effect:.1e} mean thresholds"
     return Idle(contacts.replace(thermal=None), effect, note)

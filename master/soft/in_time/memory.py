@@ -22,7 +22,7 @@ from origins import Contacts
 from origins.thresholds.law import Array
 
 # Fractions of the contacts with thresholds below and above the ends of cells: some four a decade of weight where it
-# matters, tails down to round-off. On the coarsest level each cell is cut in 2; the parts are halved with each level,
+# matters, tails down to round-off. On the coarsest steps each cell is cut in 2; the parts are halved with the steps,
 # from the fourth on with every second one.
 RANKS = np.array([1e-14, 1e-8, 1e-5, 1e-3, 0.01, 0.05, 0.15, 0.3, 0.5])
 # The logarithms of the least and of the largest A that are told apart from 0 and infinity: e^-A is 1, or 0, to
@@ -35,7 +35,7 @@ WEAK = 0.3
 STRONGEST = 1e-18
 # Least threshold that is told apart from 0, in mean or largest thresholds.
 NO_THRESHOLD = 1e-12
-# Nodes for a start with a width on the coarsest level, and those more on each one after it: with heat or with
+# Nodes for a start with a width on the coarsest steps, and those more with each halving: with heat or with
 # thresholds that change each node has a record of its own; without they cost little, and a start may be wide.
 WARM_NODES, MORE_WARM_NODES, COLD_NODES, MOST_DOUBLINGS = 24, 8, 100, 3
 # Width of a cell, in the square of the largest threshold, below which it is that of an exact threshold.
@@ -83,7 +83,7 @@ class Memory:
     error : of the survival that `survival_and_force` returns, however fine cells and steps are
     largest_stretch : stretch at t = 0 or at birth beyond which no contact holds (a length)
     width : length of a group's record, of which all but the first `others` numbers are A
-    starts : most nodes for a start with a width; they differ from level to level, so that their error shows
+    starts : most nodes for a start with a width; they differ from halving to halving, so that their error shows
     finer_before_slips : whether steps become finer towards a slip
     exact : whether there are exact thresholds
     resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
@@ -91,12 +91,12 @@ class Memory:
 
     error, others, finer_before_slips, exact, resolves_heat = 1e-15, 0, False, False, True
 
-    def __init__(self, contacts: Contacts, level: int) -> None:
+    def __init__(self, contacts: Contacts, halvings: int) -> None:
         """Choose the cells of thresholds, and over what births and steps change."""
         law = self._law = contacts.thresholds
         self._hot, self._contacts = contacts.thermal is not None, contacts
         self.exact = bool(law.atoms[0].size)
-        self.starts = warm_nodes(level) if self._hot else cold_nodes(level)
+        self.starts = warm_nodes(halvings) if self._hot else cold_nodes(halvings)
         strongest = min(float(law.support()[1]), float(law.isf(STRONGEST)))
         self.largest_stretch = max([strongest, *law.atoms[0]])
         # births change over the width of the sharpest tenth of P_c
@@ -114,7 +114,7 @@ class Memory:
         atoms = [law.atoms[0] * (1.0 + k * TIE) for k in (-2.0, -0.5, 0.5)]
         ends = np.concatenate([ends, *atoms])
         ends = np.clip(ends, NO_THRESHOLD * self.largest_stretch, self.largest_stretch)
-        cells = 2 ** min(level + 1, level // 2 + 3)
+        cells = 2 ** min(halvings + 1, halvings // 2 + 3)
         edges = np.unique([np.linspace(*two, cells + 1) for two in pairwise(np.unique(ends))])
         self._set_cells(edges, law.sf(edges))
         if contacts.thermal is not None and contacts.thermal.closure == "exact":
@@ -195,11 +195,11 @@ class MeanRateMemory(Memory):
     survived: one that goes out again may break at all that it has passed before (App. C).
     """
 
-    def __init__(self, contacts: Contacts, level: int) -> None:
-        super().__init__(contacts, level)
+    def __init__(self, contacts: Contacts, halvings: int) -> None:
+        super().__init__(contacts, halvings)
         self._life = MeanRateLife(contacts)
         # rounding in tables of H is some 1e-12
-        self.width, self.starts, self.error = 2, cold_nodes(level), self._life.error + 1e-12
+        self.width, self.starts, self.error = 2, cold_nodes(halvings), self._life.error + 1e-12
         self.scales = self.scales._replace(rate=float(self._life.rate(np.zeros(1))[0]))
 
     def start(self, stretch: Array) -> Array:
@@ -217,15 +217,15 @@ class MeanRateMemory(Memory):
         return np.stack([record[:, 0], stretch * record[:, 0]])
 
 
-def warm_nodes(level: int) -> int:
-    """Nodes for a start with a width of contacts with a record of their own; they differ from level to level, so that
-    their error shows."""
-    return WARM_NODES + MORE_WARM_NODES * level
+def warm_nodes(halvings: int) -> int:
+    """Nodes for a start with a width of contacts with a record of their own; they differ from halving to halving, so
+    that their error shows."""
+    return WARM_NODES + MORE_WARM_NODES * halvings
 
 
-def cold_nodes(level: int) -> int:
+def cold_nodes(halvings: int) -> int:
     """The same of contacts without one."""
-    return int(COLD_NODES * 2 ** min(level, MOST_DOUBLINGS))
+    return int(COLD_NODES * 2 ** min(halvings, MOST_DOUBLINGS))
 
 
 def mean_survival(log: Array) -> Array:

@@ -4,21 +4,21 @@ import numpy as np
 
 from master.soft.in_time.slider import Slider
 
-# A slip is undecided where it is foreseen within this many times the change of X from the last level: its load
+# A slip is undecided where it is foreseen within this many times the change of X from the last halving: its load
 # differs from that at the end by half of the slope of K X_T there times the way to it.
 NEAR = 2.0
 
 
-def slip_undecided(levels: list[Slider]) -> bool:
+def slip_undecided(sliders: list[Slider]) -> bool:
     """Whether at an end or a turn of the drive the error of X leads to the begin of a slip, or beyond.
 
     On a soft spring F hardly depends on X, so that errors of X do not show in F. Only the way since the last slip
     counts: that where the slider stood then does not matter.
     """
-    motion = levels[-1].motion
+    motion = sliders[-1].motion
     for end in [] if motion is None else motion.times[1:].tolist():
-        before, now = (_way_since_slip(one, end) for one in levels[-2:])
-        if _to_slip(levels[-1], end) < NEAR * abs(now - before):
+        before, now = (_way_since_slip(one, end) for one in sliders[-2:])
+        if _to_slip(sliders[-1], end) < NEAR * abs(now - before):
             return True
     return False
 

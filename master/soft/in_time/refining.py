@@ -27,33 +27,34 @@ from origins import Contacts, Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
-# Levels that an error estimate takes: answers, their changes, and the change of the extrapolated ones.
-LEVELS = 3
-# Errors fall by 4 from level to level as the square of the steps: 1/3 of the last change is left, and is added.
+# Sliders that an error estimate takes, each with its steps halved once more: answers, their changes, and the
+# change of the extrapolated ones.
+COMPARED = 3
+# Errors fall by 4 with each halving as the square of the steps: 1/3 of the last change is left, and is added.
 REST_OF_CHANGE = 1.0 / 3.0
 # Times the last change in the error estimate: changes fall irregularly where births jump or P_c bends, and by a half
 # where thresholds grow; once with ageing, where errors fall faster.
 SAFETY, SAFETY_OF_AGEING = 3.0, 1.0
-# Moments at which the error is looked for beside the points of the path: few points would hardly tell it.
-MOMENTS = 65
+# Instants at which the error is looked for beside the points of the path: few points would hardly tell it.
+INSTANTS = 65
 # A drive that begins this near the balance, in mean thresholds, begins there: the difference is rounding.
 AT_BALANCE = 1e-12
 # Rounding of the force in one step, in mean thresholds.
 ROUNDING = 1e-13
-# The next level takes twice the steps, each of which has twice the groups; and errors below this many times that of the
-# memory are not made smaller by it.
+# The next halving takes twice the steps, each of which has twice the groups; and errors below this many times that of
+# the memory are not made smaller by it.
 MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
 
 
-def memory_of(contacts: Contacts, level: int, fastest: float) -> Memory:
-    """The memory of contacts on a drive of at most this speed; its meshes are halved with each level."""
+def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
+    """The memory of contacts on a drive of at most this speed; its meshes are halved as often as the steps."""
     if contacts.ageing is not None:
-        return AgeingMemory(contacts, level, fastest)
+        return AgeingMemory(contacts, halvings, fastest)
     if contacts.grains is not None:
-        return GrainMemory(contacts, level)
+        return GrainMemory(contacts, halvings)
     if contacts.thermal is not None and contacts.thermal.closure == "paper":
-        return MeanRateMemory(contacts, level)
-    return Memory(contacts, level)
+        return MeanRateMemory(contacts, halvings)
+    return Memory(contacts, halvings)
 
 
 def balance_of(contacts: Contacts, drive: Drive) -> float:
@@ -84,10 +85,10 @@ def refined(
     """
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
-    levels, best, level = list[Slider](), None, 0
+    sliders, best, halvings = list[Slider](), None, 0
     while True:
-        memory = memory_of(contacts, level, fastest)
-        cohorts = Cohorts(contacts, memory, level, until)
+        memory = memory_of(contacts, halvings, fastest)
+        cohorts = Cohorts(contacts, memory, halvings, until)
         slider = Slider(cohorts, drive, motion)
         try:
             slider.run()
@@ -98,9 +99,9 @@ def refined(
                 asked = asked[asked <= cohorts.now]
                 best = extrapolated([slider], contacts, drive, balance, asked)
             return best._replace(stopped_because=str(why))
-        # only levels with the same number of slips can be compared
-        levels = [*(one for one in levels[-2:] if len(one.slips) == len(slider.slips)), slider]
-        found = extrapolated(levels, contacts, drive, balance, asked)
+        # only sliders with the same number of slips can be compared
+        sliders = [*(one for one in sliders[-2:] if len(one.slips) == len(slider.slips)), slider]
+        found = extrapolated(sliders, contacts, drive, balance, asked)
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
             best = found
@@ -109,30 +110,30 @@ def refined(
         too_many = steps > MOST_STEPS or work > MOST_WORK
         if best.largest_error <= tolerance or as_good_as_memory or too_many:
             return best
-        level += 1
+        halvings += 1
 
 
 def extrapolated(
-    levels: list[Slider], contacts: Contacts, drive: Drive, balance: float, asked: Array
+    sliders: list[Slider], contacts: Contacts, drive: Drive, balance: float, asked: Array
 ) -> Followed:
-    """The answer at times (n,) of three levels with as many slips; of fewer, with an infinite error."""
+    """The answer at times (n,) of three sliders with as many slips; of fewer, with an infinite error."""
     unit, spring, points = contacts.mean_threshold, float(drive.spring or 0.0), asked.size
-    cohorts, error, error_of_holding = levels[-1].contacts, np.inf, np.inf
+    cohorts, error, error_of_holding = sliders[-1].contacts, np.inf, np.inf
     # rows: time, K X_T, F before and after, see Slider
-    slips = [np.array(one.slips).reshape(-1, 4).T for one in levels]
-    moments = [rows[0] for rows in slips]
-    asked = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), MOMENTS))
+    slips = [np.array(one.slips).reshape(-1, 4).T for one in sliders]
+    instants = [rows[0] for rows in slips]
+    asked = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), INSTANTS))
     n = asked.size
     # n forces, n holding fractions, and the three others for each slip; all without a unit
     answers = [
         np.append(read(one.sections, asked) / [[unit], [1.0]], rows[1:] / unit)
-        for one, rows in zip(levels, slips, strict=True)
+        for one, rows in zip(sliders, slips, strict=True)
     ]
     answer = answers[-1]
-    if len(levels) == LEVELS:
+    if len(sliders) == COMPARED:
         change_before, change = np.diff(answers, axis=0)
-        # at times between two levels' slips F changes by its drop, which is no error; K X_T says how far F is off
-        beside = np.any([_beside(asked, *pair) for pair in pairwise(moments)], axis=0)
+        # at times between two sliders' slips F changes by its drop, which is no error; K X_T says how far F is off
+        beside = np.any([_beside(asked, *pair) for pair in pairwise(instants)], axis=0)
         counted = np.append(np.tile(~beside, 2), np.ones(change.size - 2 * n, dtype=bool))
         change_of_extrapolated = change + REST_OF_CHANGE * (change - change_before)
         changes = np.abs([change, change_of_extrapolated]) * counted
@@ -142,17 +143,17 @@ def extrapolated(
             safety * float(part.max(axis=1, initial=0.0).min()) for part in (of_force, of_holding)
         )
         answer = answer + np.where(counted, REST_OF_CHANGE * change, 0.0)
-        if beside.any():  # read F at a moment as long before or after the slip as it is from the extrapolated slip
-            later = REST_OF_CHANGE * (moments[2] - moments[1])
-            nearest = np.abs(asked[beside, None] - moments[2] - later).argmin(axis=1)
-            there = read(levels[2].sections, asked[beside] - later[nearest])
+        if beside.any():  # read F at an instant as long before or after the slip as it is from the extrapolated slip
+            later = REST_OF_CHANGE * (instants[2] - instants[1])
+            nearest = np.abs(asked[beside, None] - instants[2] - later).argmin(axis=1)
+            there = read(sliders[2].sections, asked[beside] - later[nearest])
             answer[: 2 * n].reshape(2, n)[:, beside] = there / [[unit], [1.0]]
-        if slip_undecided(levels):
+        if slip_undecided(sliders):
             error = max(error, float(np.abs(answer[:n]).max()))
     # round-off of the force grows with the number of steps, and where the slider slips with K, as K X_T does
     stiff = spring if slips[-1].size else min(spring, 1.0)
     rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)
-    duration = 0.0 if levels[-1].motion is None else float(levels[-1].motion.times[-1])
+    duration = 0.0 if sliders[-1].motion is None else float(sliders[-1].motion.times[-1])
     cold_skin = unresolved_heat(contacts, cohorts.memory, drive, duration)
     error = max(error + cohorts.memory.error + rounding + cold_skin, cohorts.unresolved / unit)
     force, holding = answer[: 2 * n].reshape(2, n)[:, :points]

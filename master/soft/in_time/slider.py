@@ -26,7 +26,7 @@ class Node(NamedTuple):
 
 
 class Slider:
-    """The solution along the whole path, with steps of 2^-level of the coarsest.
+    """The solution along the whole path, with steps of 2^-halvings of the coarsest.
 
     motion : of the drive; None where it does not move
     sections : nodes of each smooth section
@@ -35,7 +35,7 @@ class Slider:
 
     def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
         self.contacts, self._rule, self._spring = contacts, drive.slip, float(drive.spring or 0.0)
-        self.motion, self._size = motion, 0.5**contacts.level  # of a step
+        self.motion, self._size = motion, 0.5**contacts.halvings  # of a step
         self.sections, self.slips = list[list[Node]](), list[Array]()
 
     def run(self) -> None:

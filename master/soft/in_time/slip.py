@@ -15,14 +15,14 @@ from master.soft.in_time.steps import Steps
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
 # rise at first, as the weakest have broken.
 FIRST_TRAVELS = (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)
-# Travel of a slip that none of them begins, in steps: one of next to no length.
+# Cycle of a slip that none of them begins, in steps: one of next to no length.
 NO_SLIP = 1e-4
 # Accuracy of a slip's end, in mean thresholds: that of rounding.
 AT_END = 1e-15
 # Shortest step in the search for the end of a slip without births, in lengths over which births change: two balances
 # that are nearer to each other are not told apart.
 SHORTEST_STEP = 0.06
-# Travel, in mean thresholds, along which F has to stay the same for breaks to be steady; and the largest change of F on
+# Cycle, in mean thresholds, along which F has to stay the same for breaks to be steady; and the largest change of F on
 # it, in mean thresholds, which is part of the error.
 STEADY_TRAVEL, STEADY = 1.0, 1e-6
 

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from master.motion import History
 from master.numerics import polynomials
-from master.renewal.kernels import Kernels
+from master.renewal.present import Present
 from master.soft.curve import LoadCurve
 from master.soft.moves import ColdContacts, LoadingHistory, Move
 from master.survival.life import ColdLife, Life, Survivors
@@ -175,14 +175,14 @@ class Reaction(Move):
         # what was reached before the time was over has its energies, too
         births = replace(self._march.births, life=_StoredLife(self._march.life), until=np.inf)
         march = self._march.cut(self._march.reached, births)
-        march.kernels = Kernels(births)
+        march.present = Present(births)
         at = np.maximum(self.loaded.end + y, self.loaded.end + 1e-12 * self.contacts.unit)
         different, back = np.unique(at, return_inverse=True)
         return np.asarray(march.known(different[:, None])[1, :, 0][back])
 
 
 class _StoredLife(ColdLife):
-    """A life whose second kernel is the energy that a contact stores in place of its force."""
+    """A life that gives the energy which a contact stores in place of its force."""
 
     def __init__(self, life: Life) -> None:
         """`life` is a ColdLife."""

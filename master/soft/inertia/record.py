@@ -10,7 +10,7 @@ from origins.thresholds.law import Array
 
 
 class Fall(NamedTuple):
-    """A moment at which a fall of the spring's force begins or ends.
+    """A instant at which a fall of the spring's force begins or ends.
 
     time, drive, place, force : t, X_T, X and F/(N_c<k>) of the spring; breaks : of the present move, per contact
     """

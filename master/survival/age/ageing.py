@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from master.motion import History, Motion
-from master.numerics.averages import StretchRule, stretch_rule
+from master.numerics.averages import StretchNodes, stretch_nodes
 from master.survival.age.extent import highest, narrowest
 from master.survival.age.passage import Passage
 from master.survival.age.passages import Passages, over_root
@@ -24,8 +24,8 @@ from origins.thresholds.law import Array
 
 # Resolution of panels at first, divided by the narrowest width of the laws.
 RESOLUTION = 0.25
-# Moments on each leg that are compared, divided by its duration: 20 early ones, and even in the root of time.
-MOMENTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] ** 2)
+# Instants on each leg that are compared, divided by its duration: 20 early ones, and even in the root of time.
+INSTANTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] ** 2)
 # Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
 # represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where survivals have a kink.
 BETWEEN, COUNTS = 22, (6, 9, 13, 19, 28)
@@ -44,7 +44,7 @@ class TimedSurvival(NamedTuple):
 class BirthStretches(NamedTuple):
     """Stretches that represent a law of births, and the error of a survival that is averaged over them."""
 
-    rule: StretchRule
+    nodes: StretchNodes
     error: float
 
 
@@ -81,7 +81,7 @@ class AgeingLife(Life):
         self.error = ROUNDING
         if self.has_strands:
             stretches = self.stretches(contacts.start)
-            strand = self.begin(stretches.rule)
+            strand = self.begin(stretches.nodes)
             followed = list(self.follow(strand, 0))
             self._start = [over_root(times, found[..., 0]) for times, found in followed]
             self.error += stretches.error + strand.error
@@ -90,18 +90,18 @@ class AgeingLife(Life):
         """Those of contacts at any stretch; see Life.survival_and_force."""
         motion = history.motion
         leg = motion.leg_of_all(history.t)
-        # on a motion of one leg, as that of a kernels.Straight, contacts of the start are looked up as births
+        # on a motion of one leg, as that of a present.Straight, contacts of the start are looked up as births
         if born is self.contacts.start and not motion.one_leg:
             now = self._start[leg](history.t - motion.times[leg])
             survival, force = np.moveaxis(now, -1, 0) + np.zeros((2, *history.now.shape))
             return Survivors(survival, force, self.error)
         if isinstance(born, Start):
-            rule, stretches_error = self.stretches(born)
+            nodes, stretches_error = self.stretches(born)
             each = [
                 self.survival_and_force(np.full((1, 1), stretch), history)
-                for stretch in rule.stretch
+                for stretch in nodes.stretch
             ]
-            survival, force = np.tensordot(rule.weight, [found.both for found in each], 1)
+            survival, force = np.tensordot(nodes.weight, [found.both for found in each], 1)
             error = max(found.error for found in each) + stretches_error
             return Survivors(survival, force, error)
         # the speed of Straight's own motion is rounded; by the speed of this one its table is found again
@@ -159,9 +159,9 @@ class AgeingLife(Life):
         aim = max(1e-2 * self.accuracy, 1e-11 if self.has_strands else 1e-12)  # of each panel
         return Passage(contacts.thresholds, contacts.ageing, fastest, stretch, aim)
 
-    def begin(self, rule: StretchRule) -> Passages:
+    def begin(self, nodes: StretchNodes) -> Passages:
         """A strand of contacts that are born now."""
-        return Passages(self._passage, *rule, 0.1 * self.accuracy)
+        return Passages(self._passage, *nodes, 0.1 * self.accuracy)
 
     def follow(self, strands: Passages, first: int) -> Iterator[tuple[Array, Array]]:
         """Of strands the fractions that hold and the forces on one leg after another, from the leg `first` on; see
@@ -170,34 +170,34 @@ class AgeingLife(Life):
         for speed, duration in legs:
             yield strands.follow(float(speed), float(duration))
 
-    def _at_moments(self, strand: Passages) -> Array:
-        """Fraction of a strand born at the beginning that holds at MOMENTS of all legs, shape (moments,)."""
-        # early moments are left out for births at x = 0: contacts bear no force yet, however many hold
-        moments = MOMENTS if strand.born.any() else MOMENTS[20:]
+    def _at_instants(self, strand: Passages) -> Array:
+        """Fraction of a strand born at the beginning that holds at INSTANTS of all legs, shape (instants,)."""
+        # early instants are left out for births at x = 0: contacts bear no force yet, however many hold
+        instants = INSTANTS if strand.born.any() else INSTANTS[20:]
         followed = zip(self.follow(strand, 0), self._durations, strict=True)
         each = [
-            over_root(t, found[:, 0, 0])(duration * moments) for (t, found), duration in followed
+            over_root(t, found[:, 0, 0])(duration * instants) for (t, found), duration in followed
         ]
         return np.concatenate(each)
 
     def stretches(self, born: Start) -> BirthStretches:
         """Stretches for births of the law `born`, as many as the survivals need."""
         if born.is_single:
-            return BirthStretches(stretch_rule(born, self.largest_stretch, 1), 0.0)
+            return BirthStretches(stretch_nodes(born, self.largest_stretch, 1), 0.0)
         if born in self._stretches:
             return self._stretches[born]
         largest = self.contacts.thresholds.support()[1]
         lags, speed = np.linspace(0.0, self._durations[0], 150), float(self.motion.speeds[0])
         before = np.zeros(1)
         for count in COUNTS:
-            rule = stretch_rule(born, largest, count)
+            nodes = stretch_nodes(born, largest, count)
             if self.has_strands:
-                now = self._at_moments(self.begin(rule))
+                now = self._at_instants(self.begin(nodes))
             else:
-                tables = [self._table(speed, x) for x in rule.stretch.tolist()]
-                now = rule.weight @ np.array([table.at(lags) for table in tables])
+                tables = [self._table(speed, x) for x in nodes.stretch.tolist()]
+                now = nodes.weight @ np.array([table.at(lags) for table in tables])
             change, before = float(np.abs(now - before).max()), now
             if change <= self.accuracy or (count > COUNTS[0] and clock.monotonic() > self._until):
                 break
-        self._stretches[born] = BirthStretches(rule, change)
+        self._stretches[born] = BirthStretches(nodes, change)
         return self._stretches[born]

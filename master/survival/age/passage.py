@@ -1,7 +1,7 @@
 """First passage: survival of contacts whose thresholds age towards a normal law, on any motion.
 
 A contact is born at t = 0 with a fresh threshold. It breaks where its |stretch|, the level, first meets its threshold.
-If thresholds went on ageing when they are met, all that are below the level at t would have been met at some moment
+If thresholds went on ageing when they are met, all that are below the level at t would have been met at some instant
 before: with b the breaks per unit of time,
 
     P(below at t | fresh) = integral_0^t b(τ) P(below at t | met at τ) dτ,       E(t) = 1 - integral_0^t b dτ.

@@ -1,4 +1,4 @@
-"""Strands of contacts that age: groups born at one moment each, which follow the slider by their first passages."""
+"""Strands of contacts that age: groups born at one instant each, which follow the slider by their first passages."""
 
 from collections.abc import Callable
 from copy import copy
@@ -10,10 +10,10 @@ from master.outcome import stop_after
 from master.survival.age.passage import Passage
 from origins.thresholds.law import Array
 
-# Moments of a leg at which survivals are computed: MANY even in the root of the time, as many in its logarithm from
+# Instants of a leg at which survivals are computed: MANY even in the root of the time, as many in its logarithm from
 # FIRST durations on, and where splines between them are wrong, others in the middle, ADDED times at most.
 MANY, FIRST, ADDED = 60, 1e-10, 8
-# Degree of splines in time: survivals are smooth, and cubics would need some three times as many moments.
+# Degree of splines in time: survivals are smooth, and cubics would need some three times as many instants.
 DEGREE = 5
 
 
@@ -22,7 +22,7 @@ class Passages:
 
     begin : gives the passage of contacts that are born at a stretch
     born, weights : arrays (parts,), stretches at birth (lengths), and their weights, of sum 1
-    accuracy : aimed-at error of splines between moments
+    accuracy : aimed-at error of splines between instants
     until : reading of time.monotonic() after which `follow` raises StoppedError
     dropped_below : fraction that holds below which a strand is not followed any more
     error : the largest of a survival so far, and the sum over legs of those of splines

@@ -1,4 +1,4 @@
-"""Travel: survival and force of contacts that move steadily forward, over the way since birth.
+"""Cycle: survival and force of contacts that move steadily forward, over the way since birth.
 
 In steady sliding contacts are born at a constant rate, so that force and density follow from
 integrals over the way, the slider's travel since a contact's birth (paper, Eqs. Q11a-Q11d):
@@ -9,7 +9,7 @@ integrals over the way, the slider's travel since a contact's birth (paper, Eqs.
 import numpy as np
 
 from master.renewal.births import reforming_law
-from master.renewal.kernels import Straight
+from master.renewal.present import Straight
 from master.survival.heat import ThermalLife
 from master.survival.life import Life
 from origins import Contacts, InputError
@@ -22,7 +22,7 @@ ACCURACY, COARSEST = 1e-9, 1e-7
 FEW, UNDERFLOW = 1e-4, 1e-290
 
 
-class Travel(Straight):
+class Cycle(Straight):
     """E and K of contacts born at some stretches, tabulated over the way, and their integrals (paper, Eq. Q11c).
 
     `born` is the law of the stretches at birth (None: that of re-forming). A panel of the table is halved until the

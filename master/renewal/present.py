@@ -1,4 +1,4 @@
-"""Kernels: births on the present leg, whose survival depends only on the lag since the birth.
+"""Births on the present leg of the path, whose survival depends only on the lag since the birth.
 
 `Straight` gives survival and force over the lag. The contribution of a panel to another one of its
 width depends only on their distance, and is computed once.
@@ -80,20 +80,20 @@ class Straight:
         self.survival_error = self.error = life.error
         self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
         self.scale, self._until = life.largest_stretch, until
-        bends = self._bends(np.append(life.bends, life.largest_stretch))
-        self._last = float(bends.max(initial=0.0)) or np.inf  # the lag of the last breaks
+        at_bends = self._lags_at(np.append(life.bends, life.largest_stretch))
+        self._last = float(at_bends.max(initial=0.0)) or np.inf  # the lag of the last breaks
         self._read: Callable[[Array], Survivors] = self.scaled
         if life.quick and born.is_single and not steady:  # the life is as quick as a table
-            self._bounds = _edges(longest, bends)
-            self.edges = np.union1d(self._bounds, _edges(longest, self._bends(life.marks)))
+            self._bounds = _edges(longest, at_bends)
+            self.edges = np.union1d(self._bounds, _edges(longest, self._lags_at(life.marks)))
             return
         lags, held = self._ladder(longest, steady)
         self.longest = float(lags[-1])
         distance = self.typical * abs(speed) / self._per_time
         self.scale = max(distance, *(abs(end) for end in born.span)) or life.largest_stretch
         first = max(int(np.argmax(held < 1.0 - AT_FIRST)) - 1, 0)
-        self._bounds = _edges(self.longest, bends)
-        edges = _edges(self.longest, np.append(lags[first:], bends))
+        self._bounds = _edges(self.longest, at_bends)
+        edges = _edges(self.longest, np.append(lags[first:], at_bends))
         shortest = NARROWEST_PANEL * min(self.typical, float(edges[1]))
         self.table = Table(self._for_table, edges, accuracy, shortest, at_ends=AT_ENDS)
         self._read = self._from_table
@@ -132,7 +132,7 @@ class Straight:
         found = self._read(lag)
         return Survivors(found.survival * holds, found.force * holds * self.scale, found.error)
 
-    def _bends(self, marks: Array) -> Array:
+    def _lags_at(self, marks: Array) -> Array:
         """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
         sign, speed, born = np.sign(self._speed), abs(self._speed), self.born
         ends = np.unique(sign * np.array([*born.span, *born.breakpoints]))
@@ -170,7 +170,7 @@ def _edges(longest: float, lags: Array) -> Array:
     return np.append(edges[:-1][np.diff(edges) > SAME_EDGE * edges[1:]], longest)
 
 
-class Kernel(NamedTuple):
+class PanelSums(NamedTuple):
     """Contributions of a panel's breaks, at 0 and its nodes, to number, then force, on panels of its own width, shape
     (panels apart, 2 * TARGETS.size, DEGREE + 1); and the matrix from 1 - number at the nodes to the breaks there."""
 
@@ -187,15 +187,15 @@ class Run(NamedTuple):
     error: Array
 
 
-class Kernels:
-    """Kernels and sums for the legs of a motion, each table computed when it is first needed.
+class Present:
+    """Sums over the births of a leg, at times on the same leg; each leg's table is made when it is first needed.
 
     error : estimate from above of the error of the survivals so far, the largest of all look-ups
     """
 
     def __init__(self, births: Births) -> None:
         self._births, self.error = births, births.life.error
-        self._cache: dict[tuple[float, float], Kernel] = {}
+        self._cache: dict[tuple[float, float], PanelSums] = {}
         self._table: dict[float, Straight] = {}
 
     def straight(self, speed: float) -> Straight:
@@ -218,8 +218,8 @@ class Kernels:
         self.error = max(self.error, found.error)
         return found.both
 
-    def on(self, speed: float, width: float, panels: int) -> Kernel:
-        """Kernel for panels at most `panels` apart, or fewer where all births break before."""
+    def on(self, speed: float, width: float, panels: int) -> PanelSums:
+        """Sums for panels at most `panels` apart, or fewer where all births break before."""
         delay, cached = self._births.delay, self._cache.get((speed, width))
         most = int(np.ceil((self.straight(speed).longest + delay) / width)) + 1
         have = cached.values.shape[0] if cached else 0
@@ -239,7 +239,9 @@ class Kernels:
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
         solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : polynomials.DEGREE + 1, 1:]))
-        self._cache[speed, width] = Kernel(both.reshape(panels, -1, polynomials.DEGREE + 1), solve)
+        self._cache[speed, width] = PanelSums(
+            both.reshape(panels, -1, polynomials.DEGREE + 1), solve
+        )
         return self._cache[speed, width]
 
     def sums(self, speed: float, t: Array, ends: Array, breaks: Array) -> Array:
@@ -263,24 +265,24 @@ class Kernels:
         return nodes, nodes.weight * self.look_up(speed, t[nodes.target, None] - nodes.time)
 
 
-def solve_run(kernel: Kernel, known: Array, earlier: Array, stretch: float) -> Run:
-    """Solve panels of one width: at each node, number of earlier births + own kernel * breaks = 1.
+def solve_run(of_panel: PanelSums, known: Array, earlier: Array, stretch: float) -> Run:
+    """Solve panels of one width: at each node, number of earlier births + own sums * breaks = 1.
 
     known : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
     earlier : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
     """
     count, size, targets = known.shape[1], polynomials.DEGREE + 1, TARGETS.size
-    before = min(kernel.values.shape[0], len(earlier) + count) - 1
+    before = min(of_panel.values.shape[0], len(earlier) + count) - 1
     panels = np.zeros((before + count, size))
     kept = min(len(earlier), before)
     panels[before - kept : before] = earlier[len(earlier) - kept :]
     # the farthest panels first, the order in which `panels` holds them
-    of_earlier = kernel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
+    of_earlier = of_panel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
     sums = known.swapaxes(0, 1).reshape(count, -1)
     for panel in range(count):
         sums[panel] += of_earlier @ panels[panel : panel + before].ravel()
-        panels[panel + before, 1:] = kernel.solve @ (1.0 - sums[panel, 1:size])
-    sums += panels[before:] @ kernel.values[0].T
+        panels[panel + before, 1:] = of_panel.solve @ (1.0 - sums[panel, 1:size])
+    sums += panels[before:] @ of_panel.values[0].T
     number, force = sums[:, :targets], sums[:, targets:]
     of_number = np.abs(number[:, size:] - 1.0).max(axis=1)
     of_force = np.abs(force[:, :size] @ polynomials.AT_CHECKS.T - force[:, size:]).max(axis=1)
