@@ -55,35 +55,42 @@ class Engine:
         stiffest = max(reach.largest / scale, 1.0) if linked else 1.0
         course = Drive(drive.path, drive.velocity) if forward else drive
         exact = contacts.thresholds.atoms[0].size > 0
-        way = whole_drive(course, scale, 2.0 * reach.longest * stiffest, exact)
-        law = law_of(contacts, way, TIE * exact)
+        in_units = whole_drive(course, scale, 2.0 * reach.longest * stiffest, exact)
+        law = law_of(contacts, in_units, TIE * exact)
         # a block takes at most 0.25 s, after which a run can be stopped
         slow = max(int(0.25 / max(seconds_of(contacts, drive, law), 1e-12)), 1)
         self.blocks = blocks._replace(each=min(slow, blocks.each, BLOCK))
         # the points of histograms, in the order of the clock
         self._points = points = chosen_points(histograms, drive.path.size)
-        self._order = np.argsort(way.bin_of_point[points], kind="stable")
+        self._order = np.argsort(in_units.bin_of_point[points], kind="stable")
         furthest = float(reach.span[points].max(initial=0.0)) + reach.furthest
         self._edges = make_edges(furthest, reach.largest, contacts)
-        watched = way.bin_of_point[points][self._order]
-        per_x, per_y = (way.unit / float(edges[2] - edges[1]) for edges in self._edges)
-        before = np.searchsorted(watched, np.arange(way.bin_ends.size + 2))
-        way = way._replace(watched=watched, before=before, per_stretch=per_x, per_threshold=per_y)
+        watched = in_units.bin_of_point[points][self._order]
+        per_x, per_y = (in_units.unit / float(edges[2] - edges[1]) for edges in self._edges)
+        before = np.searchsorted(watched, np.arange(in_units.bin_ends.size + 2))
+        in_units = in_units._replace(
+            watched=watched, before=before, per_stretch=per_x, per_threshold=per_y
+        )
         self._work = Work(
             None,
-            *births_of(contacts, way.unit),
+            *births_of(contacts, in_units.unit),
             exposures=exposures(),
             law=Forward(law) if forward else law,
             forward=forward,
-            way=way,
-            mean=scale / way.unit,
+            drive=in_units,
+            mean=scale / in_units.unit,
             wait=contacts.waiting_time,
             needs_exposure=contacts.thermal is not None or contacts.grains is not None,
             linked=linked,
             measured=False,
         )
         # of sums: limbs; kinds (all, measured, with ageing coarser steps); bins; columns of count_event
-        self._shape = 2, 2 + (contacts.ageing is not None), way.bin_ends.size, 6 if linked else 3
+        self._shape = (
+            2,
+            2 + (contacts.ageing is not None),
+            in_units.bin_ends.size,
+            6 if linked else 3,
+        )
         kind = np.uint32 if blocks.total < 1 << 32 else np.uint64
         counts = np.zeros((points.size, 2, BINS), kind)
         self.nothing = State(np.zeros(self._shape, np.int64), counts)
@@ -134,15 +141,15 @@ class Engine:
         y is minus a contact's stretch at the end of its bin; sums of k y are whole lengths,
         sums of k are in units of 1/STIFFNESS_UNIT.
         """
-        way, part, unit = self._work.way, int(STIFFNESS_UNIT), self._work.way.unit
+        drive, part, unit = self._work.drive, int(STIFFNESS_UNIT), self._work.drive.unit
         whole = limbs[0].astype(object) * (1 << 32) + limbs[1].astype(object)
         count, ky, square, *rest = whole.T
         k, kky, kk = rest or (count * part, ky, count * part)
-        places, per_square = way.bin_positions.astype(object), round(1.0 / way.square)
+        places, per_square = drive.bin_positions.astype(object), round(1.0 / drive.square)
         far = square * (per_square * part) + places * (2 * part * kky + kk * places)
         born, squares_born = ky * part + k * places, kky * part + kk * places
         changes = np.cumsum([count, k, born, kk, squares_born, far], axis=1)
-        holds, held, born, squares, squares_born, far = changes[:, way.bin_of_point]
+        holds, held, born, squares, squares_born, far = changes[:, drive.bin_of_point]
         # the rounding of a single starting stretch is corrected as a displacement of the slider
         start = self.contacts.start
         rounded = start.is_single * (start.mean() - round(start.mean() / unit) * unit)
@@ -176,7 +183,7 @@ class Engine:
         if contacts.stiffness == "linked":  # a contact's threshold is not below its stretch
             typical = np.maximum(stretch, float(np.sqrt(law.moment(2))))
             stretch = stretch * typical / contacts.mean_threshold
-        rounding = self._work.way.unit**2 / self._work.way.square  # of squares of stretches
+        rounding = self._work.drive.unit**2 / self._work.drive.square  # of squares of stretches
         return np.maximum(np.where(seen < rounding, 0.0, seen), stretch**2 * share)
 
     def _step_error(self, done: list[range], sums: Whole) -> Array:
@@ -195,7 +202,7 @@ class Engine:
         return (np.abs(coarse.force - fine.force) + doubt) / (self.COARSER - 1.0)
 
 
-def law_of(contacts: Contacts, way: WholeDrive, tie: int) -> Any:
+def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
     from eq_model import contact
 
@@ -203,7 +210,7 @@ def law_of(contacts: Contacts, way: WholeDrive, tie: int) -> Any:
     rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
     found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
     contact.RATES.setdefault(type(found.law), found)
-    heat = contacts.thermal is not None, found.law, way.unit
+    heat = contacts.thermal is not None, found.law, drive.unit
     grains, ageing = contacts.grains, contacts.ageing
     if ageing is not None:
         from eq_model.laws.diffusing import make_diffusing
@@ -212,11 +219,11 @@ def law_of(contacts: Contacts, way: WholeDrive, tie: int) -> Any:
     if grains is not None and grains.age is not None:
         from eq_model.laws.growing import make_growing
 
-        return make_growing(grains, way, *heat)
+        return make_growing(grains, drive, *heat)
     if contacts.thermal is None:
         return contact.Cold(np.int64(tie))
     # in holds, where the value is not used, only the logarithm of 0 is avoided
-    return contact.Warm(*heat[1:], np.log(np.maximum(way.paces / way.unit, 1e-300)))
+    return contact.Warm(*heat[1:], np.log(np.maximum(drive.paces / drive.unit, 1e-300)))
 
 
 class Reach:
