@@ -16,7 +16,7 @@ from origins.drive import Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
-# Most moments at which exact thresholds break on the way of a slider that slips from one to the next; as many take some
+# Most instants at which exact thresholds break on the way of a slider that slips from one to the next; as many take some
 # 5 s for one value, 30 s for two values.
 MOST_TOGETHER = 2000
 # Way on which they are counted first, in mean thresholds.
@@ -51,7 +51,7 @@ class ColdSlider:
     def _refuse_endless_slips(self, contacts: Contacts) -> None:
         """InputError where exact thresholds, which re-form at once, break together too often on the path.
 
-        The slider has moved at least to where the largest possible force balances the drive, and breaks at each moment
+        The slider has moved at least to where the largest possible force balances the drive, and breaks at each instant
         up to there follow from those before, without any march.
         """
         cold = self.contacts
@@ -59,7 +59,7 @@ class ColdSlider:
         stretched = float(contacts.relative_stiffness(largest)) * largest / self.spring
         way = float(self.path[-1]) - stretched
         ahead, breaks = FIRST_WAY * cold.unit, 0
-        # way after way, as to count all moments would take long where there are millions
+        # way after way, as to count all instants would take long where there are millions
         while breaks <= MOST_TOGETHER and ahead < 2.0 * way:
             motion = Motion.along(np.array([0.0, min(ahead, way)]))
             plan = edges(
