@@ -16,8 +16,8 @@ from origins.drive import Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
-# Most instants at which exact thresholds break on the way of a slider that slips from one to the next; as many take some
-# 5 s for one value, 30 s for two values.
+# Most instants at which exact thresholds break on the way of a slider that slips from one to the next; as many take
+# some 5 s for one value, 30 s for two values.
 MOST_TOGETHER = 2000
 # Way on which they are counted first, in mean thresholds.
 FIRST_WAY = 50.0
