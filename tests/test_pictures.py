@@ -1,10 +1,13 @@
-"""Pictures, read back as drawn: prefixes of metres, axes where decades differ, what is drawn against what."""
+"""Pictures, read back as drawn: units with prefixes, slips from their own data, holds and steps of the speed, errors,
+and what is drawn against what."""
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scenes import GAUSSIAN, ROUGH, scene
 
@@ -12,25 +15,99 @@ import origins
 import toolkit
 from toolkit.judge.compare import compare
 from toolkit.judge.picture import draw_comparison
-from toolkit.pictures.run import plot_force, plot_holding, plot_position
+from toolkit.pictures.axes import OKABE_ITO, name_axis, style_of
+from toolkit.pictures.run import (
+    draw_run,
+    plot_force,
+    plot_holding,
+    plot_position,
+)
+from toolkit.pictures.sweep import plot_critical_spring
 from toolkit.pictures.thresholds import plot_density, plot_samples
 from toolkit.results.records import sample_curve
+from toolkit.verdict.judge import verdict
+from toolkit.verdict.picture import draw_verdict
 
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+HEAVY = {"to": 3.0, "points": 41, "spring": 0.5, "mass": 0.02, "velocity": 1e-3}
 
 
-def labels(axis: Any) -> list[str]:
-    axis.figure.canvas.draw()
+def drawn(figure: Any) -> Any:
+    """The figure, with all its places found."""
+    FigureCanvasAgg(figure).draw()
+    return figure
+
+
+def ticks(axis: Any) -> list[str]:
+    drawn(axis.figure)
     return [text.get_text() for text in axis.get_majorticklabels()]
 
 
-def test_lengths_of_a_surface_have_a_prefix_and_data_stay_in_metres() -> None:
-    plot_force(
-        axes := Figure().subplots(), toolkit.run(scene(ROUGH, drive={"to": 5e-8, "points": 51}))
+def panels(figure: Any) -> dict[str, Any]:
+    """The axes of a figure by the label of its mosaic."""
+    return {axes.get_label(): axes for axes in figure.axes}
+
+
+@pytest.mark.parametrize(
+    ("own", "name", "largest"),
+    [
+        ({"area": 1e-6}, "force $F$ (mN)", 251.6e-3),
+        ({}, "shear stress $F/A$ (kPa)", 251.6e3),
+    ],
+)
+def test_forces_of_a_surface_are_in_newtons_or_pascals_and_lengths_in_nanometres(
+    own: dict[str, float], name: str, largest: float
+) -> None:
+    result = toolkit.run(scene(ROUGH, drive={"to": 5e-8, "points": 51} | own))
+    axes = plot_force(Figure().subplots(), result)
+    (line,) = axes.get_lines()
+    assert axes.get_xlabel() == "slider position $X$ (nm)" and axes.get_ylabel() == name
+    assert "20" in ticks(axes.xaxis) and line.get_xdata().max() == 5e-8
+    assert line.get_ydata() == pytest.approx(result.scale.force * result.master.force)
+    # F over the load, on the other side
+    (over,) = axes.child_axes
+    surface = toolkit.load_scene(scene(ROUGH)).contacts.interface
+    top = axes.get_ylim()[1] / result.scale.load
+    assert over.get_ylim()[1] == pytest.approx(top) and "load" in over.get_ylabel()
+    assert line.get_ydata()[-1] / result.scale.load == pytest.approx(
+        surface.friction_coefficient, rel=2e-2
     )
-    assert "20 nm" in labels(axes.xaxis)
-    assert all(one.endswith(("m", "nm")) for one in labels(axes.yaxis))
-    assert axes.get_lines()[0].get_xdata().max() == 5e-8
+
+
+def test_units_of_n_c_k_are_one_key_away_and_own_units_have_no_prefix() -> None:
+    drive = {"to": 5e-8, "points": 5, "area": 1e-6}
+    result = toolkit.run(scene(ROUGH, drive=drive, units="N_c<k>"))
+    assert "N_c" in plot_force(Figure().subplots(), result).get_ylabel()
+    own = plot_force(Figure().subplots(), toolkit.run(scene()))
+    assert own.get_xlabel() == "slider position $X$ (units of length)" and not own.child_axes
+
+
+@pytest.mark.parametrize(
+    ("unit", "log", "limits", "label", "tick"),
+    [
+        ("N", False, (0.0, 0.25), "x (mN)", "50"),
+        ("N/m", False, (0.0, 8.5e6), "x (MN/m)", "2"),
+        ("m", True, (1e-10, 5e-8), "x (nm)", "10"),
+        ("N/m", True, (1e1, 1e9), "x (N/m)", None),
+        ("1/m", False, (0.0, 1.3e8), "x (1/µm)", "100"),
+        ("s", False, (0.0, 15e3), "x (s)", "4000"),
+        ("m/s", False, (0.0, 0.08), "x (mm/s)", "20"),
+    ],
+)
+def test_an_axis_has_the_prefix_that_keeps_its_ticks_short(
+    unit: str, log: bool, limits: tuple[float, float], label: str, tick: str | None
+) -> None:
+    axes = Figure().subplots()
+    axes.set(xscale="log" if log else "linear", xlim=limits)
+    name_axis(axes.xaxis, "x", unit)
+    assert axes.get_xlabel() == label
+    assert tick is None or tick in ticks(axes.xaxis)
+
+
+def test_curves_are_of_colours_by_okabe_and_ito_and_of_different_marks() -> None:
+    styles = [style_of(number) for number in range(12)]
+    assert {one["color"] for one in styles} <= set(OKABE_ITO)
+    assert len({one["marker"] for one in styles}) == 12
 
 
 def test_a_narrow_peak_is_not_cut_and_samples_are_shown() -> None:
@@ -59,29 +136,184 @@ def test_a_drive_in_time_is_drawn_against_time_and_its_holds_in_decades() -> Non
     drive = {"turns": [1.5, 1.5, 2.0], "times": [1.5, 3.5, 4.0], "points": 10}
     result = toolkit.run(scene(contacts={"thresholds": WIDE, "delay": {"time": 0.25}}, drive=drive))
     found = result.master
-    drawn = {plot_force: found.force, plot_position: found.path, plot_holding: found.holding}
-    for draw, values in drawn.items():
+    curves = {plot_force: found.force, plot_position: found.path, plot_holding: found.holding}
+    for draw, values in curves.items():
         line = draw(axes := Figure().subplots(), result).get_lines()[0]
         assert line.get_xdata() == pytest.approx(result.time)
-        assert np.array_equal(line.get_ydata(), values) and axes.get_xlabel() == "time $t$"
+        assert (
+            np.array_equal(line.get_ydata(), values)
+            and axes.get_xlabel() == "time $t$ (units of time)"
+        )
     times = [1.0, 1.0 + 1e6, 2.0 + 1e6]
     long = {"turns": [1.0, 1.0, 2.0], "times": times, "points": 91, "hold_scale": 1e-2}
     result = toolkit.run(scene(WIDE, drive=long))
     axes = plot_force(Figure().subplots(), result)
-    axes.figure.canvas.draw()
+    drawn(axes.figure)
     shown = axes.transData.transform([(time, 0.0) for time in result.time])
     at = axes.transAxes.inverted().transform(shown)[:, 0]
     np.testing.assert_allclose(np.diff(at), at[1] - at[0], rtol=1e-6)  # points are even
 
 
 def test_slips_are_drawn_where_they_are() -> None:
-    found = toolkit.run(scene(GAUSSIAN, drive={"to": 6.0, "points": 7, "spring": 1.0}))
+    """On a coarse path each slip is a vertical fall at its own place: of the master equation and of each replica, and
+    on a drive that turns, too."""
+    eq = {"contacts": 500, "replicas": 2, "seed": 1}
+    drive = {"to": 6.0, "points": 7, "spring": 1.0}
+    found = toolkit.run(scene(GAUSSIAN, drive=drive, eq=eq))
+    one, *replicas = plot_force(Figure().subplots(), found).get_lines()
+    falls(one, found.master.slips, slice(None))
+    for number, line in enumerate(replicas):
+        falls(line, found.eq.slips, found.eq.slips.replica == number)
+    turning = {"turns": [4.0, -4.0], "points": 13, "spring": 1.0}
+    found = toolkit.run(scene(GAUSSIAN, drive=turning))
+    drops = found.master.slips.drop
+    assert drops.max() > 0.0 > drops.min()
+    falls(plot_force(Figure().subplots(), found).get_lines()[0], found.master.slips, slice(None))
+
+
+def falls(line: Any, slips: Any, own: Any) -> None:
+    x, y = line.get_data()
+    each = list(zip(slips.drive[own], slips.force_before[own], slips.force_after[own], strict=True))
+    assert len(each) >= 2
+    for place, before, after in each:
+        at = np.flatnonzero((x == place) & (y == before))
+        assert x[at + 1] == place and y[at + 1] == after
+    assert x.size == np.unique(x).size + len(each) or np.ptp(np.sign(np.diff(x[::2]))) > 1
+
+
+def test_a_slip_in_a_drive_with_times_is_at_its_own_time() -> None:
+    drive = {"turns": [3.0, 3.0, 6.0], "times": [3.0, 5.0, 11.0], "points": 10, "spring": 1.0}
+    found = toolkit.run(scene(GAUSSIAN, drive=drive))
     x, y = plot_force(Figure().subplots(), found).get_lines()[0].get_data()
     slips = found.master.slips
-    assert slips.drive.size >= 1
-    each = zip(slips.drive, slips.force_before, slips.force_after, strict=True)
-    for place, before, after in each:
-        assert y[x == place].tolist() == [before, after]
+    assert slips.drive.size >= 3
+    for place, before in zip(slips.drive, slips.force_before, strict=True):
+        time = place if place < 3.0 else 5.0 + 2.0 * (place - 3.0)
+        assert np.abs(x[y == before] - time).min() < 1e-9
+    # the slider's own steps, too
+    _, slider = plot_position(Figure().subplots(), found).get_lines()[:2]
+    x, y = slider.get_data()
+    assert set(slips.after) <= set(y) and set(slips.before) <= set(y)
+
+
+def test_holds_are_shaded_and_speeds_are_named() -> None:
+    drive = {"turns": [1.0, 1.0, 3.0], "times": [1.0, 3.0, 4.0], "points": 13}
+    result = toolkit.run(scene(WIDE, drive=drive))
+    for draw in (plot_force, plot_position):
+        axes = draw(Figure().subplots(), result)
+        (hold,) = axes.patches
+        assert (hold.get_x(), hold.get_width()) == (1.0, 2.0)
+        steps = [one.get_xdata()[0] for one in axes.lines if one.get_linestyle() == ":"]
+        assert steps == [1.0, 3.0]
+    assert [text.get_text() for text in axes.texts] == ["speed 1", "hold", "speed 2"]
+
+
+def test_legs_of_very_different_durations_are_equally_wide() -> None:
+    result = toolkit.run(
+        scene(WIDE, drive={"turns": [2.0, 2.0, 4.0], "times": [2.0, 302.0, 304.0], "points": 31})
+    )
+    axes = plot_force(Figure().subplots(), result)
+    drawn(axes.figure)
+    shown = axes.transData.transform([(time, 0.0) for time in (0.0, 2.0, 302.0, 304.0)])
+    at = axes.transAxes.inverted().transform(shown)[:, 0]
+    np.testing.assert_allclose(at, [0.0, 1 / 3, 2 / 3, 1.0], atol=1e-9)
+
+
+def test_a_heavy_slider_has_panels_in_time_with_slips_from_their_own_data() -> None:
+    eq = {"contacts": 400, "replicas": 2, "seed": 1}
+    delay = {"time": 1.0}
+    contacts = {"thresholds": GAUSSIAN, "delay": delay}
+    result = toolkit.run(scene(contacts=contacts, drive=HEAVY, master=None, eq=eq))
+    found = panels(draw_run(result, Figure()))
+    force, place, speed = (found[name] for name in ("F", "plot_position", "plot_velocity"))
+    assert place.get_ylabel() == "position (units of length)"
+    assert speed.get_ylabel() == "slider's speed (length/time)"
+    own = result.eq.slips
+    assert own.number.size >= 2
+    for replica, line in enumerate(force.lines):
+        x, y = line.get_data()
+        here = own.replica == replica
+        begin = (own.drive[here] - result.eq.balance) / HEAVY["velocity"]
+        for start, lasts, before, after in zip(
+            begin, own.duration[here], own.force_before[here], own.force_after[here], strict=True
+        ):
+            assert x[y == before] == pytest.approx(start)
+            assert x[y == after] == pytest.approx(start + lasts)
+    tops = [line.get_ydata() for line in speed.lines if line.get_marker() not in ("None", "")]
+    np.testing.assert_array_equal(np.concatenate(tops), own.top_speed)
+
+
+def test_no_legend_lies_over_data() -> None:
+    eq = {"contacts": 500, "replicas": 2, "seed": 1}
+    many = [scene(GAUSSIAN, eq=eq), scene(drive={"to": 6.0, "points": 61, "spring": 1.0}, eq=eq)]
+    figures = [draw_run(toolkit.run(one), Figure(layout="constrained")) for one in many]
+    rough = scene(ROUGH, drive={"to": 5e-8, "points": 9})
+    figures.append(draw_comparison(compare([toolkit.load_scene(rough)])))
+    for figure in figures:
+        drawn(figure)
+        legends = [axes.get_legend() for axes in figure.axes] + figure.legends
+        boxes = [one.get_window_extent() for one in legends if one is not None]
+        assert boxes
+        for axes in figure.axes:
+            assert not any(
+                box.overlaps(axes.get_window_extent().shrunk(0.99, 0.99)) for box in boxes
+            )
+
+
+def test_springs_of_a_sweep_have_error_bars_and_units() -> None:
+    sweep = {"velocity": {"from": 1e-8, "to": 1e-4, "points": 3}, "critical_spring": True}
+    contacts = {"thresholds": ROUGH, "delay": {"time": 1e-3}}
+    drive = {"to": 1e-8, "points": 3, "area": 1e-6}
+    result = toolkit.run(scene(contacts=contacts, drive=drive, sweep=sweep))
+    axes = plot_critical_spring(Figure().subplots(), result)
+    assert axes.get_ylabel().endswith("N/m)") and axes.get_xlabel().startswith("speed $v$ (")
+    (bars,) = axes.containers
+    low, high = np.array([one[:, 1] for one in bars[2][0].get_segments()]).T
+    own = result.sweep
+    np.testing.assert_allclose(
+        0.5 * (high - low), result.newtons(own.critical_spring_error), rtol=1e-6, atol=1e-9
+    )
+    np.testing.assert_allclose(0.5 * (high + low), result.newtons(own.critical_spring))
+
+
+def test_a_picture_has_the_figure_with_its_axes(tmp_path: Path) -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    figure = toolkit.plot(toolkit.run(scene()))
+    assert isinstance(figure, Figure) and [one.get_label() for one in figure.axes] == ["F", "P"]
+    figure.savefig(tmp_path / "picture.pdf")
+    axes = Figure().subplots(1, 2)
+    assert toolkit.plot(toolkit.run(scene()), axes) is axes[0].figure
+
+
+def test_a_verdict_draws_the_sliders_of_so_many_contacts_that_disagree() -> None:
+    """A few contacts slip on a spring on which infinitely many do not; a trace that is not known is not drawn."""
+    own = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.3}}
+    tables = {"contacts": own, "drive": {"spring": 0.9, "to": 3.0, "points": 5}}
+    tables |= {"eq": {"contacts": 12}, "verdict": {"rules": ["reset"]}}
+    found = verdict(toolkit.load_scene(tables, solved=False))
+    trace = panels(draw_verdict(found))["trace"]
+    assert found.finite[0].kind != found.own.behaviours[0].kind
+    one, finite = trace.lines
+    np.testing.assert_array_equal(finite.get_xdata(), found.finite[0].drive)
+    assert "12 contacts" in finite.get_label() and one.get_label().endswith("smooth")
+    unknown = dataclasses.replace(found.own.behaviours[0], error=np.inf, success=False)
+    answer = dataclasses.replace(found.own, behaviours=(unknown,))
+    lost = dataclasses.replace(found, answers=(answer,), finite=())
+    assert not panels(draw_verdict(lost))["trace"].lines
+
+
+def test_ten_readings_have_ten_marks() -> None:
+    tables = scene(ROUGH, drive={"area": 1e-6}, master=None)
+    tables["verdict"] = {"readings": ["gw/amontons"]}
+    found = verdict(toolkit.load_scene(tables, solved=False))
+    many = dataclasses.replace(found, answers=found.answers * 10)
+    drawn = panels(draw_verdict(many))
+    marks = [line.get_marker() for line in drawn["thresholds"].lines]
+    inks = [(line.get_color(), str(line.get_linestyle())) for line in drawn["thresholds"].lines]
+    assert len(set(marks)) == 10 and len(set(zip(marks, inks, strict=True))) == 10
+    assert drawn["springs"].get_xlabel().endswith("N/m)")
 
 
 def test_a_picture_of_a_sweep_has_a_line_for_each_value_of_the_second_quantity() -> None:
@@ -90,9 +322,13 @@ def test_a_picture_of_a_sweep_has_a_line_for_each_value_of_the_second_quantity()
     result = toolkit.run({"contacts": contacts, "sweep": sweep})
     axes = Figure().subplots(1, 2)
     toolkit.plot(result, axes)
-    assert axes[0].get_xscale() == "log" and len(axes[0].lines) == 2
-    assert [text.get_text()[-5:] for text in axes[0].get_legend().get_texts()] == ["= 0.1", "= 0.3"]
-    np.testing.assert_array_equal(axes[0].lines[1].get_ydata(), result.sweep.force[:, 1])
+    assert axes[0].get_xscale() == "log" and len(axes[0].containers) == 2
+    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == [
+        "temperature = 0.1 length²",
+        "temperature = 0.3 length²",
+    ]
+    second = axes[0].containers[1].lines[0].get_ydata()
+    np.testing.assert_array_equal(second, result.sweep.force[:, 1])
 
 
 def test_what_is_not_solved_is_not_drawn() -> None:
@@ -108,7 +344,7 @@ def test_what_is_not_solved_is_not_drawn() -> None:
 
 def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:
     drive = {"to": 1e-7, "points": 3}
-    for own, label in ((drive | {"area": 1e-6}, "(N/m)"), (drive, "(N/m³)")):
+    for own, label in ((drive | {"area": 1e-6}, "(kN/m)"), (drive, "(GN/m³)")):
         one = compare([toolkit.load_scene(scene(ROUGH, drive=own, master=None), solved=False)])
         springs = draw_comparison(one).axes[1]
         assert label in springs.get_xlabel()

@@ -10,7 +10,7 @@ import eq_model
 import master
 import origins
 import toolkit
-from toolkit.pictures.replicas import with_slips
+from toolkit.pictures.traces import slips_of, with_slips
 from toolkit.scene.scene import SHIPPED
 
 
@@ -59,9 +59,7 @@ def test_slips_shorter_than_the_steps_of_the_path_are_drawn() -> None:
     full = run("tribometer-full", 1000, turns=[6e-6], times=[6.0], points=61)
     slips, times = full.eq.slips, full.time
     first = np.flatnonzero(slips.drop > 0.5 * full.mean_threshold)[0]
-    place, force = with_slips(
-        full, full.eq, full.eq.forces[0], slips.replica == 0, "force_before", "force_after"
-    )
+    place, force = with_slips(times, full.eq.path, full.eq.forces[0], slips_of(full.eq, 0))
     assert force.min() == slips.force_after.min() < full.eq.forces.min()
     assert (np.diff(place) >= 0.0).all() and place.size == times.size + 2 * slips.drop.size
     at = np.flatnonzero(force == slips.force_after[first])[0]

@@ -5,7 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.pictures.thresholds import name_lengths, some_of
+from origins.thresholds.law import Array
+from toolkit.pictures.axes import (
+    force_name,
+    legend_above,
+    name_axis,
+    some_of,
+    spring_name,
+    style_of,
+)
 from toolkit.results.points import PointsRecord
 from toolkit.results.records import Result
 
@@ -13,35 +21,51 @@ _LINES = 8  # as can be distinguished
 
 
 def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
-    """A column with its errors along the key that was swept first, a line for each combination of the others."""
-    from matplotlib import colormaps
-
+    """A column with its errors, in the unit of the result's scale, along the key that was swept first, a line for each
+    combination of the others."""
     sweep: Any = result.sweep
     first, *others = sweep.along
     x, unit = _numbers(sweep[first])
-    value, error = sweep[name], sweep.columns.get(f"{name}_error", np.zeros(len(sweep)))
+    factor = _factors(result)
+    value, error = (sweep.columns.get(key, np.zeros(len(sweep))) for key in (name, f"{name}_error"))
+    value, error = factor * value, factor * error
     lines = [", ".join(f"{key} = {sweep[key][row]}" for key in others) for row in range(len(sweep))]
     names = list(dict.fromkeys(lines))
-    some = some_of(len(names), _LINES)
-    for number, k in enumerate(some):
+    for number, k in enumerate(some_of(len(names), _LINES)):
         rows = np.flatnonzero([line == names[k] for line in lines])
         rows = rows[np.argsort(x[rows], kind="stable")]
-        color = colormaps["viridis"](0.85 * number / max(some.size - 1, 1))
         own = np.where(np.isfinite(error[rows]), error[rows], 0.0)
-        axes.errorbar(x[rows], value[rows], own, marker=".", lw=1.2, color=color, label=names[k])
-    axes.set_xlabel(f"{first} ({unit})" if unit else first)
+        style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k]}
+        axes.errorbar(
+            x[rows], np.where(np.isfinite(value[rows]), value[rows], np.nan), own, **style
+        )
     if x.min() > 0.0 and x.max() > 30.0 * x.min():
         axes.set_xscale("log")
-    if others:
-        axes.legend(fontsize="small")
+    units = {"drive.velocity": result.scale.speed_unit, "contacts.thresholds.pressure": "Pa"}
+    name_axis(axes.xaxis, first, unit or units.get(first, ""))
     if name == "kinetic_force":
-        name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.thresholds.in_metres)
+        name_axis(axes.yaxis, *force_name(result.scale, "F_k"))
     elif name == "eq_force_swing":
-        label = "spring force,\nlargest less smallest"
-        name_lengths(axes.yaxis, label, result.thresholds.in_metres)
+        whole, own_unit = force_name(result.scale)
+        name_axis(axes.yaxis, f"spring {whole},\nlargest less smallest", own_unit)
     else:
-        axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, None))
+        axes.set_ylim(0.0, None)
+        name_axis(axes.yaxis, *spring_name(result.scale.spring_unit))
+    if others:
+        legend_above(axes)
     return axes
+
+
+def _factors(result: Result) -> Array:
+    """What forces and springs over N_c<k> are in the unit of the scale at each point, whose surface or area may
+    be its own."""
+    sweep: Any = result.sweep
+    name = {"N": "kinetic_force_newtons", "Pa": "kinetic_stress"}.get(result.scale.force_unit)
+    out = np.full(len(sweep), result.scale.force)
+    if name in sweep.columns:
+        shared, known = sweep["kinetic_force"], sweep["kinetic_force"] > 0.0
+        np.divide(sweep[name], shared, out=out, where=known)
+    return out
 
 
 def plot_points_spring(axes: Any, result: Result) -> Any:

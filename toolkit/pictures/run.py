@@ -1,14 +1,21 @@
-"""Pictures of a run and of a sweep: functions that take matplotlib axes and return them.
+"""Pictures of a run: a figure of panels, each a function that takes matplotlib axes and returns them.
 
-Data are in the unit of the thresholds.
+Forces are in newtons, or pascals, of a surface; other data in the unit of the thresholds.
 """
 
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from toolkit.pictures.axes import (
+    INK,
+    MARKERS,
+    force_name,
+    legend_above,
+    name_axis,
+    some_of,
+)
+from toolkit.pictures.legs import mark_legs, write_along
 from toolkit.pictures.points import (
     plot_points,
     plot_points_spring,
@@ -16,82 +23,115 @@ from toolkit.pictures.points import (
     with_spring,
     with_swing,
 )
-from toolkit.pictures.replicas import SHOWN, plot_replicas, with_slips
-from toolkit.pictures.thresholds import INK, along, name_lengths, plot_density, some_of, write_along
+from toolkit.pictures.sweep import plot_critical_spring, plot_sweep
+from toolkit.pictures.thresholds import plot_density
+from toolkit.pictures.traces import along, in_time, moments, slips_of, with_slips
 from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.points import PointsRecord
 from toolkit.results.records import Result, is_coupled, is_heavy, is_known
 
 _BARS = 61  # error bars; with more the line would be hidden
-_UNITS = {"velocity": "m/s", "temperature": "m²", "kelvin": "K", "rate": "m²/s", "delay": "s"}
+_REPLICAS = 5  # as can be distinguished
+_OF_EQ: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
 
 
 def plot(result: Result, axes: Any = None) -> Any:
-    """F(X) from every solver, F(t) where the drive has a time for each point, or F_k along a sweep if there is nothing
-    else, with P_c(x) beside it, for a Result of toolkit.run or toolkit.load.
+    """The picture of a Result of toolkit.run or toolkit.load as a matplotlib Figure, whose `.axes` are F(X) from every
+    solver, F(t) where the drive or slips take time, or F_k along a sweep if there is nothing else; P_c(x); and panels
+    of what else the run has.
 
-    They are drawn on `axes`, a pair of matplotlib's; left out, pyplot makes a figure. Returns the two of them, whose
-    figure saves the picture: ``toolkit.plot(result)[0].figure.savefig("picture.png")``.
+    Left out, `axes` are those of a new figure of pyplot: ``toolkit.plot(result).savefig("picture.pdf")``. Into a pair
+    of matplotlib's `axes` only the first two are drawn; returned is their figure.
     """
-    if axes is None:
-        from matplotlib import pyplot
+    if axes is not None:
+        (plot_force if result.curves else _swept(result))(axes[0], result)
+        legend_above(axes[0], title=result.title or result.name)
+        plot_density(axes[1], result.thresholds)
+        return axes[0].figure
+    from matplotlib import pyplot
 
-        size: dict[str, Any] = {"figsize": (10, 4), "width_ratios": (2.2, 1)}
-        _, axes = pyplot.subplots(1, 2, layout="constrained", **size)
-    swept = plot_points if isinstance(result.sweep, PointsRecord) else plot_sweep
-    (plot_force if result.curves else swept)(axes[0], result)
-    axes[0].set_title(result.title or result.name, parse_math=False)
-    plot_density(axes[1], result.thresholds)
-    return axes
+    return draw_run(result, pyplot.figure(layout="constrained"))
 
 
 def plot_force(axes: Any, result: Result) -> Any:
-    """F/(N_c<k>) against X, or t where points have times: the master equation as a line, the ensemble as error bars of
-    one standard error; on a soft slider some replicas, since their mean during a slip is the force of none of them."""
-    solved, eq = result.master, result.eq
+    """The force against X or X_T, or t where the drive or slips take time, in the unit of the result's scale.
+
+    The master equation is a line, the ensemble error bars of one standard error; on a soft slider it is some replicas,
+    since their mean during a slip is the force of none of them. Each slip is drawn from its own data.
+    """
+    solved, eq, factor = result.master, result.eq, result.scale.force
     if solved is not None:
-        path, force, label = along(result, solved), solved.force, "master equation"
-        if not solved.success:
-            label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
-        if solved.slips is not None and (np.diff(solved.path) > 0.0).all():
-            ends = slice(None), "force_before", "force_after"
-            path, force = with_slips(result, solved, force, *ends)
-        line = "-" if solved.success else "--"
-        if not is_known(solved):
-            label, path, force = "master equation: not solved", path[:0], force[:0]
-        axes.plot(path, force, line, color=INK["master"], lw=1.4, zorder=3, label=label)
-        if solved.outrun is not None and path.size and solved.outrun < path[-1]:
-            label = "contacts outrun $P_c$ (Q15)"
-            axes.axvspan(solved.outrun, path[-1], color="0.9", lw=0, label=label)
+        _draw_solved(axes, result)
     if is_coupled(eq):
-        number = min(SHOWN, len(eq.forces))
-        line = plot_replicas(axes, result, "forces", "force_before", "force_after")
-        each = f"{eq.contacts // len(eq.forces):,} contacts"
-        line.set_label(f"EQ, {number} of {len(eq.forces)} replicas of {each}")
+        number = min(_REPLICAS, len(eq.forces))
+        for replica in range(number):
+            slips = slips_of(eq, replica)
+            place, force = with_slips(along(result, eq), eq.path, eq.forces[replica], slips)
+            label = f"EQ, {number} of {len(eq.forces)} replicas of {eq.contacts // len(eq.forces):,} contacts"
+            axes.plot(place, factor * force, label=None if replica else label, **_OF_EQ)
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
-        place, error = along(result, eq)[some], eq.force_standard_error[some]
-        style: dict[str, Any] = {"color": INK["eq"], "fmt": "o", "ms": 3, "capsize": 2, "lw": 1}
-        axes.errorbar(place, eq.force[some], yerr=error, label="EQ, ±1 standard error", **style)
+        place, error = along(result, eq)[some], factor * eq.force_standard_error[some]
+        style = {"color": INK["eq"], "fmt": "o", "ms": 3, "capsize": 2, "lw": 1}
+        label = "EQ, ±1 standard error"
+        axes.errorbar(place, factor * eq.force[some], yerr=error, label=label, **style)
     write_along(axes, result)
-    name_lengths(axes.yaxis, r"force $F/(N_c\langle k\rangle)$", result.thresholds.in_metres)
-    axes.margins(y=0.15)  # slips and cycles leave no corner free
-    axes.legend(loc="upper right", ncols=2, fontsize="small")
+    mark_legs(axes, result)
+    name = "spring force" if is_heavy(eq) or getattr(solved, "velocity", None) is not None else ""
+    _name_forces(axes, result, name)
+    legend_above(axes)
     return axes
 
 
+def _draw_solved(axes: Any, result: Result) -> None:
+    """The master equation's force, dashed where its error is not as asked, left out where it is not known."""
+    solved: Any = result.master
+    label = "master equation"
+    if not solved.success:
+        label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
+    place, force = along(result, solved), solved.force
+    place, force = with_slips(place, solved.path, force, slips_of(solved))
+    if not is_known(solved):
+        label, place, force = "master equation: not solved", place[:0], force[:0]
+    line = "-" if solved.success else "--"
+    style: dict[str, Any] = {"color": INK["master"], "lw": 1.4, "zorder": 3, "label": label}
+    axes.plot(place, result.scale.force * force, line, **style)
+    if solved.outrun is not None and place.size and solved.outrun < place[-1]:
+        label = "contacts outrun $P_c$ (Q15)"
+        axes.axvspan(solved.outrun, place[-1], color="0.9", lw=0, label=label)
+
+
+def _name_forces(axes: Any, result: Result, name: str) -> None:
+    """Label the axis of forces, and opposite to it that of F over the load, of a surface."""
+    scale = result.scale
+    usual, unit = force_name(scale)
+    name_axis(axes.yaxis, usual.replace("force", name) if name else usual, unit)
+    if (load := scale.load) is not None:
+        over = axes.secondary_yaxis("right", functions=(lambda f: f / load, lambda mu: mu * load))
+        over.set_ylabel(r"$\mu = F$/load")
+
+
 def plot_position(axes: Any, result: Result) -> Any:
-    """Positions of the drive, or of the rigid slider, and of a soft slider against time."""
+    """Positions of the drive, or of the rigid slider, and of a soft slider against time; in some of the replicas."""
     curve = result.curves[0]
-    axes.plot(along(result, curve), curve.path, color="0.4", lw=1.2, label="drive")
-    if is_coupled(curve):
-        plot_replicas(axes, result, "positions", "before", "after").set_label("slider")
-        axes.legend(fontsize="small")
-    elif getattr(curve, "position", None) is not None:
-        axes.plot(along(result, curve), curve.position, color=INK["master"], lw=1.2, label="slider")
-        axes.legend(fontsize="small")
+    soft = getattr(curve, "position", None) is not None
+    name = "drive $X_T$" if soft else "slider $X$"
+    axes.plot(along(result, curve), curve.path, color="0.4", ls="--" * soft or "-", label=name)
+    solved, eq = result.master, result.eq
+    if solved is not None and solved.position is not None and is_known(solved):
+        place, slips = along(result, solved), slips_of(solved)
+        drawn = with_slips(place, solved.path, solved.position, slips, position=True)
+        axes.plot(*drawn, color=INK["master"], lw=1.2, label="slider $X$")
+    if is_coupled(eq):
+        for replica in range(min(_REPLICAS, len(eq.forces))):
+            slips, own = slips_of(eq, replica), eq.positions[replica]
+            drawn = with_slips(along(result, eq), eq.path, own, slips, position=True)
+            axes.plot(*drawn, label=None if replica else "slider $X$, EQ", **_OF_EQ)
+    if soft:
+        legend_above(axes)
     write_along(axes, result)
-    name_lengths(axes.yaxis, "position", result.thresholds.in_metres)
+    mark_legs(axes, result, named=True)
+    name_axis(axes.yaxis, "position", result.scale.length_unit)
     return axes
 
 
@@ -99,15 +139,17 @@ def plot_holding(axes: Any, result: Result) -> Any:
     """The fraction of the contacts that hold, of a soft slider's replicas their mean; the others wait to form again."""
     for curve, ink in ((result.master, "master"), (result.eq, "eq")):
         if curve is not None:
-            whole = ink == "master" or is_coupled(
-                curve
-            )  # which moves much between the points of some
-            some = slice(None) if whole else some_of(curve.path.size, _BARS)
-            style = "-" if whole else "."
+            # of a soft slider it moves much between the points of some
+            whole = ink == "master" or is_coupled(curve)
+            some, mark = (
+                slice(None) if whole else some_of(curve.path.size, _BARS),
+                "-" if whole else ".",
+            )
             place = along(result, curve)[some]
-            axes.plot(place, curve.holding[some], style, color=INK[ink], ms=4, lw=1.2)
+            axes.plot(place, curve.holding[some], mark, color=INK[ink], ms=4, lw=1.2)
     axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
     write_along(axes, result)
+    mark_legs(axes, result)
     return axes
 
 
@@ -127,62 +169,46 @@ def plot_deviation(axes: Any, result: Result) -> Any:
 
 
 def plot_velocity(axes: Any, result: Result) -> Any:
-    """The speed of a slider with mass at the points of the path, and at its largest in slips between them: of the
-    master equation, and in some replicas."""
+    """The speed of a slider with mass at the points of the path: of the master equation, and in some replicas; each
+    slip as a line from its begin to its top speed, from its own data, since points of the path may all lie between."""
     solved, eq = result.master, result.eq
     if eq is not None:
-        plot_replicas(axes, result, "velocities", "top_speed")
+        for replica in range(min(_REPLICAS, len(eq.forces))):
+            axes.plot(along(result, eq), eq.velocities[replica], **_OF_EQ)
+            _draw_top_speeds(axes, result, eq, eq.forces[replica], replica)
     if solved is not None and solved.velocity is not None and is_known(solved):
         axes.plot(along(result, solved), solved.velocity, color=INK["master"], lw=1.2)
-    axes.set_ylabel("$dX/dt$ (m/s)" if result.thresholds.in_metres else "$dX/dt$")
+        _draw_top_speeds(axes, result, solved, solved.force, None)
     write_along(axes, result)
+    name_axis(axes.yaxis, "slider's speed", result.scale.speed_unit)
+    legend_above(axes)
     return axes
 
 
-def plot_sweep(axes: Any, result: Result, name: str = "force") -> Any:
-    """F_k/(N_c<k>), or the `critical_spring` K*/(N_c<k>) where it is finite, along the sweep's first quantity, a line
-    for each value of its second one."""
-    from matplotlib import colormaps
-
-    sweep: Any = result.sweep
-    first, *second = sweep.along
-    values, x = getattr(sweep, name), getattr(sweep, first)
-    table = np.where(np.isfinite(values), values, np.nan).reshape(x.shape[0], -1)
-    rows, some = x.reshape(table.shape)[:, 0], some_of(table.shape[1], 8)  # as can be distinguished
-    for k, column in enumerate(some):
-        style = {"color": INK["master"], "lw": 1.4, "marker": "." if rows.size < 16 else ""}
-        for other in second:
-            here = getattr(sweep, other).reshape(table.shape)[0, column]
-            style["label"] = f"{other} = {here:.3g}"
-            style["color"] = colormaps["viridis"](0.85 * k / max(some.size - 1, 1))
-        axes.plot(rows, table[:, column], **style)
-    units = _UNITS if result.thresholds.in_metres else {}
-    axes.set_xlabel(f"{first} ({units.get(first, '')})".removesuffix(" ()"))
-    shown = table[np.isfinite(table)]
-    if shown.size and np.ptp(shown) < 0.01 * shown.max():
-        axes.set_ylim(0.0, 1.1 * shown.max())  # else a change of no account would fill the axis
-    if rows.min() > 0.0 and rows.max() > 30.0 * rows.min():
-        axes.set_xscale("log")
-    if second:
-        axes.legend(fontsize="small")
-    if name == "force":
-        name_lengths(axes.yaxis, r"$F_k/(N_c\langle k\rangle)$", result.thresholds.in_metres)
-    else:
-        axes.set(ylabel=r"$K^*/(N_c\langle k\rangle)$", ylim=(0.0, None))
-    return axes
+def _draw_top_speeds(
+    axes: Any, result: Result, curve: Any, force: Any, replica: int | None
+) -> None:
+    """The top speed of each slip, at half its duration."""
+    slips = slips_of(curve, replica)
+    if slips is None or slips.top_speed is None or slips.duration is None or not slips.drive.size:
+        return
+    begin = moments(along(result, curve), curve.path, force, slips)
+    at, ink = begin + 0.5 * slips.duration, INK["master" if replica is None else "eq"]
+    axes.vlines(at, 0.0, slips.top_speed, color=ink, lw=0.7, alpha=0.7)
+    label = "top speed of a slip" if replica in (None, 0) else None
+    mark = MARKERS[0] if replica is None else MARKERS[2]
+    axes.plot(at, slips.top_speed, mark, color=ink, ms=4, label=label)
 
 
-def plot_critical_spring(axes: Any, result: Result) -> Any:
-    """K* along the sweep, from 0: below it stick-slip."""
-    return plot_sweep(axes, result, "critical_spring")
+def _swept(result: Result) -> Callable[[Any, Result], Any]:
+    """What draws F_k along the result's sweep."""
+    return plot_points if isinstance(result.sweep, PointsRecord) else plot_sweep
 
 
-def save_picture(result: Result, path: Path) -> None:
-    """The picture of a run as a PNG, on a figure of its own: the session's backend is not touched."""
-    from matplotlib.figure import Figure
-
+def draw_run(result: Result, figure: Any) -> Any:
+    """Draw all panels of a run on an empty figure, and return it."""
     solved, below = result.master, list[Callable[[Any, Result], Any]]()
-    if result.curves and result.timed:
+    if in_time(result):
         below.append(plot_position)
     if is_heavy(result.eq) or getattr(solved, "velocity", None) is not None:
         below.append(plot_velocity)
@@ -190,21 +216,32 @@ def save_picture(result: Result, path: Path) -> None:
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    swept: list[Any] = [plot_sweep] if result.curves and result.sweep is not None else []
+    swept: list[Any] = [_swept(result)] if result.curves and result.sweep is not None else []
     if getattr(result.sweep, "critical_spring", None) is not None:
         swept.append(plot_critical_spring)
     if with_spring(result.sweep):
         swept.append(plot_points_spring)
     if with_swing(result.sweep):
         swept.append(plot_points_swing)
-    heights = [3, *(1 for _ in below), *(2 for _ in swept)]
-    figure = Figure(figsize=(10, 1 + sum(heights)), layout="constrained")
+    tall = plot_position, plot_velocity
+    heights = [3.0, *(1.6 if draw in tall else 1.0 for draw in below), *(2.0 for _ in swept)]
+    figure.set_size_inches(10, 1.2 + sum(heights))
     rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in (*below, *swept))]
     places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=heights)
-    plot(result, [places["F"], places["P"]])
+    (plot_force if result.curves else _swept(result))(places["F"], result)
+    plot_density(places["P"], result.thresholds)
     for draw in (*swept, *below):
         draw(places[draw.__name__], result)
     for draw, above in zip(below, ["F", *(draw.__name__ for draw in below)], strict=False):
         places[draw.__name__].sharex(places["F"])
         places[above].set_xlabel("")
-    figure.savefig(path, dpi=150, format="png")
+    figure.suptitle(result.title or result.name, parse_math=False, wrap=True)
+    return figure
+
+
+def save_picture(result: Result, path: Path) -> None:
+    """The picture of a run in the format of the path's suffix, on a figure of its own: the session's backend is not
+    touched."""
+    from matplotlib.figure import Figure
+
+    draw_run(result, Figure(layout="constrained")).savefig(path, dpi=150, format=path.suffix[1:])

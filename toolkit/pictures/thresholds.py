@@ -1,29 +1,19 @@
-"""Readable axes, and pictures of a law of thresholds and of the islands whose barriers it comes from."""
+"""Pictures of a law of thresholds and of the islands whose barriers it comes from."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from origins.domains.rotated import DomainSamples
 from origins.samples.from_samples import Sampled
 from origins.thresholds.law import Array, Thresholds
-from toolkit.results.records import Result, ThresholdCurve
+from toolkit.pictures.axes import INK, legend_above, name_axis, some_of
+from toolkit.results.records import ThresholdCurve
 
-INK = {"master": "#1f4e79", "eq": "#c0392b", "thresholds": "#2e7d32"}
 _SPIKE = 10.0  # a density is cut off at this multiple of its largest value for 95 % of the contacts
 _STEPS, _ISLANDS = 2000, 20_000  # most points that a picture shows
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
-
-
-def name_lengths(axis: Any, name: str, metres: bool) -> None:
-    """Label an axis of lengths; ticks in metres have a prefix, such as 25 nm."""
-    from matplotlib.ticker import EngFormatter
-
-    axis.set_label_text(name)
-    if metres:
-        axis.set_major_formatter(EngFormatter(unit="m"))
 
 
 def highest(curve: ThresholdCurve, values: Array) -> float:
@@ -39,37 +29,6 @@ def highest(curve: ThresholdCurve, values: Array) -> float:
     return float(1.5 * high) if top > _SPIKE * high and at_end else 1.05 * top
 
 
-def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
-    """Indices of at most so many of `size` points, evenly."""
-    return np.unique(np.linspace(0, size - 1, most).round().astype(np.intp))
-
-
-def along(result: Result, curve: Any) -> Array:
-    """The abscissa of a curve: times where the scene gives them, else its path."""
-    return result.time[: curve.path.size] if result.timed else curve.path
-
-
-def write_along(axes: Any, result: Result) -> None:
-    """Label this axis. With a hold_scale, points are even on it, so that each decade of a hold is visible."""
-    drive = result.asked.drive
-    if drive is None or drive.times is None:
-        pulled = drive is not None and drive.spring is not None
-        place = "drive position $X_T$" if pulled else "slider position $X$"
-        name_lengths(axes.xaxis, place, result.thresholds.in_metres)
-        return
-    axes.set_xlabel(f"time $t${' (s)' if result.thresholds.in_metres else ''}")
-    if drive.hold_scale is not None:
-        times, number = result.time, np.arange(result.time.size, dtype=float)
-        both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))
-        axes.set_xscale("function", functions=both)
-        turns = np.unique([times[0], *drive.times])
-        turns = turns[some_of(turns.size, 8)]
-        axes.set_xticks(turns, [f"{time:.9g}" for time in turns])
-        axes.set_xlim(times[0], times[-1])
-        scale = f"even in ln(1 + t/{drive.hold_scale:.3g}) since each hold began"
-        axes.set_xlabel(f"{axes.get_xlabel()}, {scale}")
-
-
 def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     """P_c(x), with exact single values as lines as high as their weight."""
     finite = np.isfinite(curve.density)
@@ -77,8 +36,8 @@ def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     if smooth:
         filled = {"alpha": 0.25, "lw": 0, "color": INK["thresholds"]}
         axes.fill_between(curve.x[finite], curve.density[finite], **filled)
-        _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x)$")
-    _label(axes, curve, "thresholds", "threshold $x$")
+        _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x_s)$")
+    _label(axes, curve, "thresholds", "threshold $x_s$")
     if curve.atoms.size:
         # a weight is not a density: next to one it has its own axis
         own = axes.twinx() if smooth else axes
@@ -95,15 +54,15 @@ def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
         above = 1.0 - np.cumsum(thresholds.shares)[some]
         label = f"{thresholds.n_samples} samples"
         axes.step(thresholds.samples[some], above, where="post", color="0.25", lw=0.6, label=label)
-        axes.legend()
+        legend_above(axes)
     return axes
 
 
 def _draw(axes: Any, curve: ThresholdCurve, values: Array, name: str) -> None:
     """A quantity per length, within limits that show it."""
     axes.plot(curve.x, values, **_STYLE)
-    label = f"{name} (1/m)" if curve.in_metres else name
-    axes.set(ylabel=label, ylim=(0.0, highest(curve, values)))
+    axes.set_ylim(0.0, highest(curve, values))
+    name_axis(axes.yaxis, name, "1/m" if curve.in_metres else "1/length")
 
 
 def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
@@ -113,31 +72,33 @@ def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
     last = float(curve.x[curve.survival > 1e-3].max(initial=first))
     # one exact value has no width of its own
     margin = 0.15 * (last - first) if last - first > 1e-9 * last else 0.5 * last
-    axes.set(title=title, xlim=(first - margin if first > 0.5 * last else 0.0, last + margin))
-    name_lengths(axes.xaxis, name, curve.in_metres)
+    axes.set_xlim(first - margin if first > 0.5 * last else 0.0, last + margin)
+    legend_above(axes, title=title)
+    name_axis(axes.xaxis, name, "m" if curve.in_metres else "length")
 
 
 def save_thresholds_picture(law: Thresholds, curve: ThresholdCurve, title: str, path: Path) -> None:
     """P_c, survival S, with that of the samples if there are any over it, and hazard P_c/S, the rate of breaking per
-    length up to where one contact in a thousand holds, side by side as a PNG."""
+    length up to where one contact in a thousand holds, side by side, in the format of the path's suffix."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.5, 3.6), layout="constrained")
     density, survival, hazard = figure.subplots(1, 3)
     plot_density(density, curve)
     survival.plot(curve.x, curve.survival, **_STYLE)
-    survival.set(ylabel="$S(x)$", ylim=(0, 1.05))
-    _label(plot_samples(survival, law), curve, "survival", "threshold $x$")
+    survival.set(ylabel="survival $S(x_s)$", ylim=(0, 1.05))
+    _label(plot_samples(survival, law), curve, "survival", "threshold $x_s$")
     shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
     values = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
     _draw(hazard, curve, values, "$P_c(x)/S(x)$")
     _label(hazard, curve, "hazard", "stretch $x$")
     figure.suptitle(title, parse_math=False)
-    figure.savefig(path, dpi=150, format="png")
+    figure.savefig(path, dpi=150, format=path.suffix[1:])
 
 
 def save_barriers(domains: DomainSamples, path: Path) -> None:
-    """Barrier of each island that was drawn, against its angle in degrees, as a PNG; larger islands darker."""
+    """Barrier of each island that was drawn, against its angle in degrees; larger islands darker. The format is that of
+    the path's suffix."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7, 4), layout="constrained")
@@ -146,4 +107,4 @@ def save_barriers(domains: DomainSamples, path: Path) -> None:
     shown = axes.scatter(*place, c=domains.n_atoms[some], cmap="viridis_r", s=3.0, lw=0.0)
     figure.colorbar(shown, label="atoms")
     axes.set(xlabel="angle (degrees)", ylabel=r"barrier $\epsilon_a$ (energy)", ylim=(0.0, None))
-    figure.savefig(path, dpi=150, format="png")
+    figure.savefig(path, dpi=150, format=path.suffix[1:])

@@ -7,6 +7,7 @@ import numpy as np
 from toolkit.results.records import Result, is_coupled, is_known
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import with_uncertainty, written
+from toolkit.scene.sweep import SweepRecord
 
 
 def numbers_of(result: Result) -> dict[str, Number]:
@@ -34,7 +35,7 @@ def numbers_of(result: Result) -> dict[str, Number]:
         found |= _of_curve(eq.force, eq.force_standard_error + eq.step_error, scale)
         if is_coupled(eq) and eq.slips.number.size:
             found |= _of_slips(eq, scale)
-    if result.sweep is not None:
+    if isinstance(result.sweep, SweepRecord):
         for name, factor, unit in (
             ("force", scale.force, force),
             ("critical_spring", scale.spring, scale.spring_unit),

@@ -67,7 +67,8 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
 
 def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     """What so many contacts do, forces in the unit of the own reading."""
-    out, force = asdict(finite), verdict.own.scale.force
+    out = {name: one for name, one in asdict(finite).items() if name not in ("drive", "force")}
+    force = verdict.own.scale.force
     return out | {name: out[name] * force for name in ("before", "before_error")}
 
 

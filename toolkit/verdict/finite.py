@@ -1,14 +1,15 @@
 """What finitely many contacts do: sliders of as many contacts as the area holds, beside the infinitely many of the
 master equation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
-from toolkit.verdict.follow import Machine
+from origins.thresholds.law import Array
+from toolkit.verdict.follow import Machine, trace_of
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
@@ -29,6 +30,7 @@ class Finite:
         followed, for the reason in `message`
     before, before_error : mean spring force before a slip, F/(N_c <k>) (a length), and its standard error
     slips : number of slips of a slider, mean
+    drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
     """
 
     rule: str
@@ -38,6 +40,8 @@ class Finite:
     before_error: float = float("nan")
     slips: float = 0.0
     message: str = ""
+    drive: Array = field(default_factory=lambda: np.empty(0))
+    force: Array = field(default_factory=lambda: np.empty(0))
 
 
 def follow_finite(
@@ -88,4 +92,6 @@ def follow_finite(
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     last = int(max(counts.min() - 1, 0))
     before, error = found.slips.mean("force_before", last) if counts.any() else (np.nan, np.nan)
-    return Finite(rule, held, kind, before, error, float(counts.mean()))
+    drive, force = trace_of(found, 0)
+    mean_slips = float(counts.mean())
+    return Finite(rule, held, kind, before, error, mean_slips, drive=drive, force=force)

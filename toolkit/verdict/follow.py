@@ -135,11 +135,7 @@ def follow_by_contacts(
     asked = {"n_contacts": CONTACTS, "n_replicas": SLIDERS, "seed": 1} | machine.keywords(rule)
     found = eq_model.simulate(contacts, path, **asked)
     slips, unit = found.slips, contacts.mean_threshold
-    own = slips.replica == 0  # the trace is that of one slider: a mean over several has no drops
-    of_one = {name: getattr(slips, name)[own] for name in ("drive", "force_before", "force_after")}
-    drive, force = with_slips(
-        SimpleNamespace(path=path, force=found.forces[0], slips=SimpleNamespace(**of_one))
-    )
+    drive, force = trace_of(found, 0)
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
     slipped = common > 1
     before, scatter = slips.mean("force_before", common - 1) if slipped else (force[-1], np.inf)
@@ -150,7 +146,7 @@ def follow_by_contacts(
         kind="stick-slip" if slipped else "smooth",
         before=float(before),
         after=float(after),
-        period=float(np.diff(of_one["drive"])[-1]) if slipped else None,
+        period=float(np.diff(slips.drive[slips.replica == 0])[-1]) if slipped else None,
         slips=common,
         error=float(error / unit),
         success=True,
@@ -200,6 +196,14 @@ def _last(slips: Any, name: str) -> float | None:
     """A property of the last slip, where the solution has it: slips without mass take no time."""
     values = getattr(slips, name, None)
     return None if values is None or not len(values) else float(values[-1])
+
+
+def trace_of(found: Any, replica: int) -> tuple[Array, Array]:
+    """Drive and force of one slider of an ensemble, as a mean over several has no drops."""
+    slips, own = found.slips, found.slips.replica == replica
+    of_one = {name: getattr(slips, name)[own] for name in ("drive", "force_before", "force_after")}
+    one = SimpleNamespace(**of_one)
+    return with_slips(SimpleNamespace(path=found.path, force=found.forces[replica], slips=one))
 
 
 def with_slips(solved: Any) -> tuple[Array, Array]:

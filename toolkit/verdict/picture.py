@@ -6,81 +6,84 @@ from typing import Any
 import numpy as np
 
 from origins.contacts import Contacts
-from toolkit.scene.scale import Scale
+from toolkit.pictures.axes import DASHES, OKABE_ITO, force_name, legend_above, name_axis, style_of
+from toolkit.scene.scale import SHARED
 from toolkit.verdict.judge import Answer, Verdict
-from toolkit.verdict.words import NAMED, sentence
+from toolkit.verdict.words import NAMED, disagreeing, sentence
 
-# by Okabe and Ito, which colour-blind readers distinguish; dashes keep coinciding curves visible
-_INK = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"]
-_DASHES: list[Any] = ["-", (0, (5, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2))]
+# of the force, in mean thresholds: a trace with a larger error is not drawn
+_UNKNOWN = 0.1
 _DENSITY_POINTS = 400
 
 
 def save_verdict_picture(verdict: Verdict, path: Path) -> None:
-    """Draw the verdict as a PNG, on a figure of its own."""
+    """Save the picture in the format of the path's suffix."""
+    draw_verdict(verdict).savefig(path, dpi=150, format=path.suffix[1:])
+
+
+def draw_verdict(verdict: Verdict) -> Any:
+    """The friction trace, the threshold laws and K* of each reading, on a figure of its own."""
     from matplotlib.figure import Figure
 
     pulled = bool(verdict.own.behaviours)
-    figure = Figure(figsize=(11, 8 if pulled else 4.6), layout="constrained")
+    low = 4.0 + 0.2 * len(verdict.answers)
+    figure = Figure(figsize=(11, low + 4.4 * pulled), layout="constrained")
     rows: list[Any] = [["trace", "trace"]] * pulled + [["thresholds", "springs"]]
-    places = figure.subplot_mosaic(rows)
+    places = figure.subplot_mosaic(rows, height_ratios=[4.4] * pulled + [low])
     if pulled:
         _draw_trace(places["trace"], verdict)
     _draw_thresholds(places["thresholds"], verdict)
     _draw_springs(places["springs"], verdict)
+    if len(verdict.answers) > 1:
+        handles, labels = places["thresholds"].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
     figure.suptitle(
         f"{verdict.title}\n{sentence(verdict)}", fontsize="medium", parse_math=False, wrap=True
     )
-    figure.savefig(path, dpi=150, format="png")
-
-
-def _engineering(axis: Any, unit: str) -> None:
-    """Ticks with a prefix and a unit, such as 250 mN, for units that take one."""
-    from matplotlib.ticker import EngFormatter
-
-    if unit in ("m", "s", "N", "N/m", "Pa", "N/m³"):
-        axis.set_major_formatter(EngFormatter(unit=unit))
+    return figure
 
 
 def _draw_trace(axes: Any, verdict: Verdict) -> None:
-    """The spring's force against the drive for each rule, slips at their own places."""
-    own = verdict.own
-    scale = own.scale
-    shown = [one for one in own.behaviours if one.drive.size]
-    for number, behaviour in enumerate(shown):
-        dashes = _DASHES[number % len(_DASHES)]
-        style = {"color": _INK[number % len(_INK)], "ls": dashes, "lw": 1.3}
+    """The spring's force against the drive for each rule, slips at their own places; and that of one of the sliders of
+    so many contacts where these do something else."""
+    own, scale = verdict.own, verdict.own.scale
+    known = [one for one in own.behaviours if one.drive.size and one.error < _UNKNOWN]
+    for number, behaviour in enumerate(known):
+        style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
         label = f"{NAMED[behaviour.rule]}: {behaviour.kind}"
+        if not behaviour.success:
+            label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
         axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
-    axes.set_xlabel("drive $X_T$")
-    axes.set_ylabel("spring force $K(X_T - X)$")
-    _engineering(axes.xaxis, scale.length_unit)
-    _engineering(axes.yaxis, scale.force_unit)
-    axes.margins(x=0.01, y=0.15)
-    lowest = min((float(one.force.min()) * scale.force for one in shown), default=0.0)
-    axes.set_ylim(bottom=min(1.1 * lowest, 0.0))
-    if shown:
-        axes.legend(fontsize="small", loc="upper right", ncols=len(shown))
+    for number, (_, finite) in enumerate(disagreeing(verdict), start=len(known)):
+        if finite.drive.size:
+            label = f"{finite.contacts:,} contacts, {NAMED[finite.rule]}: {finite.kind}"
+            style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 1}
+            axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
+    axes.margins(x=0.01, y=0.05)
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 0.0) if axes.lines else 0.0, high)
+    name, unit = force_name(scale)
+    name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
+    name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
+    if axes.lines:
+        legend_above(axes, letters=150)
+    else:
+        middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
+        axes.text(0.5, 0.5, "not solved: verdict.txt says why", **middle)
 
 
 def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
     """P_c of each reading, each to its own peak, as readings differ by orders of magnitude."""
-    unit = verdict.own.scale.length_unit
     for number, answer in enumerate(verdict.answers):
         x, density = _density(answer.contacts)
-        axes.plot(x, density, label=answer.name, **_style(number))
+        style = style_of(number) | {"lw": 1.3 if number else 2.2, "ms": 4}
+        # marks of different curves at different places
+        style["markevery"] = (7 * number % 40, 40)
+        axes.plot(x, density, label=answer.name, **style)
     axes.set_xscale("log")
-    axes.set_xlabel("threshold $x_s$")
-    axes.set_ylabel("$x\\,P_c(x)$ over its peak")
-    _engineering(axes.xaxis, unit)
     axes.set_ylim(0.0, 1.1)
-    axes.legend(fontsize="x-small")
-
-
-def _style(number: int) -> dict[str, Any]:
-    """Colour and dashes of the reading of this number."""
-    dashes = _DASHES[number // len(_INK) % len(_DASHES)]
-    return {"color": _INK[number % len(_INK)], "ls": dashes, "lw": 1.3 if number else 2.2}
+    name_axis(axes.xaxis, "threshold $x_s$", verdict.own.scale.length_unit)
+    axes.set_ylabel("$x_s\\,P_c(x_s)$ over its peak")
 
 
 def _density(contacts: Contacts) -> tuple[Any, Any]:
@@ -95,39 +98,36 @@ def _density(contacts: Contacts) -> tuple[Any, Any]:
 
 
 def _draw_springs(axes: Any, verdict: Verdict) -> None:
-    """K* of each reading as a bar, with its error, and the machine's spring as a mark."""
+    """K* of each reading as a mark with its error, and the machine's spring."""
     rows, scale = list(enumerate(verdict.answers)), verdict.own.scale
-    for row, (number, answer) in enumerate(rows):
-        _bar(axes, row, number, answer)
-    axes.set_yticks(range(len(rows)), [one.name for _, one in rows], fontsize="small")
-    axes.invert_yaxis()
+    for row, answer in rows:
+        _draw_spring(axes, row, answer)
+    axes.set_yticks([row for row, _ in rows], [one.name for _, one in rows], fontsize="small")
+    axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_xscale("log")
-    axes.set_xlabel("critical spring $K^*$: softer springs slip")
-    _engineering(axes.xaxis, scale.spring_unit)
-    axes.tick_params(axis="x", labelrotation=30)
-    _mark_machine(axes, rows, scale)
+    springs = [one.machine.spring * one.scale.spring for _, one in rows if one.machine]
+    if springs and np.ptp(springs) <= 1e-9 * max(springs):
+        axes.axvline(springs[0], color="0.3", ls="--", lw=1.2, label="the machine's spring $K$")
+    elif springs:
+        style: dict[str, Any] = {"color": "0.3", "ms": 14, "label": "the machine's spring $K$"}
+        axes.plot(springs, [row for row, one in rows if one.machine], "|", **style)
+    axes.margins(x=0.1)
+    legend_above(axes)
+    unit = scale.spring_unit
+    name = {"N/m": "$K^*$", "N/m³": "$K^*/A$"}.get(unit, r"$K^*/(N_c\langle k\rangle)$")
+    said = f"critical spring {name}: softer ones slip"
+    name_axis(axes.xaxis, said, "" if unit == SHARED else unit)
 
 
-def _bar(axes: Any, row: int, number: int, answer: Answer) -> None:
+def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
     """One reading's K*; an infinite one is said in words, as is one of 0."""
     value = answer.critical_spring.value * answer.scale.spring
     if not 0.0 < value < np.inf:
         said = "slips on every spring" if value else "never slips before it turns"
-        axes.text(
-            0.02, row, said, va="center", fontsize="small", transform=axes.get_yaxis_transform()
-        )
+        place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "va": "center"}
+        axes.text(0.02, row, said, fontsize="small", **place)
         return
     error = max(answer.critical_spring.error, answer.critical_spring.sampling or 0.0)
-    axes.plot([value], [row], "o", color=_INK[number % len(_INK)])
-    axes.errorbar(
-        [value], [row], xerr=[error * answer.scale.spring], color=_INK[number % len(_INK)]
-    )
-
-
-def _mark_machine(axes: Any, rows: list[tuple[int, Answer]], scale: Scale) -> None:
-    """The machine's spring: one line where it is the same for all readings, else a mark a reading."""
-    springs = [one.machine.spring * one.scale.spring for _, one in rows if one.machine]
-    if not springs:
-        return
-    axes.axvline(springs[0], color="0.3", ls="--", lw=1.2, label="the machine's spring $K$")
-    axes.legend(fontsize="small", loc="best")
+    style = style_of(row)
+    bars: dict[str, Any] = {"fmt": style["marker"], "color": style["color"], "ms": 7, "capsize": 4}
+    axes.errorbar([value], [row], xerr=[error * answer.scale.spring], **bars)

@@ -1,0 +1,122 @@
+"""Readable axes: names with units and SI prefixes, colours and marks that colour-blind readers distinguish, legends
+beside the data."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from toolkit.scene.scale import PREFIXED, PREFIXES, SHARED, Scale
+
+# colours by Okabe and Ito, which colour-blind readers distinguish
+OKABE_ITO = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"]
+INK = {"master": OKABE_ITO[0], "eq": OKABE_ITO[1], "thresholds": OKABE_ITO[2]}
+# dashes keep coinciding curves visible, marks curves of one colour apart
+DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p", "h"]
+FILE_FORMATS = ("png", "pdf", "svg")
+_OWN = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
+_MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers
+_ROW = 15.0  # height of a row of a legend in points
+_HANDLE = 9  # width of a line's sample in a legend, in letters
+
+
+def style_of(number: int) -> dict[str, Any]:
+    """Colour, dashes and mark of the curve of this number; no two of the first 84 are alike."""
+    return {
+        "color": OKABE_ITO[number % len(OKABE_ITO)],
+        "ls": DASHES[number % len(DASHES)],
+        "marker": MARKERS[number % len(MARKERS)],
+    }
+
+
+def some_of(size: int, most: int) -> npt.NDArray[np.intp]:
+    """Indices of at most so many of `size` points, evenly."""
+    return np.unique(np.linspace(0, size - 1, most).round().astype(np.intp))
+
+
+def force_name(scale: Scale, of: str = "F") -> tuple[str, str]:
+    """Name and unit of an axis of forces: of a force on the area, a stress, or a force over N_c<k>, a length."""
+    named = {"N": f"force ${of}$", "Pa": f"shear stress ${of}/A$"}
+    if scale.force_unit in named:
+        return named[scale.force_unit], scale.force_unit
+    return rf"force ${of}/(N_c\langle k\rangle)$", scale.length_unit
+
+
+def spring_name(unit: str) -> tuple[str, str]:
+    """Name and unit of an axis of critical springs in this unit."""
+    if unit == SHARED:
+        return r"critical spring $K^*/(N_c\langle k\rangle)$", ""
+    return ("critical spring $K^*$" if unit == "N/m" else "critical spring per area $K^*/A$"), unit
+
+
+def name_axis(axis: Any, name: str, unit: str) -> None:
+    """Label an axis, once it has its data and limits, with name and unit; the unit takes the SI prefix that makes its
+    ticks short, such as µm, mN or kN/m."""
+    low, high = axis.get_view_interval()
+    inverse = unit == "1/m"
+    if not (unit in PREFIXED or inverse):
+        said = _OWN.get(unit, unit)
+        axis.set_label_text(f"{name} ({said})".removesuffix(" ()"))
+        return
+    power = _power(low, high, axis.get_scale() == "log", inverse, unit == "s")
+    if power is None:
+        axis.set_label_text(f"{name} ({unit})")
+        return
+    prefixed = f"1/{PREFIXES[-power]}m" if inverse else f"{PREFIXES[power]}{unit}"
+    axis.set_label_text(f"{name} ({prefixed})")
+    _set_ticks(axis, power)
+
+
+def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> int | None:
+    """The power of ten of the prefix for an axis with these ends; None where a logarithmic axis spans so many decades
+    that powers of ten are shorter."""
+    if log and np.log10(high / low) > _MOST_DECADES:
+        return None
+    size = max(abs(low), abs(high))
+    if not (np.isfinite(size) and size > 0.0):
+        return 0
+    power = int(3 * np.floor((np.log10(size) + 1e-9) / 3))
+    least, most = (-9, 15) if inverse else (-15, 0 if seconds else 12)  # 1/Gm to 1/fm
+    return int(np.clip(power, least, most))
+
+
+def _set_ticks(axis: Any, power: int) -> None:
+    """Ticks of data in a unit, as numbers in its multiple of 10^power."""
+    from matplotlib.ticker import FuncFormatter, LogFormatter
+
+    def plain(value: float) -> str:
+        return f"{value / 10.0**power:.10g}".replace("-", "−")
+
+    class Prefixed(LogFormatter):
+        """Labels those ticks that a logarithmic axis labels anyway."""
+
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return plain(x) if super().__call__(x, pos) else ""
+
+    if axis.get_scale() == "log":
+        axis.set_major_formatter(Prefixed())
+        axis.set_minor_formatter(Prefixed(minor_thresholds=(0.8, 0.4)))
+    else:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+
+
+def legend_above(axes: Any, title: str = "", letters: int = 90) -> None:
+    """A legend between the axes and their title, where it covers no data; above the axes fit so many letters."""
+    handles, labels = axes.get_legend_handles_labels()
+    longest = max(map(len, labels), default=1) + _HANDLE
+    columns = int(np.clip(letters // longest, 1, max(len(labels), 1)))
+    rows = -(-len(labels) // columns)
+    if title:
+        axes.set_title(title, pad=6.0 + _ROW * rows, parse_math=False, wrap=True)
+    if handles:
+        place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+        axes.legend(
+            handles,
+            labels,
+            ncols=columns,
+            frameon=False,
+            fontsize="small",
+            borderaxespad=0,
+            **place,
+        )

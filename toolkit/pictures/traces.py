@@ -1,0 +1,117 @@
+"""Curves of a soft slider with each slip at its own place, from the slip's own data."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.thresholds.law import Array
+from toolkit.results.records import Result, is_heavy
+
+
+class SlipData(NamedTuple):
+    """Slips of one slider, arrays of shape (m,): X_T as each begins; X and F/(N_c<k>) before and after it; how long it
+    lasts and its top speed, None for slips that take no time."""
+
+    drive: Array
+    before: Array
+    after: Array
+    force_before: Array
+    force_after: Array
+    duration: Array | None
+    top_speed: Array | None
+
+
+def in_time(result: Result) -> bool:
+    """Whether curves are drawn against time: where the scene gives times, and where slips take time."""
+    heavy = is_heavy(result.eq) or getattr(result.master, "velocity", None) is not None
+    return bool(result.curves) and (result.timed or heavy)
+
+
+def along(result: Result, curve: Any) -> Array:
+    """The abscissa of a curve: times, or its path."""
+    return result.time[: curve.path.size] if in_time(result) else curve.path
+
+
+def slips_of(curve: Any, replica: int | None = None) -> SlipData | None:
+    """The slips of a solver's answer, of an ensemble those of one replica; None of a rigid slider."""
+    slips = getattr(curve, "slips", None)
+    if slips is None:
+        return None
+    own = slice(None) if replica is None else slips.replica == replica
+    names = ("drive", "before", "after", "force_before", "force_after")
+    found = [np.asarray(getattr(slips, name))[own] for name in names]
+    lasting = list[Any]()
+    for name in ("duration", "top_speed"):
+        kept = getattr(slips, name, None)
+        kept = getattr(curve, f"slip_{name}", None) if kept is None else kept
+        lasting.append(None if kept is None else np.asarray(kept)[own])
+    return SlipData(*found, *lasting)
+
+
+def with_slips(
+    place: Array, drive: Array, value: Array, slips: SlipData | None, position: bool = False
+) -> tuple[Array, Array]:
+    """A curve with the ends of each slip where it happens, between points of the path.
+
+    place : abscissae, which are times where slips last; drive : X_T, value : F/(N_c<k>), or X if `position`; all of
+    shape (n,)
+    """
+    if slips is None or not slips.drive.size:
+        return place, value
+    names = ("before", "after") if position else ("force_before", "force_after")
+    ends = np.column_stack([getattr(slips, name) for name in names])
+    segments = _segments(drive, value, slips.drive, ends)
+    kept = segments >= 0
+    if slips.duration is not None:
+        # X_T does not tell when a slip that lasts begins in a hold: the points of the path show it
+        kept &= drive[segments + 1] != drive[segments]
+    segments, ends, at_drive = segments[kept], ends[kept], slips.drive[kept]
+    begin = _moments(place, drive, at_drive, segments)
+    if slips.duration is not None:
+        # points of the path may lie within a slip: all are brought into the order of time
+        where = np.concatenate([place, begin, begin + slips.duration[kept]])
+        order = np.argsort(where, kind="stable")
+        return where[order], np.concatenate([value, *ends.T])[order]
+    # of a point just at a slip the value may be that before it: then the slip comes after the point
+    off = np.abs(value[segments + 1, None] - ends)
+    still = (drive[segments + 1] == at_drive) & (off[:, 0] < off[:, 1])
+    at = (segments + 1 + still).repeat(2)
+    return np.insert(place, at, begin.repeat(2)), np.insert(value, at, ends.ravel())
+
+
+def moments(place: Array, drive: Array, value: Array, slips: SlipData) -> Array:
+    """The abscissae at which the slips begin; arguments as in `with_slips`; nan before the path and in holds."""
+    ends = np.column_stack([slips.force_before, slips.force_after])
+    segments = _segments(drive, value, slips.drive, ends)
+    found = _moments(place, drive, slips.drive, np.maximum(segments, 0))
+    known = (segments >= 0) & (drive[segments + 1] != drive[segments])
+    return np.where(known, found, np.nan)
+
+
+def _segments(
+    drive: Array, value: Array, places: Array, ends: npt.NDArray[np.float64]
+) -> npt.NDArray[np.intp]:
+    """Indices of the points of the path after which the slips at `places` come, in the order of time; -1 for one before
+    the path begins. A drive that turns comes to a place several times: a slip is where the values fit best."""
+    low, high = np.minimum(drive[1:], drive[:-1]), np.maximum(drive[1:], drive[:-1])
+    found, begin = np.full(places.size, -1, np.intp), 0
+    for number, place in enumerate(places):
+        there = begin + np.flatnonzero((low[begin:] <= place) & (place <= high[begin:]))
+        if not there.size:
+            continue
+        first, second = ends[number]
+        misfit = np.abs(value[there] - first) + np.abs(value[there + 1] - second)
+        fits = misfit <= 2.0 * misfit.min() + 0.05 * abs(first - second)
+        begin = found[number] = there[np.flatnonzero(fits)[0]]
+    return found
+
+
+def _moments(
+    place: Array, drive: Array, slips: Array, segments: npt.NDArray[np.intp]
+) -> npt.NDArray[np.float64]:
+    """Abscissae of slips within their segments; in a hold, where the drive stands, at the segment's end."""
+    run = drive[segments + 1] - drive[segments]
+    moved = np.where(run == 0.0, 1.0, run)
+    share = np.where(run == 0.0, 1.0, (slips - drive[segments]) / moved)
+    return np.asarray(place[segments] + share * (place[segments + 1] - place[segments]))
