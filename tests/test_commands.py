@@ -1,5 +1,6 @@
 """The commands: what they print, write and return; what they say before they work, or in one line instead."""
 
+import ctypes
 import json
 import os
 import signal
@@ -35,6 +36,16 @@ def for_ever(*arguments: Any, **named: Any) -> None:
 
 def read(path: str) -> Any:
     return json.loads(Path(path).read_text())
+
+
+def test_a_signal_that_a_callback_swallows_comes_again() -> None:
+    """Python drops an exception in a callback of compiled code, as of LLVM while numba compiles."""
+    from toolkit.processes.signals import Terminated, terminable
+
+    compiled = ctypes.CFUNCTYPE(None)(lambda: os.kill(os.getpid(), signal.SIGTERM))
+    with pytest.raises(Terminated), terminable():
+        compiled()
+        for_ever()
 
 
 # -- run ---------------------------------------------------------------------------------------------

@@ -121,6 +121,16 @@ CONTACT_LAWS: dict[str, Any] = {  # as a scene has it, and as origins
 }
 
 
+def test_a_damaged_scan_is_told_in_words(tmp_path: Path) -> None:
+    """Readers quote the bytes that they cannot read; the message does not."""
+    pytest.importorskip("SurfaceTopography")
+    (tmp_path / "junk.di").write_bytes(np.random.default_rng(1).bytes(3000))
+    law = ROUGH | {"surface": {"kind": "scan", "file": str(tmp_path / "junk.di")}}
+    with pytest.raises(InputError, match=r"none of the .* readers .* takes it") as told:
+        toolkit.load_scene(scene(law, drive={"to": 1e-8, "points": 3}))
+    assert str(told.value).isprintable()
+
+
 @pytest.mark.parametrize("name", CONTACT_LAWS)
 def test_contacts_carry_every_law_of_a_scene(name: str) -> None:
     start = {"kind": "gaussian", "mean": 0.0, "std": 0.025}

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,9 @@ def test_without_a_spring_it_says_below_which_one_the_interface_slips(capsys: An
     contacts = load_scene("mine.toml", solved=False).contacts
     scale = scale_of(contacts, 1e-6)
     own = master.propensity(contacts).critical_spring * scale.spring
-    assert status == 0 and f"slips on a spring softer than K* = {written(own, 'N/m')}" in page
+    springs = [one["critical_spring"]["value"] for one in found["readings"]]
+    said = written(own, "N/m", max(springs) - min(springs))
+    assert status == 0 and f"slips on a spring softer than K* = {said} (from {said} to " in page
     assert found["readings"][0]["critical_spring"]["value"] == pytest.approx(own, rel=1e-5)
     # the material lacks the constant of the paper's law, and the page says so
     assert len(found["readings"]) == 2 and "force_coefficient" in found["left_out"]["gw/paper"]
@@ -127,6 +130,38 @@ def test_slips_stand_in_the_trace_at_their_own_places(capsys: Any) -> None:
     steps = np.diff(force)
     slips = np.flatnonzero(steps < -0.1)
     assert slips.size >= 5 and np.all(np.diff(drive)[slips] == 0.0)
+
+
+def test_where_the_slip_rule_decides_the_sentence_is_short_and_the_numbers_follow(
+    capsys: Any,
+) -> None:
+    """K = 0.95 is below K* = 1.036: with a reset it slips for ever, else a few times."""
+    tables = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
+    status, page, found = judged(capsys, drive={"spring": 0.95}, **tables)
+    _, _, said, *numbers = page.splitlines()
+    assert status == 0 and said == found["verdict"] and len(said) < 160
+    assert said.startswith("the assumptions decide: stick-slip if a slip renews all contacts, ")
+    assert "smooth if contacts re-form after the slip or contacts re-form at once" in said
+    assert [line.strip() for line in numbers[:2]] == found["numbers"]
+    assert found["numbers"][0].startswith("stick-slip: ") and "smooth at 0.5" in page
+
+
+def test_one_number_has_the_same_digits_wherever_it_stands(capsys: Any) -> None:
+    """F_k is known to a few per cent over the readings: two digits, in the sentence and in the table."""
+    readings = {"readings": ["gw/amontons", "persson/amontons"], "rules": ["reset"]}
+    drive = {"spring": "0.9 N_c<k>", "area": 1e-6}
+    _, page, found = judged(capsys, thresholds=ROUGH, drive=drive, verdict=readings)
+    one, other = (reading["kinetic"]["value"] for reading in found["readings"])
+    assert abs(one - other) > 1e-3 * one
+    said = written(one, "N", abs(one - other))
+    (row,) = (line for line in page.splitlines() if line.startswith("kinetic friction"))
+    assert f"smooth at {said}" in page and re.split(" {2,}", row)[1] == said
+
+
+def test_few_samples_are_told_on_the_page(capsys: Any) -> None:
+    tables = {"thresholds": {"kind": "from-samples", "x_s": [0.9, 1.0, 1.3]}}
+    _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET, **tables)
+    assert "few thresholds" in page and "3 samples" in page
 
 
 def test_samples_have_a_sampling_error_near_that_of_their_mean(capsys: Any) -> None:

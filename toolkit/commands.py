@@ -256,7 +256,8 @@ def verdict(arguments: argparse.Namespace) -> int:
     scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))
     folder = arguments.out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it
-    found = judged(scene, say)
+    with closing(Progress("verdict")) as bar:
+        found = judged(scene, bar.doing)
     save_verdict(found, folder)
     print("\n".join([*page(found), f"written to {folder}"]))
     return 0 if found.success and not disagreeing(found) else 1

@@ -2,11 +2,13 @@
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple, NoReturn
 
+_AGAIN = 0.05  # s after which a signal comes again whose exception was lost
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 # (number of ranks, own rank) as each launcher's processes see them. SLURM_NTASKS is not among them: a batch script
 # sees it too, alone. PMI: mpich, Intel MPI, srun --mpi=pmi2; MV2: mvapich; the step's variables: any srun.
@@ -55,13 +57,42 @@ def terminable() -> Iterator[None]:
         said.append(number)
         raise Terminated
 
-    with _handled(terminate, *_ENDING):
+    with _handled(terminate, *_ENDING), _insisting(said):
         try:
             yield
         except Exception as error:
             if said:  # a compiled module that is being imported raises its own exception instead
                 raise Terminated from error
             raise
+
+
+@contextmanager
+def _insisting(said: list[int]) -> Iterator[None]:
+    """A signal whose exception is lost comes again, the last of those `said`, or SIGINT.
+
+    An exception that a handler raises while compiled code calls back into Python, as LLVM does when numba compiles, or
+    within a destructor, cannot propagate: Python reports it as unraisable, and the program would go on as if nothing
+    had come.
+    """
+    before = sys.unraisablehook
+
+    def again(lost: Any) -> None:
+        if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated | TimeIsUp):
+            return before(lost)
+        number = said[-1] if said and issubclass(lost.exc_type, Terminated) else signal.SIGINT
+        if issubclass(lost.exc_type, TimeIsUp):
+            number = signal.SIGALRM
+        # from another thread and a moment later, when the callback has returned
+        main = threading.main_thread().ident or 0
+        timer = threading.Timer(_AGAIN, signal.pthread_kill, [main, number])
+        timer.daemon = True
+        timer.start()
+
+    sys.unraisablehook = again
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
 
 
 @contextmanager

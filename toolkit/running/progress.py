@@ -36,6 +36,11 @@ class Progress:
             self._left = (expected - done) / pace
             self._said += f", {pace:.3g} a second, {_clock(self._left)} left"
 
+    def doing(self, what: str) -> None:
+        """This begins: told at once, and again where it takes long."""
+        self._said = what
+        print(f"mesofriction: {self._what}: {what}", file=sys.stderr, flush=True)
+
     def refine(self, error: float) -> None:
         """A solution has this error, in mean thresholds."""
         self._best = min(self._best, error)

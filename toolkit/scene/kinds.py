@@ -237,7 +237,7 @@ def open_scan(
         except InputError:
             raise
         except Exception as error:  # readers raise whatever their parsing does
-            why = shorten(str(error), 160, placeholder=" ...") or type(error).__name__
+            why = _why(error)
             if key := next((name for name in said if f"'{name}'" in why), ""):
                 refuse(key, said[key], "the file has its own; leave it out")
             if "physical_sizes" in why:
@@ -245,6 +245,16 @@ def open_scan(
             refuse("file", file, f"cannot be read as a scan: {why}")
 
     return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
+
+
+def _why(error: Exception) -> str:
+    """What a reader says of a file in a few plain words, without the bytes that it could not read."""
+    said = str(error)
+    if (tried := re.findall(r"tried (\w+):", said)) and "physical_sizes" not in said:
+        return f"none of the {len(set(tried))} readers of SurfaceTopography takes it; is it whole, and a scan?"
+    said = re.sub(r"""b(['"])(?:\\.|(?!\1).)*\1""", "some bytes", said, flags=re.DOTALL)
+    said = "".join(letter if letter.isprintable() else " " for letter in said)
+    return shorten(said, 160, placeholder=" ...") or type(error).__name__
 
 
 def generate(

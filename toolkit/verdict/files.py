@@ -12,7 +12,7 @@ from toolkit.results.folders import write_folder
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.picture import save_verdict_picture
-from toolkit.verdict.words import dependence, page, sentence
+from toolkit.verdict.words import dependence, details, page, sentence
 
 
 def save_verdict(verdict: Verdict, folder: str | os.PathLike[str]) -> None:
@@ -34,6 +34,7 @@ def plain(verdict: Verdict) -> dict[str, Any]:
         "name": verdict.name,
         "title": verdict.title,
         "verdict": sentence(verdict),
+        "numbers": details(verdict),
         "hangs_on": dependence(verdict),
         "velocity": verdict.velocity,
         "success": verdict.success,

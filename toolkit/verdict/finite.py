@@ -9,6 +9,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
+from toolkit.processes.ranks import cores_of
 from toolkit.verdict.follow import Machine, trace_of
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
@@ -82,6 +83,7 @@ def follow_finite(
         )
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, end, POINTS)
     given: dict[str, Any] = {"n_contacts": held, "n_replicas": SLIDERS, "seed": SEED}
+    given |= {"threads": cores_of(None)}
     try:
         found = eq_model.simulate(contacts, path, **given, **machine.keywords(rule))
     except InputError as refused:

@@ -10,6 +10,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
+from toolkit.processes.ranks import cores_of
 from toolkit.scene.drive import machine_number
 from toolkit.scene.tables import DriveTable
 
@@ -133,7 +134,7 @@ def follow_by_contacts(
         return None
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS[0] * loading, POINTS)
     asked = {"n_contacts": CONTACTS, "n_replicas": SLIDERS, "seed": 1} | machine.keywords(rule)
-    found = eq_model.simulate(contacts, path, **asked)
+    found = eq_model.simulate(contacts, path, threads=cores_of(None), **asked)
     slips, unit = found.slips, contacts.mean_threshold
     drive, force = trace_of(found, 0)
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())

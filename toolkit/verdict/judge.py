@@ -127,19 +127,21 @@ def _finite(scene: Scene, own: Answer, progress: Callable[[str], None]) -> tuple
         number = float(scene.eq.contacts)
     if number is None or own.machine is None:
         return ()
-    progress(f"sliders of {number:,.0f} contacts")
-    return tuple(
-        follow_finite(
-            own.machine,
-            own.contacts,
-            number,
-            one.rule,
-            own.static.value,
-            slips=one.kind == "stick-slip",
-            transient=one.slips,
+    found = list[Finite]()
+    for one in own.behaviours:
+        progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
+        found.append(
+            follow_finite(
+                own.machine,
+                own.contacts,
+                number,
+                one.rule,
+                own.static.value,
+                slips=one.kind == "stick-slip",
+                transient=one.slips,
+            )
         )
-        for one in own.behaviours
-    )
+    return tuple(found)
 
 
 def _rules(scene: Scene, table: DriveTable) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
-"""The verdict as text: the sentence, the table of numbers, and what the sentence hangs on."""
+"""The verdict as text: the sentence, its numbers, and what the sentence hangs on."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -8,7 +8,8 @@ from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import Behaviour
-from toolkit.verdict.judge import Answer, Quantity, Verdict
+from toolkit.verdict.judge import Answer, Verdict
+from toolkit.verdict.table import numerical_errors, share_of, table
 
 # how the slip rules are named where a user reads of them
 NAMED = {
@@ -20,8 +21,8 @@ NAMED = {
 
 
 def page(verdict: Verdict) -> list[str]:
-    """The verdict on one page: title, sentence, table, what it hangs on, run time."""
-    lines = [verdict.title, "", sentence(verdict), ""]
+    """The verdict on one page: title, sentence, its numbers, table, what it hangs on, run time."""
+    lines = [verdict.title, "", sentence(verdict), *(f"  {line}" for line in details(verdict)), ""]
     lines += table(verdict)
     lines += [numerical_errors(verdict), "", "What it hangs on"]
     lines += [f"  {line}" for line in dependence(verdict)]
@@ -29,20 +30,40 @@ def page(verdict: Verdict) -> list[str]:
 
 
 def sentence(verdict: Verdict) -> str:
-    """The answer in one sentence; where readings or rules disagree, the disagreement."""
+    """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides."""
     own = verdict.own
     if own.machine is None:
         return _without_spring(verdict)
-    kinds = {
-        behaviour.kind
-        for answer in verdict.answers
-        for behaviour in answer.behaviours
-        if behaviour.kind != "undecided"
-    }
-    told = _told(verdict, own)
-    if len(kinds) > 1:
-        told = f"the assumptions decide: {told}{_others(verdict)}"
-    return f"{_disagreement(verdict)}{told}"
+    if apart := _disagreement(verdict):
+        return apart
+    if (
+        len({one.kind for answer in verdict.answers for one in answer.behaviours} - {"undecided"})
+        > 1
+    ):
+        return f"the assumptions decide: {', '.join(_kinds(verdict))}"
+    return "; ".join(_told(verdict, own))
+
+
+def details(verdict: Verdict) -> list[str]:
+    """The numbers of what the sentence says in kinds alone; none where it gives them itself."""
+    numbers = _told(verdict, verdict.own) if verdict.own.machine is not None else []
+    return [] if sentence(verdict) == "; ".join(numbers) else numbers
+
+
+def _kinds(verdict: Verdict) -> list[str]:
+    """What happens under which rule of the own reading, else by that reading and by the others."""
+    groups = _groups(verdict.own)
+    if len(groups) > 1:
+        return [f"{kind} if {_rules(alike)}" for kind, alike in groups.items()]
+    others = len(verdict.answers) - 1
+    own = [f"{kind} by {verdict.own.name}" for kind in groups]
+    return own + [
+        f"{kind} by {len(names)} of {others} others" for kind, names in _others(verdict).items()
+    ]
+
+
+def _rules(alike: Sequence[Behaviour]) -> str:
+    return " or ".join(NAMED[one.rule] for one in alike)
 
 
 def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
@@ -61,67 +82,69 @@ def _disagreement(verdict: Verdict) -> str:
     said = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}.get(
         finite.kind, "slip now and then"
     )
-    rules = " or ".join(NAMED[one.rule] for _, one in apart)
-    return (
-        f"disagree: {finite.contacts:,} contacts {said} if {rules}, infinitely many do not; "
-        "for infinitely many: "
-    )
+    every = len(apart) == len(verdict.own.behaviours)
+    where = "" if every else f" if {_rules([one for one, _ in apart])}"
+    return f"disagree: {finite.contacts:,} contacts {said}{where}, infinitely many do not"
 
 
 def _without_spring(verdict: Verdict) -> str:
     """Below which spring the interface slips, over all readings."""
     springs = [answer.critical_spring.value * answer.scale.spring for answer in verdict.answers]
-    own, unit = springs[0], verdict.own.scale.spring_unit
-    said = f"slips on a spring softer than K* = {written(own, unit)}"
+    own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
+    if not np.isfinite(spread):
+        spread = 0.0
+    spread = max(spread, (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring)
+    said = f"slips on a spring softer than K* = {written(own, unit, spread)}"
     if len(springs) > 1:
-        ends = f"{written(min(springs), unit)} to {written(max(springs), unit)}"
+        ends = " to ".join(written(value, unit, spread) for value in (min(springs), max(springs)))
         said += f" (from {ends} over {len(springs)} readings)"
     return f"{said}; give drive.spring for a verdict on a machine"
 
 
-def _told(verdict: Verdict, answer: Answer) -> str:
-    """What the rules say under one reading."""
+def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
+    """The rules by what happens under them."""
     groups: dict[str, list[Behaviour]] = {}
     for behaviour in answer.behaviours:
         groups.setdefault(behaviour.kind, []).append(behaviour)
-    parts = []
+    return groups
+
+
+def _told(verdict: Verdict, answer: Answer) -> list[str]:
+    """What the rules say under one reading, with its numbers."""
+    groups, parts = _groups(answer), list[str]()
     for kind, alike in groups.items():
         said = _behaved(verdict, answer, kind, alike)
-        if len(groups) > 1:
-            said += f" if {' or '.join(NAMED[one.rule] for one in alike)}"
-        parts.append(said)
-    return "; ".join(parts)
+        parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
+    return parts
 
 
 def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behaviour]) -> str:
     """One kind of behaviour with its numbers."""
-    scale, last = answer.scale, alike[0]
+    scale, last, share = answer.scale, alike[0], share_of(verdict)
+
+    def reach(values: Sequence[float], unit: str) -> str:
+        """One value, or the smallest and the largest where they differ as written."""
+        ends = [written(value, unit, share * abs(value)) for value in (min(values), max(values))]
+        return " to ".join(dict.fromkeys(ends))
+
     if kind == "undecided":
         return f"not decided ({last.message})"
+    low = reach([one.after * scale.force for one in alike], scale.force_unit)
     if kind == "smooth":
-        return f"smooth at {_range([one.after * scale.force for one in alike], scale.force_unit)}"
-    high = _range([one.before * scale.force for one in alike], scale.force_unit)
-    low = _range([one.after * scale.force for one in alike], scale.force_unit)
+        return f"smooth at {low}"
+    high = reach([one.before * scale.force for one in alike], scale.force_unit)
     said = f"stick-slip: {high} down to {low}"
     periods = [one.period for one in alike if one.period is not None]
     if periods:
-        every = _range(periods, scale.length_unit)
-        seconds = _range([period / verdict.velocity for period in periods], scale.time_unit)
+        every = reach(periods, scale.length_unit)
+        seconds = reach([period / verdict.velocity for period in periods], scale.time_unit)
         speed = written(verdict.velocity, "m/s" if scale.length_unit == "m" else "")
         said += f" every {every}, {seconds} at {speed}"
     return said
 
 
-def _range(values: Sequence[float], unit: str) -> str:
-    """One value, or the smallest and the largest where they differ by more than a thousandth."""
-    low, high = min(values), max(values)
-    if high - low <= 1e-3 * abs(high):
-        return written(high, unit)
-    return f"{written(low, unit)} to {written(high, unit)}"
-
-
-def _others(verdict: Verdict) -> str:
-    """How many of the other readings say something else than the scene's own, under any rule, and which."""
+def _others(verdict: Verdict) -> dict[str, list[str]]:
+    """The readings that say something else than the scene's own under any rule, by what they say."""
     own = {behaviour.rule: behaviour.kind for behaviour in verdict.own.behaviours}
     differ: dict[str, list[str]] = {}
     for answer in verdict.answers[1:]:
@@ -129,93 +152,7 @@ def _others(verdict: Verdict) -> str:
             if one.kind not in ("undecided", own[one.rule]):
                 names = differ.setdefault(one.kind, [])
                 names += [answer.name] if answer.name not in names else []
-    others = len(verdict.answers) - 1
-    said = [
-        f"{len(names)} of {others} other readings say {kind} ({', '.join(names)})"
-        for kind, names in differ.items()
-    ]
-    return f"; {'; '.join(said)}" if said else ""
-
-
-def table(verdict: Verdict) -> list[str]:
-    """Each number, the scatter of other samples, and the spread over the readings. Numerical errors are far smaller,
-    and stand in verdict.json; a line says how large they are at most."""
-    rows = [["", "value", "other samples", "over the readings"], *_rows(verdict)]
-    widths = [max(len(row[k]) for row in rows) for k in range(4)]
-    return [
-        "  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
-
-
-def _rows(verdict: Verdict) -> Iterator[list[str]]:
-    """The rows of the table below its head."""
-    own, answers = verdict.own, verdict.answers
-    scale = own.scale
-    forces, unit = [one.scale.force for one in answers], scale.force_unit
-    kinetic, static = [one.kinetic for one in answers], [one.static for one in answers]
-    yield _row("kinetic friction F_k", kinetic, forces, unit)
-    yield _row("static friction F_s", static, forces, unit)
-    if scale.load is not None:
-        coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
-        yield _row("friction coefficient F_k/load", kinetic, coefficients, "")
-        yield _row("static coefficient F_s/load", static, coefficients, "")
-    critical = [one.critical_spring for one in answers]
-    springs = [one.scale.spring for one in answers]
-    yield _row("slips below the spring K*", critical, springs, scale.spring_unit)
-    if own.machine is not None:
-        each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
-        yield _row("the machine's spring K", each, springs, scale.spring_unit)
-    if scale.contacts is not None:
-        held = [Quantity(one.scale.contacts or 0.0, 0.0) for one in answers]
-        yield _row("contacts on the area", held, [1.0] * len(held), "")
-    yield from _of_slips(verdict)
-
-
-def _row(name: str, each: Sequence[Quantity], factors: Sequence[float], unit: str) -> list[str]:
-    """A row: the own reading's value to the digit that the widest of the three uncertainties leaves."""
-    values = [one.value * factor for one, factor in zip(each, factors, strict=True)]
-    own, spread = each[0], max(values) - min(values)
-    error, sampling = own.error * factors[0], (own.sampling or 0.0) * factors[0]
-    apart = spread > 1e-6 * abs(values[0])
-    return [
-        name,
-        written(values[0], unit, max(error, sampling, spread)),
-        f"± {written(sampling, unit)}" if sampling else "not known" * (own.error > 0.0),
-        f"{written(min(values), unit)} to {written(max(values), unit)}" if apart else "the same",
-    ]
-
-
-def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
-    """Rows of the slips of the own reading; rules that give the same numbers share a row."""
-    scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
-    for behaviour in verdict.own.behaviours:
-        if behaviour.kind != "stick-slip":
-            continue
-        drop = (behaviour.before - behaviour.after) * scale.force
-        told = {"drop of a slip": written(drop, scale.force_unit)}
-        if behaviour.period is not None:
-            period = written(behaviour.period, scale.length_unit)
-            seconds = written(behaviour.period / verdict.velocity, scale.time_unit)
-            told["period"] = f"{period}, {seconds}"
-        if behaviour.slip_time is not None:
-            told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
-        for row in told.items():
-            rows.setdefault(row, []).append(behaviour.rule)
-    for (name, value), rules in sorted(rows.items()):
-        yield [f"{name} ({', '.join(rules)})", value, "", ""]
-
-
-def numerical_errors(verdict: Verdict) -> str:
-    """How large the numerical errors of the own reading's numbers are at most, relative to these."""
-    own = verdict.own
-    known = [own.kinetic, own.static, own.critical_spring]
-    relative = [one.error / abs(one.value) for one in known if one.value and np.isfinite(one.value)]
-    for behaviour in own.behaviours:
-        if np.isfinite(behaviour.error) and behaviour.before:
-            mean = own.contacts.mean_threshold
-            relative.append(behaviour.error * mean / abs(behaviour.before))
-    return f"numerical errors are at most {max(relative, default=0.0):.0e} of these numbers (verdict.json has each)"
+    return differ
 
 
 def dependence(verdict: Verdict) -> list[str]:
@@ -239,6 +176,8 @@ def dependence(verdict: Verdict) -> list[str]:
             f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
             f"{len(answers)} readings"
         )
+        for kind, names in _others(verdict).items():
+            lines.append(f"of these, {kind}: {', '.join(names)}")
     if own.scale.contacts is not None and own.machine is not None:
         crowd = own.scale.contacts * own.machine.spring**3
         lines.append(
@@ -268,8 +207,10 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     said = f"{finite.contacts:,} contacts, if {rule}: {finite.kind}"
     if finite.kind == "smooth":
         return said
-    before = written(finite.before * scale.force, scale.force_unit)
+    force, share = finite.before * scale.force, share_of(verdict)
     if not np.isfinite(finite.before_error):
-        return f"{said}, from {before}"
+        return f"{said}, from {written(force, scale.force_unit, share * force)}"
+    off = max(finite.before_error * scale.force, share * force)
+    before = written(force, scale.force_unit, off)
     error = written(finite.before_error * scale.force, scale.force_unit, digits=1)
     return f"{said}, from {before} ± {error}"
