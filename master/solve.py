@@ -1,6 +1,7 @@
 """The master equation for a rigid or a soft slider, along any path."""
 
 import time as clock
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,10 @@ from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
+
+# Tolerance of a first solution, in mean thresholds, of contacts that form again stretched and break by heat: their table
+# of survivals takes seconds to this, but may take minutes to 1e-6, and without a table no point of the path is known.
+ROUGH = 1e-4
 
 
 def solve(
@@ -88,11 +93,32 @@ def solve(
             raise InputError("time: the paper's closure of ageing takes one speed; write velocity=")
         return solve_q15(contacts, drive, tolerance, progress, until)
     if drive.spring is None:
-        motion, _ = motion_of(drive, contacts.mean_threshold)
-        life = life_of(contacts, tolerance, motion, until)
-        return solve_rigid(contacts, drive, life, tolerance, progress, until)
+        return _rigid(contacts, drive, tolerance, progress, until)
     if drive.mass is not None:
         from master.soft.inertia.solution import solve_inertial  # integrators take long to import
 
         return solve_inertial(contacts, drive, tolerance, progress, until)
     return solve_soft(contacts, drive, tolerance, progress, until)
+
+
+def _rigid(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
+) -> Solution:
+    """A rigid slider; where wall_time ends the work before a table is made, as far as it is known to ROUGH."""
+    motion, _ = motion_of(drive, contacts.mean_threshold)
+    slow = contacts.thermal is not None and contacts.reforming is not None
+    tolerances = (
+        [ROUGH, tolerance] if slow and np.isfinite(until) and tolerance < ROUGH else [tolerance]
+    )
+    rough, *finer = (
+        solve_rigid(contacts, drive, life_of(contacts, each, motion, until), each, progress, until)
+        for each in tolerances
+    )
+    if not finer:
+        return rough
+    (asked,) = finer
+    if asked.path.size >= rough.path.size:
+        return asked
+    known = f"the force is known to {rough.force_error:.1e} only, as more took too long"
+    message = f"stopped by wall_time: {known}" if rough.success else rough.message
+    return replace(rough, success=False, message=message, run_time=rough.run_time + asked.run_time)

@@ -299,6 +299,22 @@ def test_wall_time_ends_the_work_on_births_that_age(monkeypatch) -> None:
     assert found.path.tolist() == [1.0] and next(looks) < most + 4
 
 
+def test_wall_time_keeps_a_rough_solution_where_the_tables_of_a_finer_one_take_long(
+    monkeypatch,
+) -> None:
+    """By a clock that stands until an error is told, and is then beyond wall_time."""
+    heat, told = origins.Thermal("stiff", 0.1), list[float]()
+    births = origins.gaussian_start(0.0, 0.1)
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=heat, reforming=births)
+    path = np.linspace(0.0, 2.0, 11)
+    monkeypatch.setattr("time.monotonic", lambda: 100.0 * len(told))
+    found = master.solve(contacts, path, 1e-7, progress=told.append, wall_time=50.0)
+    assert not found.success and "wall_time" in found.message and found.path.size == path.size
+    assert 1e-7 < found.force_error <= 1e-4
+    finer = master.solve(contacts, path, 1e-5)
+    assert np.abs(found.force - finer.force).max() <= found.force_error + finer.force_error
+
+
 def test_wall_time_ends_the_making_of_tables(monkeypatch) -> None:
     """By the same clock: the survival of contacts born at many stretches is tabulated before the first panel."""
     looks, births = itertools.count(), origins.gaussian_start(0.0, 0.1)
