@@ -17,8 +17,8 @@ from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
 
-# Tolerance of a first solution, in mean thresholds, of contacts that form again stretched and break by heat: their table
-# of survivals takes seconds to this, but may take minutes to 1e-6, and without a table no point of the path is known.
+# Tolerance of a first solution, in mean thresholds, of contacts that form again stretched and break by heat: their
+# table of survivals takes seconds to this, but may take minutes to 1e-6, and without it no point of the path is known.
 ROUGH = 1e-4
 
 
