@@ -152,11 +152,11 @@ def test_claims_hold_beside_far_finer_solutions() -> None:
 @pytest.mark.parametrize(
     "laws",
     [
-        {"delay": origins.Delay(0.3)},
+        {"ageing": origins.Ageing(origins.gaussian(1.5, 0.1), rate=0.1)},
         {"thermal": origins.Thermal("soft", temperature=0.01)},
         {"stiffness": "linked"},
     ],
-    ids=["delay", "thermal", "linked"],
+    ids=["ageing", "thermal", "linked"],
 )
 def test_laws_beside_a_mass_are_refused_in_one_line(laws: dict[str, object]) -> None:
     contacts = origins.Contacts(origins.gaussian(1.0, 0.2), **laws)

@@ -32,7 +32,7 @@ STEADY_RATES = 1e-10
 class ColdContacts:
     """Contacts at T = 0 under a spring, with the tolerance and limits of their solution.
 
-    formed_again : stretches at which broken contacts form again
+    start, formed_again : stretches at t = 0, and at which broken contacts form again
     unit, spring : mean threshold (a length), and K/(N_c <k>)
     tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
@@ -41,6 +41,7 @@ class ColdContacts:
 
     def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
+        self.start = contacts.start
         self.formed_again = reforming_law(contacts)
         # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred times that of its
         # values: hence 1e-4 of the tolerance, and of K, at most of 1e-6 mean thresholds; below 1e-13 all is round-off

@@ -10,7 +10,7 @@ from origins.thresholds.law import Array
 
 
 class Fall(NamedTuple):
-    """A instant at which a fall of the spring's force begins or ends.
+    """An instant at which a fall of the spring's force begins or ends.
 
     time, drive, place, force : t, X_T, X and F/(N_c<k>) of the spring; breaks : of the present move, per contact
     """
@@ -35,7 +35,7 @@ class Record:
 
     place, speed, contact_force : X, dX/dt and F/(N_c<k>)
     work, damped, on_contacts : energy per N_c<k> from t = 0 on, that the drive gave, that the damping took, and that
-        moving the contacts took; stored : that of the contacts, known at the end
+        moving the contacts took; stored : that of the contacts, known at the end; holding : share of the contacts
     slips : in order; fall, top_speed : the fall that has begun, if any, and the largest speed in it
     """
 
@@ -44,7 +44,7 @@ class Record:
         self.times, self._least = times, least_drop
         self.place, self.speed, self.contact_force = (np.full(times.size, np.nan) for _ in range(3))
         self.work, self.damped, self.on_contacts = (np.full(times.size, np.nan) for _ in range(3))
-        self.stored = np.zeros(times.size)
+        self.stored, self.holding = np.zeros(times.size), np.ones(times.size)
         self.slips, self.top_speed = list[Slip](), 0.0
         self.fall: Fall | None = None
         self._waiting = list[tuple[Reaction, slice, Array]]()

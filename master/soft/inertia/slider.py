@@ -5,6 +5,8 @@ contacts hold at first: as long as none breaks the motion is closed (`held`). Wh
 the tolerance is at rest, and the slider follows its drive slowly (`following`) until it gets fast.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from master.outcome import StoppedError, stop_after
@@ -21,17 +23,27 @@ MOST_TURNS = 3_000
 class InertialSlider(Held, Moving, Following):
     """A slider with mass that is followed along the path of its drive."""
 
-    def run(self, loaded: LoadingHistory) -> None:
-        """Follow the drive to its end, from contacts with this history; StoppedError where that takes too long."""
-        self.move = self._new_move(self.way, loaded)
-        self._hold(0.0, self.move.elastic_end, self._new_move(-self.way, loaded))
+    @property
+    def nodes(self) -> int:
+        """Moments at which number conservation was solved."""
+        return self.contacts.nodes
+
+    @property
+    def _loaded(self) -> LoadingHistory:
+        return LoadingHistory(self.contacts.start)
+
+    @cached_property
+    def stored_first(self) -> float:
+        """Energy of the contacts at t = 0, per N_c<k> (length squared)."""
+        return float(self._new_move(self.way, self._loaded).stored(np.zeros(1))[0])
+
+    def run(self) -> None:
+        """Follow the drive to its end; StoppedError where that takes too long."""
+        self.move = self._new_move(self.way, self._loaded)
+        self._hold(0.0, self.move.elastic_end, self._new_move(-self.way, self._loaded))
         mode: Mode = self.held
         while self.leg < self.motion.speeds.size:
             stop_after(self.contacts.until)
             if self.steps > MOST_STEPS or self.turns > MOST_TURNS:
                 raise StoppedError(RINGS)
             mode = mode()  # type: ignore[assignment]
-
-    def stored_at_rest(self, loaded: LoadingHistory) -> float:
-        """Energy of contacts with this history, per N_c<k> (length squared)."""
-        return float(self._new_move(self.way, loaded).stored(np.zeros(1))[0])

@@ -11,16 +11,18 @@ import numpy as np
 from master.motion import Motion, drive_motion
 from master.outcome import Progress, StoppedError
 from master.soft.inertia.body import QUIET
+from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
-from master.soft.moves import ColdContacts, LoadingHistory
+from master.soft.moves import ColdContacts
 from master.soft.regime import Followed, Slips, regime
 from master.soft.solution import SoftSolution
+from master.survival.life import ALL_ATOMS
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
-from origins.errors import refuse
+from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
 # Tolerances of the runs, in units of the one that is asked for: each run shows the error of the one before, and errors
@@ -118,7 +120,7 @@ def solve_inertial(
     found = Followed(
         balance=best.balance,
         force=best.force,
-        holding=np.ones(best.force.size),
+        holding=best.record.holding[: best.force.size],
         slips=best.slips(error * unit / spring),
         error=error + rounding,
         nodes=nodes,
@@ -152,12 +154,19 @@ def solve_inertial(
 
 def _check(contacts: Contacts, drive: Drive) -> None:
     """Refuse contacts whose motion with a mass is not solved."""
-    if contacts.laws:
-        held = ", ".join(sorted(contacts.laws))
-        hint = (
-            f"the master equation follows a slider with mass at T = 0 without laws, not with {held}"
-        )
+    others = sorted(set(contacts.laws) - {"delay"})
+    if others:
+        held = ", ".join(others)
+        hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {held}"
         refuse("mass", drive.mass, f"{hint}; use eq_model.simulate, or leave one of them out")
+    weights = contacts.thresholds.atoms[1]
+    if contacts.delay is None or not weights.size:
+        return
+    if not contacts.start.is_single or weights.sum() < ALL_ATOMS:
+        fault = "exact thresholds beside others, or a start with a width, break at ever new places"
+        raise InputError(
+            f"contacts: with a mass and a delay {fault}; give the exact values a width"
+        )
 
 
 class _Run:
@@ -185,15 +194,18 @@ class _Run:
         at_rest = Motion(np.array([0.0, 1.0]), np.full(2, self.balance))
         motion, self.stopped = drive_motion(drive, self.balance) or at_rest, ""
         self.record = Record(drive.arrival_times(self.balance), 3.0 * asked * unit)
-        loaded = LoadingHistory(contacts.start)
-        self._start_force = spring * self.balance
-        slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit)
-        self.stored_first = slider.stored_at_rest(loaded)
+        slider: DelayedSlider | InertialSlider
+        if contacts.waiting_time:
+            given = drive, motion, self.record, tolerance * unit
+            slider = DelayedSlider(contacts, *given, until)
+        else:
+            slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit)
+        self.stored_first = slider.stored_first
         try:
-            slider.run(loaded)
+            slider.run()
         except StoppedError as why:
             self.stopped = str(why)
-        self.nodes = cold.nodes
+        self.nodes = slider.nodes
         solved = np.isfinite(self.record.place)
         count = solved.size if solved.all() else int(np.argmin(solved))
         self.force = spring * (drive.path[:count] - self.record.place[:count])

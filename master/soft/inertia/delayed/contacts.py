@@ -1,0 +1,142 @@
+"""The contacts of a slider with mass: cohorts that formed at one position each."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from master.numerics.averages import stretch_nodes
+from master.soft.inertia.delayed.panel import POSITION, TO_NODES, Panel
+from master.survival.age.extent import narrowest
+from master.survival.life import TIE
+from origins import Contacts
+from origins.thresholds.law import Array, ThresholdLaw
+
+# Weight times survival below which a cohort is dropped: a thousand of them are below rounding.
+DEAD = 1e-19
+# Nodes for a start with a width.
+STARTS = 200
+# Distances that are tried at once for how far contacts hold, and how often they are refined: to a tenth.
+TRIED, REFINED = 12, 2
+
+
+class Response(NamedTuple):
+    """What contacts do at positions X; arrays of shape (n,).
+
+    holding, force : share that holds, and F/(N_c<k>) (a length); slope : dF/dX
+    """
+
+    holding: Array
+    force: Array
+    slope: Array
+
+
+@dataclass(frozen=True)
+class Cohorts:
+    """Contacts by the position at which they formed; arrays of shape (n,).
+
+    law : of thresholds
+    born : X at which they were relaxed (a length); largest : largest |x| so far (a length)
+    weight : share of all contacts at birth
+    width : over which the survival changes (a length)
+    """
+
+    law: ThresholdLaw
+    born: Array
+    largest: Array
+    weight: Array
+    width: float
+
+    @classmethod
+    def at_start(cls, contacts: Contacts, largest_stretch: float) -> "Cohorts":
+        """Those at t = 0, where X = 0."""
+        law, rule = contacts.thresholds, stretch_nodes(contacts.start, largest_stretch, STARTS)
+        size = np.abs(rule.stretch)
+        width = min(narrowest(law), contacts.mean_threshold)
+        return cls(law, -rule.stretch, size, rule.weight / law.sf(size), width)
+
+    def response(self, x: Array) -> Response:
+        """At positions X (n,), each reached straight from here."""
+        stretch = x[:, None] - self.born
+        size = np.abs(stretch)
+        breaking = size >= self.largest
+        largest = np.maximum(size, self.largest)
+        held = self.weight * self.law.sf(largest * (1.0 + TIE))
+        lost = np.where(breaking, self.weight * self.law.pdf(largest), 0.0)
+        slope = (held - size * lost).sum(axis=1)
+        return Response(held.sum(axis=1), (stretch * held).sum(axis=1), slope)
+
+    def unbroken(self) -> float:
+        """Share that holds."""
+        return float((self.weight * self.law.sf(self.largest * (1.0 + TIE))).sum())
+
+    def stored(self, x: float) -> float:
+        """Energy of the contacts at a position, per N_c<k> (length squared)."""
+        size = np.abs(x - self.born)
+        held = self.weight * self.law.sf(np.maximum(size, self.largest) * (1.0 + TIE))
+        return 0.5 * float((size**2 * held).sum())
+
+    def moved(self, x: float) -> "Cohorts":
+        """After a straight move to this position; without those of which none holds any more."""
+        largest = np.maximum(self.largest, np.abs(x - self.born))
+        alive = self.weight * self.law.sf(largest * (1.0 + TIE)) > DEAD
+        return replace(
+            self, born=self.born[alive], largest=largest[alive], weight=self.weight[alive]
+        )
+
+    def and_born(self, born: Array, weight: Array, x: float) -> "Cohorts":
+        """These, and others that formed at these positions on the straight way to the position x."""
+        return replace(
+            self,
+            born=np.append(self.born, born),
+            largest=np.append(self.largest, np.abs(x - born)),
+            weight=np.append(self.weight, weight),
+        )
+
+    def after(self, panel: Panel, birth_rate: Array, least_force: float) -> "Cohorts":
+        """After a panel on which the slider does not turn; `birth_rate` is that at its nodes. Those born on it count as
+        born at one place where that changes the force by less than `least_force`."""
+        x, weight = panel.nodes(POSITION), panel.width * TO_NODES[-1] * birth_rate
+        end = float(x[-1])
+        later, born = self.moved(end), float(weight.sum())
+        if not born > 0.0:
+            return later
+        if born * (np.ptp(x) / self.width) ** 2 * self.width <= least_force:
+            x, weight = np.array([float(weight @ x) / born]), np.array([born])
+        return later.and_born(x, weight, end)
+
+    def reach(self, x: float, way: int, least: float, least_force: float) -> float:
+        """How far the slider can move from x before breaks lower the force of its contacts by more than `least_force`;
+        0 for less than the distance `least`, inf where nothing holds."""
+        atoms = self.law.atoms[0]
+        if atoms.size:
+            return self._to_atoms(x, way, atoms)
+        held = self.weight * self.law.sf(self.largest * (1.0 + TIE))
+
+        def lost(distance: Array) -> Array:
+            size = np.abs(x + way * distance[:, None] - self.born)
+            still = self.weight * self.law.sf(np.maximum(size, self.largest) * (1.0 + TIE))
+            return np.asarray((size * np.maximum(held - still, 0.0)).sum(axis=1))
+
+        far = 4.0 * float(np.abs(x - self.born).max(initial=0.0) + self.largest.max(initial=least))
+        far = max(far, 4.0 * float(self.law.isf(1e-18)))
+        if (self.largest * held).sum() + far * held.sum() <= least_force:
+            return np.inf
+        low, high = least, far
+        for _ in range(REFINED):
+            tried = np.geomspace(low, high, TRIED)
+            too_far = lost(tried) > least_force
+            first = int(np.argmax(too_far)) if too_far.any() else TRIED
+            if first == 0:
+                return 0.0
+            if first == TRIED:
+                return np.inf
+            low, high = float(tried[first - 1]), float(tried[first])
+        return low
+
+    def _to_atoms(self, x: float, way: int, atoms: Array) -> float:
+        """How far the slider can move from x before contacts at an exact threshold break together."""
+        stretch = x - self.born
+        unmet = atoms > self.largest[:, None] * (1.0 + TIE)
+        distance = np.where(unmet, atoms - way * stretch[:, None], np.inf)
+        return float(distance.min(initial=np.inf))

@@ -1,0 +1,252 @@
+"""A slider with mass while contacts break or form after a delay: its motion panel by panel of time."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from master.outcome import StoppedError
+from master.soft.inertia.delayed.body import EPSILON, DelayedBody
+from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Solved, State, solve_panel
+from master.soft.inertia.delayed.contacts import Cohorts
+from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, Panel
+from master.soft.inertia.record import Fall
+from origins.thresholds.law import Array
+
+# Most panels: some 60 s.
+MOST_PANELS = 30_000
+TOO_MANY = f"stopped after {MOST_PANELS} panels of time, as contacts break and form too often; shorten the path"
+# The next panel is at most this many times as wide as the last one, and one that failed is so much narrower at least.
+GROWTH, SHRINK = 3.0, 0.25
+# Travel on the first panel after a closed motion, in mean thresholds.
+FIRST_TRAVEL = 0.02
+# Parts of a panel at which its speed is looked at.
+PARTS = np.linspace(0.0, 1.0, 17)
+# Way back, in units of the error of a panel, from which on a slider has turned: a polynomial may wind by its error.
+TURNED = 2.0
+
+
+class OnPanels(DelayedBody):
+    """Motion on panels."""
+
+    def _panel(self) -> bool:
+        """Go on by one panel; returns whether the slider turned, or something else happened, so that none may break."""
+        state, past = self._state, self._past
+        if past.lumps and past.lumps[0][0] + past.delay <= state.t:
+            self._form_lump()
+            return True
+        self._kinks = [t for t in self._kinks if t > state.t * (1.0 + EPSILON)]
+        stops = [self._leg_end(), *self._kinks]
+        if past.lumps:
+            stops.append(past.lumps[0][0] + past.delay)
+        stop = min(stops)
+        solved, reaches = self._solved(stop)
+        panel, event = solved.panel, False
+        turn = self._turn_in(panel)
+        if turn is not None:
+            panel, reaches, event = panel.cut(turn), False, True
+            self._turns += 1
+        else:
+            level = self._level_in(panel)
+            if level is not None:
+                solved = self._up_to_level(solved, level)
+                panel, reaches = solved.panel, False
+                self._levels.remove(level)
+                self._kink(panel.end)
+        self._take(panel, solved, event)
+        if reaches and stop == self._leg_end():
+            self._next_leg()
+        elif reaches:
+            self._state = self._state._replace(t=stop)
+        return event or self._out()
+
+    def _solved(self, stop: float) -> tuple[Solved, bool]:
+        """The next panel, and whether it reaches up to `stop`."""
+        state, machine = self._state, self._machine
+        stiff = machine.spring + 1.0
+        swing = np.sqrt(machine.mass / stiff) + machine.damping / stiff
+        wide = self._passing_width()
+        if self._width < wide < stop - state.t:
+            self._panels += 1
+            solved = self._try(wide)
+            if solved is not None and solved.missed <= self._accuracy:
+                self._width = wide
+                return solved, False
+        width = min(self._width, stop - state.t)
+        if not np.isfinite(self._width):
+            first = max(0.1 * swing, FIRST_TRAVEL * machine.unit / max(abs(state.w), 1e-300))
+            width = min(first, stop - state.t)
+        while True:
+            self._panels += 1
+            if width < 1e-13 * state.t or width < 1e-12 * swing or self._panels > MOST_PANELS:
+                raise StoppedError(TOO_MANY)
+            reaches = state.t + width >= stop * (1.0 - EPSILON)
+            if reaches:
+                width = stop - state.t
+            solved = self._try(width)
+            if solved is None:
+                width *= SHRINK
+                continue
+            ratio = (0.5 * self._accuracy / max(solved.missed, 1e-300)) ** (1.0 / NODES.size)
+            if solved.missed <= self._accuracy:
+                wider = width * min(ratio, GROWTH)
+                # a panel that an edge cut short does not make the next one narrow
+                self._width = max(wider, self._width if reaches and np.isfinite(self._width) else 0)
+                return solved, reaches
+            width *= float(np.clip(ratio, SHRINK, 0.8))
+
+    def _passing_width(self) -> float:
+        """The width of a panel on which contacts form and break, where the slider is fast enough for one; else 0."""
+        far = 1.5 * LEAST_PASSAGE * self._passage.longest
+        width = far / max(abs(self._state.w), 1e-300)
+        swing = np.sqrt(self._machine.mass / self._machine.spring)
+        return float(width) if width < min(self._past.delay, 0.5 * swing) else 0.0
+
+    def _try(self, width: float) -> Solved | None:
+        state = self._state
+        times = state.t + width * NODES
+        last, guess = self._last, np.full(NODES.size, state.w)
+        if last is not None and width < 2.0 * last.width:
+            guess = last.slope(times, POSITION)
+        return solve_panel(
+            self._machine,
+            self._contacts,
+            self._passage,
+            self._past,
+            state,
+            width,
+            self._drive(times),
+            guess,
+            self._accuracy,
+        )
+
+    def _after(self, panel: Panel, solved: Solved, least_force: float) -> Cohorts:
+        """The contacts after a panel, or after a part of the one that was solved; see Cohorts.after."""
+        if solved.passes:
+            end = float(panel.at(panel.end, POSITION))
+            born, weight = self._passage.born(panel, solved.panel, solved.birth_rate)
+            return self._contacts.moved(end).and_born(born, weight, end)
+        rate = solved.birth_rate if panel is solved.panel else self._births(panel, solved)
+        return self._contacts.after(panel, rate, least_force)
+
+    def _births(self, panel: Panel, solved: Solved) -> Array:
+        """The rate of births at the nodes of a panel that was cut."""
+        whole = solved.panel
+        at = (panel.times - whole.begin) / whole.width
+        weights = np.vander(2.0 * at - 1.0, NODES.size) @ np.linalg.inv(
+            np.vander(2.0 * NODES - 1.0, NODES.size)
+        )
+        return np.asarray(weights @ solved.birth_rate)
+
+    def _turn_in(self, panel: Panel) -> float | None:
+        """When the slider turns on the panel, if it does."""
+        speed = panel.slope(panel.begin + PARTS * panel.width, POSITION)
+        way = np.sign(self._state.w) or np.sign(speed[1:][np.abs(speed[1:]).argmax()])
+        back = np.flatnonzero((way * speed[:-1] > 0.0) & (way * speed[1:] <= 0.0))
+        for first in back.tolist():
+            low, high = (panel.begin + panel.width * PARTS[first + k] for k in (0, 1))
+            t = float(brentq(lambda t: float(panel.slope(t, POSITION)), low, high))
+            later = panel.at(np.linspace(t, panel.end, 9), POSITION)
+            gone = float((way * (later[0] - later)).max())
+            if gone * (1.0 + self._machine.spring) > TURNED * self._accuracy and t > panel.begin:
+                return t
+        return None
+
+    def _level_in(self, panel: Panel) -> float | None:
+        """The first place on the panel at which the force has a kink."""
+        begin, end = float(panel.at(panel.begin, POSITION)), float(panel.at(panel.end, POSITION))
+        near = self._near(begin)
+        passed = [x for x in self._levels if min(begin, end) < x < max(begin, end)]
+        ahead = [x for x in passed if abs(x - begin) > near]
+        return min(ahead, key=lambda x: abs(x - begin)) if ahead else None
+
+    def _up_to_level(self, solved: Solved, level: float) -> Solved:
+        """The panel up to where the slider passes a place."""
+        near, best = self._near(level), solved
+        for _ in range(8):
+            panel = best.panel
+            begin, end = (float(panel.at(t, POSITION)) for t in (panel.begin, panel.end))
+            if abs(end - level) <= near:
+                break
+            if (end - level) * (begin - level) < 0.0:
+                t = panel.when(POSITION, level)
+            else:
+                speed = float(panel.slope(panel.end, POSITION))
+                t = panel.end + (level - end) / speed if speed else panel.end
+            again = self._try(t - panel.begin) if t > panel.begin else None
+            if again is None:
+                break
+            best = again
+        return best
+
+    def _take(self, panel: Panel, solved: Solved, turned: bool) -> None:
+        """Take a panel, or a part of the one that was solved."""
+        self._write(panel, solved)
+        self._watch(panel, turned)
+        x, speed, pull = (
+            panel.nodes(POSITION),
+            panel.slope(panel.times, POSITION),
+            panel.nodes(FORCE),
+        )
+        drive, k = self._drive(panel.times), self._machine.spring
+        self._work += panel.integral(k * (drive - x)) * self._speed
+        self._damped += panel.integral(self._machine.damping * speed**2)
+        self._on_contacts += panel.integral(pull * speed)
+        self._contacts = self._after(panel, solved, 1e-2 * self._accuracy)
+        self._past.add(panel)
+        rate = solved.birth_rate if panel is solved.panel else self._births(panel, solved)
+        self._past.formed += panel.integral(rate)
+        w = 0.0 if turned else float(speed[-1])
+        if turned:
+            self._levels.append(float(x[-1]))
+            self._last = None
+        else:
+            self._last = panel
+        self._state = State(panel.end, float(x[-1]), w)
+        self._form_rest()
+
+    def _write(self, panel: Panel, solved: Solved) -> None:
+        """Results at the asked times on the panel."""
+        record, k = self._record, self._machine.spring
+        which = record.between(panel.begin, panel.end)
+        for at in range(which.start, which.stop):
+            t = float(record.times[at])
+            part = panel.cut(t) if panel.begin < t < panel.end else panel
+            x, speed = panel.at(part.times, POSITION), panel.slope(part.times, POSITION)
+            contacts = self._after(part, solved, 0.0)
+            record.place[at], record.speed[at] = x[-1], speed[-1]
+            record.work[at] = (
+                self._work + part.integral(k * (self._drive(part.times) - x)) * self._speed
+            )
+            record.damped[at] = self._damped + part.integral(self._machine.damping * speed**2)
+            record.on_contacts[at] = self._on_contacts + part.integral(
+                panel.at(part.times, FORCE) * speed
+            )
+            self._write_contacts(at, contacts, float(x[-1]))
+
+    def _watch(self, panel: Panel, turned: bool) -> None:
+        """Begin and end falls of the spring's force on a panel, where the slider is as fast as its drive."""
+        times = panel.begin + PARTS * panel.width
+        speeds = self._way * panel.slope(times, POSITION)
+        v, record = self._way * self._speed, self._record
+
+        def excess(t: float) -> float:
+            return self._way * float(panel.slope(t, POSITION)) - v
+
+        for k in range(PARTS.size - 1):
+            faster = speeds[k + 1] > v
+            if faster != (speeds[k] > v):
+                t = float(brentq(excess, times[k], times[k + 1]))
+                if not faster:
+                    record.end_fall(self._fall_at(t, panel), self._way)
+                elif record.fall is None:
+                    record.begin_fall(self._fall_at(t, panel))
+            elif faster and record.fall is None:
+                record.begin_fall(self._fall_at(panel.begin, panel))
+            if record.fall is not None:
+                record.top_speed = max(record.top_speed, float(speeds[k + 1]))
+        if turned and record.fall is not None:
+            record.end_fall(self._fall_at(panel.end, panel), self._way)
+
+    def _fall_at(self, t: float, panel: Panel) -> Fall:
+        """The spring's force at an instant of a panel."""
+        breaks = float(panel.at(t, BREAKS)) + self._past.broken_together
+        return self._fall(t, float(panel.at(t, POSITION)), breaks)

@@ -1,0 +1,125 @@
+"""A slider with mass while hardly a contact breaks or forms: its motion is closed, however often it swings."""
+
+import numpy as np
+from scipy.optimize import brentq
+
+from master.soft.inertia.body import QUIET
+from master.soft.inertia.delayed.body import EPSILON, DelayedBody
+from master.soft.inertia.delayed.collocation import State
+from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.reaction import ALIKE
+from origins.thresholds.law import Array
+
+# Shortest closed motion that is worth it, in periods.
+SHORTEST = 1e-9
+
+
+class Swinging(DelayedBody):
+    """Closed motions."""
+
+    def _swing(self) -> bool:
+        """One closed motion; returns whether another one may follow."""
+        past, state, machine = self._past, self._state, self._machine
+        if past.lumps and past.lumps[0][0] + past.delay <= state.t * (1.0 + EPSILON):
+            self._form_lump()
+        alike = ALIKE * self._tolerance
+        least, atoms = self._near(state.x), self._contacts.law.atoms[0].size > 0
+        forward, back = (self._contacts.reach(state.x, way, least, alike) for way in (1, -1))
+        leg_end = self._leg_end()
+        births = past.next_birth(state.t, 0.5 * alike / machine.unit)
+        end = min(leg_end, births) - state.t
+        held = self._contacts.response(np.array([state.x]))
+        # just after a passage it may be below 0 by its error
+        holding = max(self._contacts.unbroken(), 0.0)
+        stiff = machine.spring + holding
+        pull = machine.spring * (float(self._drive(state.t)) - state.x) - float(held.force[0])
+        given = machine.mass, machine.damping, stiff, pull, machine.spring * self._speed
+        motion = Oscillation.of(*given, 0.0, state.w)
+        quiet = QUIET * self._tolerance / (1.0 + machine.spring)
+        if motion.size <= quiet:
+            motion = Oscillation.of(*given, motion.centre, motion.drift)
+            calm = np.inf
+        else:
+            calm = motion.time_until(quiet)
+        lasts, passed = motion.first_passing(-back, forward, min(end, calm))
+        short = end <= 0.0 or (passed and lasts < SHORTEST * motion.period)
+        if short and not (atoms and passed):
+            return False
+        self._take_swing(motion, lasts, stiff)
+        self._last, self._width = None, np.inf
+        if passed and atoms:
+            self._break_together(passed * (forward if passed > 0 else back) + state.x, holding)
+            return True
+        if passed:
+            return False
+        if lasts == leg_end - state.t:
+            self._next_leg()
+            return True
+        if lasts < end:
+            return True  # calm
+        self._state = self._state._replace(t=births)
+        return bool(past.lumps and past.lumps[0][0] + past.delay <= births)
+
+    def _take_swing(self, motion: Oscillation, lasts: float, stiff: float) -> None:
+        """Take a closed motion: results at the asked times, energies, falls, and the state."""
+        record, state, machine, v = self._record, self._state, self._machine, self._speed
+        k, held = machine.spring, self._contacts.response(np.array([state.x]))
+        which = record.between(state.t, state.t + lasts)
+        at = np.append(record.times[which] - state.t, lasts)
+        y, w = motion.travel(at), motion.speed(at)
+        begin, hold = float(held.force[0]), stiff - k
+        pull, rate = k * (float(self._drive(state.t)) - state.x), k * v
+        mean = (pull - k * motion.centre) * at + 0.5 * (rate - k * motion.drift) * at**2
+        work = v * (mean - k * motion.departure_integral(at))
+        damped = machine.damping * motion.squared_speed(at)
+        on_contacts = begin * y + 0.5 * hold * y**2
+        record.place[which], record.speed[which] = state.x + y[:-1], w[:-1]
+        record.work[which] = self._work + work[:-1]
+        record.damped[which] = self._damped + damped[:-1]
+        record.on_contacts[which] = self._on_contacts + on_contacts[:-1]
+        for index, x in zip(
+            range(which.start, which.stop), (state.x + y[:-1]).tolist(), strict=True
+        ):
+            self._write_contacts(index, self._contacts, x)
+        self._watch_swing(motion, lasts)
+        self._work, self._damped = self._work + float(work[-1]), self._damped + float(damped[-1])
+        self._on_contacts += float(on_contacts[-1])
+        x, end = state.x + float(y[-1]), state.t + lasts
+        self._contacts = self._contacts.moved(x)
+        self._state = State(end, x, float(w[-1]))
+        self._form_rest()
+
+    def _watch_swing(self, motion: Oscillation, lasts: float) -> None:
+        """End a fall in a closed motion, and begin one that goes on at its end."""
+        record, state, v, way = self._record, self._state, self._speed, self._way
+        breaks = self._past.breaks + self._past.broken_together
+
+        def excess(t: float | Array) -> Array:
+            return way * (motion.speed(t) - v)
+
+        if record.fall is not None:
+            times = np.linspace(0.0, min(lasts, 2.0 * motion.period), 97)
+            slower = np.flatnonzero(excess(times) <= 0.0)
+            until = float(times[slower[0]]) if slower.size else float(times[-1])
+            top = way * motion.speed(times[times <= until])
+            record.top_speed = max(record.top_speed, float(top.max(initial=0.0)))
+            if slower.size:
+                t = until
+                if slower[0]:
+                    t = float(brentq(excess, times[slower[0] - 1], until))
+                record.end_fall(
+                    self._fall(state.t + t, state.x + float(motion.travel(t)), breaks), way
+                )
+        if record.fall is None and float(excess(lasts)) > 0.0:
+            back = lasts - np.linspace(0.0, min(lasts, motion.period), 49)
+            slower = np.flatnonzero(excess(back) <= 0.0)
+            t = float(back[-1])
+            if slower.size:
+                t = float(brentq(excess, back[slower[0]], back[slower[0] - 1]))
+            record.begin_fall(self._fall(state.t + t, state.x + float(motion.travel(t)), breaks))
+
+    def _break_together(self, x: float, before: float) -> None:
+        """Contacts at an exact threshold break at this place, of a share `before` that held."""
+        self._contacts = self._contacts.moved(x)
+        self._state = self._state._replace(x=x)
+        self._past.add_lump(self._state.t, before - self._contacts.unbroken())
