@@ -59,6 +59,9 @@ CASES = {
     ),
     "start below zero": Case(Contacts(WIDE, -0.9), np.linspace(1.85, 5.0, 12)),
     "soft": Case(Contacts(WIDE, START, thermal=SOFT)),
+    "eyring, slow": Case(
+        Contacts(WIDE, START, thermal=Thermal("eyring", width=0.1)), drive={"velocity": 1e-3}
+    ),
     "delay": Case(Contacts(WIDE, delay=Delay(0.3))),
     "all but ageing": Case(
         Contacts(WIDE, 0.2, STIFF, None, Delay(0.2), 0.1, "linked"), tolerance=1e-5

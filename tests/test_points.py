@@ -173,3 +173,10 @@ def test_other_commands_take_one_scene(capsys: Any) -> None:
     numbers = json.loads(Path("mine-output/thresholds.json").read_text())["numbers"]
     assert numbers["standard_deviation"]["value"] == pytest.approx(0.2, rel=1e-4)
     assert "6 points" in "".join(said(capsys, "run", file, "--dry-run")[1])
+
+
+def test_a_sweep_over_keys_of_a_surface_is_reported(capsys: Any) -> None:
+    over = {"contacts.thresholds.pressure": [1e5, 1e6]}
+    file = write(thresholds=ROUGH, drive=None, master=None, sweep=over)
+    status, out, _ = said(capsys, "run", file)
+    assert status == 0 and any(line.startswith("sweep   2 points") for line in out)

@@ -8,13 +8,18 @@ from typing import Any, Literal
 import numpy as np
 
 from origins.errors import InputError, one_of, positive, refuse
+from origins.laws.eyring import EyringRates
 from origins.laws.rate_law import Array, Numbers, RateLaw
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
 
 # The laws that Thermal and scene files take by name. The parameters of the class are those of the law there; each is
 # an attribute, too, as in a dataclass.
-RATE_LAWS: dict[str, Callable[..., RateLaw]] = {"soft": SoftRates, "stiff": StiffRates}
+RATE_LAWS: dict[str, Callable[..., RateLaw]] = {
+    "soft": SoftRates,
+    "stiff": StiffRates,
+    "eyring": EyringRates,
+}
 
 
 class BreakingRate:
@@ -97,18 +102,20 @@ class Thermal(BreakingRate):
 
         soft   h = ω exp[-κ (x_s² - x²) / 2T]                             (Eqs. temper5, temper8)
         stiff  h = ω s^(1/2) exp[-κ x_s² s^(3/2) / 2T], s = 1 - |x|/x_s   (Eqs. temper9, temper10)
+        eyring h = ω exp[-s/α]                                            (no law of the paper)
 
     κ = k_i/<k>, the contact's relative stiffness, is 1 where stiffness and threshold are independent, x_s/<x_s>
     where they are linked (origins.Contacts.relative_stiffness). The barrier of a relaxed contact is κ x_s²/2T in
     units of k_BT: with linked stiffness it grows as x_s³.
 
-    law : "soft" or "stiff", or another name in RATE_LAWS
+    law : "soft", "stiff" or "eyring", or another name in RATE_LAWS
     temperature : T = k_BT/<k>, a length squared, one number for all contacts; where thresholds come from a rough
         surface, Interface.temperature(kelvin) gives it. None: a law that does not take it.
     attempt_frequency : ω, per time.
     closure : "exact": every contact breaks at its own rate. "paper": all break at H(x), the
         integral of h P_c over thresholds beyond x (Eqs. temper3, temper4), as if the weak ones had not broken before.
-    own : what else the law takes, pairs of name and value; the call takes them as keywords: Thermal("x", width=0.1).
+    own : what else the law takes, pairs of name and value; the call takes them as keywords, as
+        Thermal("eyring", width=0.03), α, which takes no temperature.
 
     Raises InputError for a parameter that the law does not take, or that it needs and that is missing, and unless
     temperature and attempt frequency are finite and above zero. Methods and `rates` are those of BreakingRate.

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import origins
-from origins.errors import InputError, refuse
+from origins.errors import InputError, positive, refuse
 from origins.roughness.interface import BOLTZMANN
 from toolkit.processes.ranks import on_root
 from toolkit.scene.tables import did_you_mean
@@ -54,6 +54,9 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "island": ISLANDS,
     "substrate": SUBSTRATES,
 }
+
+# what the law "eyring" takes in place of its width, and in which units
+_ACTIVATION = {"kelvin": "K", "shear_strength": "Pa", "activation_volume": "m³"}
 
 # how messages write None, True and False, as Python has them, and as TOML says the same
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
@@ -177,6 +180,31 @@ def without_kelvin(
         refuse(f"{where}.kelvin", given["kelvin"], hint)
     with inside(where, {"kelvin": "kelvin"}):
         return {**table, "temperature": surface.temperature(kelvin=given["kelvin"])}
+
+
+def with_width(table: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+    """The table of the law "eyring" with `width`, k_BT/(τ_s V*), in place of `kelvin`, `shear_strength` and
+    `activation_volume` (K, Pa, m³), where they are given; other tables as they are. Raises InputError for some of the
+    three alone, beside a width, and for values that are not above zero."""
+    given = {name: table[name] for name in _ACTIVATION if name in table}
+    if table.get("law") != "eyring" or not given:
+        return table
+    if "width" in table:
+        hint = f"stands beside {', '.join(given)}, which give it; leave it or them out"
+        refuse(f"{where}.width", table["width"], hint)
+    for name, unit in _ACTIVATION.items():
+        if name not in given:
+            others = f"beside {', '.join(given)} it is needed, in {unit}"
+            raise InputError(f"{where}.{name}: is missing; {others}; or give width alone")
+        if isinstance(given[name], bool) or not isinstance(given[name], int | float):
+            refuse(f"{where}.{name}", given[name], f"must be a number, in {unit}")
+        positive(f"{where}.{name}", given[name])
+    width = BOLTZMANN * given["kelvin"] / (given["shear_strength"] * given["activation_volume"])
+    if not 1e-6 <= width <= 1.0:
+        hint = f"makes k_BT/(shear_strength x activation_volume) = {width:.3g}, which must be 1e-6 to 1"
+        refuse(f"{where}.activation_volume", given["activation_volume"], f"{hint}; is it in m³?")
+    rest = {name: value for name, value in table.items() if name not in _ACTIVATION}
+    return rest | {"width": width}
 
 
 @contextmanager
