@@ -11,7 +11,7 @@ from solving import gauss
 
 import master
 import origins
-from master.stick_slip.extremes import travel_table
+from master.stick_slip.extremes import cycle_table
 from master.stick_slip.roots import Transform
 from origins import Contacts, Thermal, gaussian
 
@@ -156,7 +156,7 @@ def test_survivals_that_leave_out_thresholds_claim_it() -> None:
     """The transform of E far left of the imaginary axis, where the last 1e-16 of warm contacts decide, against a
     double quadrature."""
     warm, decay = Contacts(WIDE, thermal=Thermal("soft", 0.05)), 20.0
-    found = Transform(travel_table(warm, 1.0, 1e-9), decay)(np.array([complex(-decay)]))
+    found = Transform(cycle_table(warm, 1.0, 1e-9), decay)(np.array([complex(-decay)]))
     (node, weight), direct = gauss([0.0, 1.0], 400), 0.0
     for way, width in zip(4.0 * node, 4.0 * weight, strict=True):
         threshold = way + (5.0 - way) * node

@@ -11,10 +11,12 @@ import pytest
 from solving import gauss
 
 import master
+from master.motion import Motion
 from master.outcome import unheard
 from master.rigid import solve_rigid
 from master.survival.life import ColdLife, Survivors
-from origins import Contacts, Drive, gaussian, gaussian_start, rectangular
+from master.survival.make import steady_life
+from origins import Ageing, Contacts, Drive, gaussian, gaussian_start, rectangular
 from origins.start import Start
 
 LOOP = np.concatenate([np.linspace(0.0, 1.3, 27), np.linspace(1.28, -0.6, 40)])
@@ -104,3 +106,20 @@ def test_a_wide_start_on_a_law_with_jumps_is_as_good_as_it_claims(turns):
     assert found.success and abs(found.force[-1] - exact) <= found.force_error + 1e-9
     planted = solved(contacts, FixedNodes(contacts, 16), path, 1e-7)
     assert abs(planted.force[-1] - exact) > 10.0 * planted.force_error
+
+
+def test_ageing_contacts_born_at_many_stretches_are_interpolated_to_the_error_that_is_told():
+    """Between 22 stretches a polynomial would be some 5e-4 off across a narrow law of fresh thresholds."""
+    ageing = Ageing(gaussian(1.0, 0.05), 0.1)
+    life = steady_life(Contacts(gaussian(0.5, 0.05), ageing=ageing), 1.0)
+    moves = Motion(np.array([0.0, 0.5]), np.array([0.0, 0.5]))
+    lags = np.linspace(0.05, 0.4, 20)[None]
+    stretch = np.linspace(0.05, 0.6, 25)[:, None]
+    history = moves.history(np.broadcast_to(lags, (25, 20)), np.zeros((1, 1)))
+    found = life.survival_and_force(np.broadcast_to(stretch, (25, 20)), history)
+    exact = [
+        life.survival_and_force(np.full((1, 1), r), moves.history(lags, np.zeros((1, 1)))).survival
+        for r in stretch.ravel()[::4]
+    ]
+    off = np.abs(found.survival[::4] - np.concatenate(exact)).max()
+    assert off <= found.error <= 1e-6

@@ -18,8 +18,8 @@ from origins.thresholds.law import Array
 
 # Accuracy of tables of which only integrals are needed; and the coarsest, where E itself is known to no better.
 ACCURACY, COARSEST = 1e-9, 1e-7
-# Share of contacts below which the error of the survival is relative, not absolute; and below which numbers underflow.
-FEW, UNDERFLOW = 1e-4, 1e-290
+# Share of contacts below which numbers underflow.
+UNDERFLOW = 1e-290
 
 
 class Cycle(Straight):
@@ -72,10 +72,12 @@ class Cycle(Straight):
             self.length_error = abs(self.length - length) + 4e-16 * self.length
             self.area_error = abs(self.area - area) + 4e-16 * self.area
             return
-        # the error of E itself is relative where few contacts hold
-        felt = np.minimum(held / FEW, 1.0)
-        weights = 0.5 * (felt[1:] + felt[:-1]) * table.widths
-        own = self.survival_error * np.array([weights.sum(), weights @ table.end / self.scale])
+        # of E on each panel, the mean of those at its ends; of K at most as many, at the stretch there
+        errors = life.error_at(held, self.survival_error)
+        # Where a contact has moved beyond the largest stretch none holds, and no error can come in.
+        edges = np.minimum(table.edges, life.largest_stretch - float(born.span[0]))
+        missed = 0.5 * (errors[1:] + errors[:-1]) * np.diff(edges)
+        own = np.array([missed.sum(), missed @ edges[1:] / self.scale])
         off = table.missed() + own
         if isinstance(life, ThermalLife):
             off += life.rounded_away(velocity) / units

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from master.numerics import polynomials
 from master.numerics.table import SIZE, Table
 from master.renewal.present import NARROWEST_PANEL
-from master.steady.cycle import FEW, UNDERFLOW, Cycle
+from master.steady.cycle import UNDERFLOW, Cycle
 from origins.thresholds.law import Array
 from origins.thresholds.tail import tail_rate
 
@@ -28,6 +28,8 @@ Complex = npt.NDArray[np.complex128]
 
 # Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times e^(-sx) to rounding.
 WAVE = 4.0
+# Share of the contacts so small that no measurement could find one: their survival counts as unknown.
+NOBODY = 1e-120
 # Relative rounding of a sum.
 SUM_ROUNDING = 4e-16
 # Roots are searched up to this share of the decay rate of E's tail, or of that of exact values.
@@ -117,18 +119,12 @@ class Transform:
             """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
             held = np.abs(values[0])
             held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
-            known = held * self._survival_error / np.maximum(held, FEW) + self._neglected
+            known = life.error_at(held, self._survival_error)
             return np.maximum(held, np.stack([known, known + life.error_of_force]) / accuracy)
 
         shortest = NARROWEST_PANEL * min(cycle.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
         self.table = Table(for_table, edges, accuracy, shortest, looser=sizes, rounding=1e2)
-
-    @property
-    def _neglected(self) -> float:
-        """Error of the survival however few contacts hold, a fraction of them."""
-        life = self.cycle.life
-        return life.neglected if life.error_is_relative else self._survival_error
 
     def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
         """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
@@ -141,13 +137,12 @@ class Transform:
         way = edges[:-1] + np.diff(edges, axis=0) * polynomials.gauss(size).nodes
         weight = np.diff(edges, axis=0) * polynomials.gauss(size).series[:, 0]
         held, force = values = table(way)
-        # where few contacts hold, the error of E is relative to their share, but for those left out; shares
-        # below 1e-120 are of contacts that nobody has: no wave may hang on them
-        share = np.where(
-            held < 1e-120, 1.0, self._survival_error / np.maximum(held, FEW) + SUM_ROUNDING
-        )
-        errors = np.abs(values) * share
-        errors += self._neglected * np.stack([np.ones(way.shape), way / scale])
+        # a contact that holds though it should not, or the other way round, bears the force of the others there
+        by_one = np.divide(np.abs(force), held, out=np.zeros_like(held), where=held > UNDERFLOW)
+        wrong = life.error_at(held, self._survival_error)
+        errors = wrong * np.stack([np.ones(way.shape), np.maximum(by_one, way / scale)])
+        # shares below NOBODY are of contacts that nobody has: no wave may hang on them
+        errors += np.abs(values) * np.where(held < NOBODY, 1.0, SUM_ROUNDING)
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
         errors[1] = (errors[1] + life.error_of_force * (way < life.largest_stretch)) * scale
         some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])

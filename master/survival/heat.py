@@ -11,7 +11,7 @@ from master.numerics.averages import CHECKED, Integrals, integrals_above
 from master.numerics.polynomials import Rows
 from master.numerics.table import Table
 from master.survival.integrated_rate import IntegratedRate
-from master.survival.life import MARGIN, SMALLEST, TIE, LawLife, Survivors
+from master.survival.life import FEW, MARGIN, SMALLEST, TIE, LawLife, Survivors
 from origins import Contacts
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
@@ -25,8 +25,6 @@ _NEGLIGIBLE_FROM, _ZERO_FROM = np.log(67.0), 7.0
 _NO_WEIGHT = 1e-18
 # Fraction of the contacts that rounding in sums over thresholds loses; and ln A at which, surely, a contact has broken.
 _ROUNDED_FRACTION, _SURELY_BROKEN = 3e-14, 3.0
-# Survival below which errors of sums count more, as the few contacts that hold are stretched far.
-_FEW = 1e-4
 # Finest last coefficients of sums over thresholds: their error is about the square, far below rounding, but larger
 # ones would show as roughness in tables.
 _FINEST = 2e-12
@@ -108,7 +106,7 @@ class ThermalLife(LawLife):
         counted = self._weights * per_survival[:, None] > _NO_WEIGHT
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         counted &= np.minimum(log_rate[:, 1:], log_rate[:, :-1]) < _NEGLIGIBLE_FROM
-        few = np.maximum(per_survival * self.law.sf(least), _FEW)
+        few = np.maximum(per_survival * self.law.sf(least), FEW)
         accuracy = max(0.1 * self.coefficient_limit, _FINEST) * few
         sums, missed, _ = integrals_above(
             survival_by_density, least, self.panels, counted, accuracy

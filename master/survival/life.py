@@ -20,6 +20,9 @@ NO_SURVIVAL = 1e-18
 TIE = 1e-12
 # Relative distance from an exact threshold within which rounding may put |x| on its wrong side.
 ROUNDED_SIDE = 1e-9
+# Fraction of the contacts that counts as few: below it the error of a survival is told in parts of itself, as the few
+# that hold are stretched far. Sums over thresholds are halved until their errors are small beside it.
+FEW = 1e-4
 # Factor on the largest measured error of an integral: halving shows only two thirds of the error where
 # the integrand begins as a square root, and only some integrals are measured.
 MARGIN = 4.0
@@ -77,8 +80,7 @@ class Life:
     timeless : whether the survival depends only on the distance moved, and not on the time that it took
     error : the least error of a survival that `survival_and_force` can return, known when the life is made; no query
         changes it, as each returns its own error
-    neglected : fraction of the contacts that the survival may leave out: its error is never below that
-    error_is_relative : whether the error of a survival shrinks with it where few contacts hold; only transforms need it
+    neglected, error_is_relative : see `error_at`
     error_of_force : further error of K, in units of the stretches at a break; only transforms need it
     coefficient_limit : last coefficients, on a piece of the stretches at birth, below which it is not halved
     start_as_births : whether contacts of the start survive as those born later at the same stretch
@@ -106,6 +108,19 @@ class Life:
     def atom_fraction(self, atom: float, stretch: float) -> float:
         """Upper bound of the fraction of contacts born at a stretch that have the exact threshold `atom`."""
         return 0.0
+
+    def error_at(self, held: Array, error: float) -> Array:
+        """Error of survivals `held`, if `error` is the largest of any survival; same shape.
+
+        Integrals of E over all lags, and transforms even more, need it where few contacts hold; a march needs the
+        largest one alone. A survival that is closed, or a sum for each lag by itself, is known to a part of itself
+        where few hold, but for the contacts that it leaves out, `neglected` of all. One that follows from the flow of
+        those that broke before (`error_is_relative` is False: ageing) is a difference from 1, with one error at all
+        lags.
+        """
+        if not self.error_is_relative:
+            return np.full(held.shape, error)
+        return error * np.minimum(held / FEW, 1.0) + self.neglected
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """The fraction of contacts that still holds, its force per contact born, and the error of the fraction.

@@ -17,7 +17,7 @@ from master.numerics.averages import StretchNodes, stretch_nodes
 from master.survival.age.extent import highest, narrowest
 from master.survival.age.passage import Passage
 from master.survival.age.passages import Passages, over_root
-from master.survival.life import Life, Survivors
+from master.survival.life import MARGIN, Life, Survivors
 from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -26,9 +26,15 @@ from origins.thresholds.law import Array
 RESOLUTION = 0.25
 # Instants on each leg that are compared, divided by its duration: 20 early ones, and even in the root of time.
 INSTANTS = np.append(np.geomspace(1e-8, 1e-4, 20), np.linspace(0.0, 1.0, 80)[1:] ** 2)
-# Number of stretches at birth between which survivals are interpolated; and numbers of stretches that
-# represent a law, tried in this order: the last one gives some 1e-8 for a start across 0, where survivals have a kink.
-BETWEEN, COUNTS = 22, (6, 9, 13, 19, 28)
+# Numbers of stretches that represent a law, tried in this order: the last one gives some 1e-8 for a start across 0,
+# where survivals bend.
+COUNTS = 6, 9, 13, 19, 28
+# Between so many stretches survivals are interpolated, more of them until the error of the fraction that holds is below
+# INTERPOLATED: enough for Q(x), which is drawn. Narrow laws would take long to 1e-10.
+BETWEEN, INTERPOLATED = (22, 44, 88), 1e-7
+# Part of the coefficients, the last ones, whose sum times MARGIN bounds those left out of an interpolating polynomial,
+# also where they fall only as their number squared.
+LAST_PART = 0.25
 LONGEST_LIFE = 3.0  # reaches divided by the speed: a time after which hardly any contact holds
 # Rounding of a survival, a fraction of the contacts: it is a sum over panels of the first passage.
 ROUNDING = 1e-13
@@ -112,29 +118,39 @@ class AgeingLife(Life):
         return Survivors(holding, holding * (born + speed * lag), error)
 
     def _fraction_holding(self, speed: float, born: Array, lag: Array) -> tuple[Array, float]:
-        """Of contacts born at these stretches the fraction that holds a time `lag` later, and the largest error of the
-        tables; of many stretches on either side of 0 the fraction is interpolated by a polynomial."""
+        """Of contacts born at these stretches the fraction that holds a time `lag` later, and its largest error: that
+        of the tables, and of many stretches that of polynomials between some of them. The fraction bends where |x|
+        begins at 0 or at a jump of the fresh law."""
         places, out, error = np.unique(born), np.zeros(lag.shape), 0.0
-        if places.size <= BETWEEN:
+        if places.size <= BETWEEN[0]:
             for x in places:
                 table = self._table(speed, float(x))
                 out += table.at(lag) * (born == x)
                 error = max(error, table.error)
             return out, error
-        stretch = np.broadcast_to(born, lag.shape)
-        nodes = chebyshev.chebpts1(BETWEEN)
-        to_series = np.linalg.inv(chebyshev.chebvander(nodes, BETWEEN - 1))
-        for here in (stretch < 0.0, stretch >= 0.0):
-            if here.any():
-                low = float(stretch[here].min())
-                span = max(float(np.ptp(stretch[here])), 1e-12 * self.largest_stretch)
-                tables = [self._table(speed, float(low + 0.5 * span * (1.0 + x))) for x in nodes]
-                at_nodes = np.array([table.at(lag[here]) for table in tables])
-                error = max(error, *(table.error for table in tables))
-                z = 2.0 * (stretch[here] - low) / span - 1.0
-                found = chebyshev.chebval(z, to_series @ at_nodes, tensor=False)
-                out[here] = found.clip(0.0, 1.0)
+        stretch, bends = np.broadcast_to(born, lag.shape), self.contacts.thresholds.breakpoints
+        piece = np.searchsorted(np.concatenate([-bends[::-1], [0.0], bends]), stretch, "right")
+        for each in np.unique(piece):
+            here = piece == each
+            out[here], missed = self._interpolated(speed, stretch[here], lag[here])
+            error = max(error, missed)
         return out, error
+
+    def _interpolated(self, speed: float, stretch: Array, lag: Array) -> tuple[Array, float]:
+        """As `_fraction_holding`, of contacts born at many stretches (n,) without a bend between, after lags (n,)."""
+        low = float(stretch.min())
+        span = max(float(np.ptp(stretch)), 1e-12 * self.largest_stretch)
+        for count in BETWEEN:
+            nodes = chebyshev.chebpts1(count)
+            tables = [self._table(speed, float(low + 0.5 * span * (1.0 + x))) for x in nodes]
+            at_nodes = np.array([table.at(lag) for table in tables])
+            series = np.linalg.solve(chebyshev.chebvander(nodes, count - 1), at_nodes)
+            last = np.abs(series[int((1.0 - LAST_PART) * count) :])
+            left_out = MARGIN * float(last.sum(axis=0).max())
+            if left_out <= INTERPOLATED:
+                break
+        held = chebyshev.chebval(2.0 * (stretch - low) / span - 1.0, series, tensor=False)
+        return held.clip(0.0, 1.0), max(table.error for table in tables) + left_out
 
     def _table(self, speed: float, stretch: float) -> TimedSurvival:
         """Survival over the time of contacts born at this stretch on a slider that keeps this speed."""
