@@ -96,3 +96,19 @@ def test_a_turn_after_steady_sliding_is_that_of_any_place():
     assert near.success and far.success
     # X_T is known to 1e-10 there
     assert np.abs(near.force - far.force).max() <= near.force_error + far.force_error + 1e-9
+
+
+@pytest.mark.parametrize("delay", [3.0, 10.0])
+def test_a_delay_on_a_soft_spring_puts_off_the_next_slip_by_itself(delay):
+    """Few contacts come back before the others, hold the spring for a moment and slip, which no list of slips tells."""
+    spring, contacts = 1e-6, origins.Contacts(WIDE, delay=origins.Delay(delay))
+    before, static = first_slip(spring)
+    path = np.linspace(0.0, 2.5 * static / spring, 11)
+    found = master.solve(contacts, path, 1e-4, spring=spring, slip="reform-after")
+    slips, far = found.slips, found.slips.drive_error
+    assert found.success and slips.drive.size == 2
+    # all begin again a delay after the slip, but for those that broke just before it
+    assert abs(slips.drive[1] - 2.0 * slips.drive[0] - delay) <= 3.0 * far
+    # the breaks of the last delay, whose force is of the order of K v times the delay, are out as the slip begins
+    assert abs(slips.drive[0] - before - static / spring) <= far + 4.0 * delay
+    assert found.regime.verdict == "stick-slip"

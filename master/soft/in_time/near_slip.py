@@ -7,6 +7,8 @@ from master.soft.in_time.slider import Slider
 # A slip is undecided where it is foreseen within this many times the change of X from the last halving: its load
 # differs from that at the end by half of the slope of K X_T there times the way to it.
 NEAR = 2.0
+# Rounding of a delay, as a part of it.
+AT_ONCE = 1e-9
 
 
 def slip_undecided(sliders: list[Slider]) -> bool:
@@ -24,11 +26,16 @@ def slip_undecided(sliders: list[Slider]) -> bool:
 
 
 def _way_since_slip(slider: Slider, end: float) -> float:
-    """X at a time, relative to where the last slip before it ended (a length)."""
-    slips = {float(time) for time, *_ in slider.slips}
+    """X at a time, relative to where the last slip before it ended, or where what broke in it formed again (a length):
+    few contacts hold in between, and where the slider stood then does not matter."""
     until = [section for section in slider.sections if section[0].time < end]
-    begins = [section[0].position for section in until if section[0].time in slips]
-    return until[-1][-1].position - begins[-1] if begins else until[-1][-1].position
+    slipped = [time for time, *_ in slider.slips if time <= until[-1][0].time]
+    if not slipped:
+        return until[-1][-1].position
+    after = [section for section in until if section[0].time >= slipped[-1]]
+    delay = slider.contacts.delay * (1.0 - AT_ONCE)
+    again = [section for section in after if section[0].time >= slipped[-1] + delay]
+    return until[-1][-1].position - (again or after)[0][0].position
 
 
 def _to_slip(slider: Slider, end: float) -> float:

@@ -39,6 +39,8 @@ SAFETY, SAFETY_OF_AGEING = 3.0, 1.0
 INSTANTS = 65
 # A drive that begins this near the balance, in mean thresholds, begins there: the difference is rounding.
 AT_BALANCE = 1e-12
+# Slips in which F changes by less than this part of the tolerance are not listed.
+UNLISTED = 1.0 / 3.0
 # Rounding of the force in one step, in mean thresholds.
 ROUNDING = 1e-13
 # The next halving takes twice the steps, each of which has twice the groups; and errors below this many times that of
@@ -89,7 +91,7 @@ def refined(
     while True:
         memory = memory_of(contacts, halvings, fastest)
         cohorts = Cohorts(contacts, memory, halvings, until)
-        slider = Slider(cohorts, drive, motion)
+        slider = Slider(cohorts, drive, motion, UNLISTED * tolerance * contacts.mean_threshold)
         try:
             slider.run()
         except StoppedError as why:

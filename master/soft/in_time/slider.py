@@ -30,10 +30,15 @@ class Slider:
 
     motion : of the drive; None where it does not move
     sections : nodes of each smooth section
+    least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F: after a slip the
+        few contacts that come back first hold a soft spring for a moment and slip, as often as steps happen to fall
     slips : time, K X_T, F before and after (lengths) of each slip
     """
 
-    def __init__(self, contacts: Cohorts, drive: Drive, motion: Motion | None) -> None:
+    def __init__(
+        self, contacts: Cohorts, drive: Drive, motion: Motion | None, least_drop: float
+    ) -> None:
+        self._least_drop = least_drop
         self.contacts, self._rule, self._spring = contacts, drive.slip, float(drive.spring or 0.0)
         self.motion, self._size = motion, 0.5**contacts.halvings  # of a step
         self.sections, self.slips = list[list[Node]](), list[Array]()
@@ -86,4 +91,9 @@ class Slider:
             slip_without_births(contacts, self._steps)
         else:
             slip_with_births(contacts, self._steps, self._size)
-        self.slips.append(np.array([contacts.now, self._spring * drive, force, contacts.force]))
+        drop = abs(force - contacts.force)
+        if drop < self._least_drop:
+            contacts.unresolved = max(contacts.unresolved, drop)
+        else:
+            slip = [contacts.now, self._spring * drive, force, contacts.force]
+            self.slips.append(np.array(slip))
