@@ -153,11 +153,24 @@ class CoupledResult(EnsembleResult):
 
 @dataclass(frozen=True)
 class HeavySlips(CoupledSlips):
-    """Slips of a slider with mass, each from a maximum of the spring's force to the next minimum; arrays of shape (m,).
+    """Slips of a slider with mass; arrays of shape (m,).
+
+    A slip is the fall of the spring's force that ends a stick: it begins as the slider becomes faster than the drive,
+    at a maximum of the force, and ends as it is as slow again, at the next minimum. The slider *sticks* where the
+    spring's force rises by 0.02 mean thresholds while contacts hold the slider within two mean thresholds, and fewer of
+    them than in a slip break. From where
+    it last stuck to the end of the fall contacts break at least `slip_fraction` N times, and the slider gets 1.5 times
+    as fast as the drive.
+
+    So contacts count that break while a heavy slider still gathers speed, and falls that follow before the slider
+    sticks again, as when it swings back, belong to the same slip. In smooth sliding, where the speed only varies, it
+    does not stick. Neither does it by this measure where the force rises by less than 0.02 mean thresholds between two
+    slips; beside the chance variations of few contacts, some 0.3 N^(-1/2), slips as small could not be told.
 
     Fields as in CoupledSlips, `drive`, X_T, as the slip begins, `force_before` and `force_after` of the spring, and
 
-    duration : times. top_speed : largest speed of the slider, lengths per time.
+    breaks : from where the slider last stuck to the end of the fall. duration : of the fall, times.
+    top_speed : largest speed of the slider in it, lengths per time.
     """
 
     duration: Array
@@ -168,27 +181,37 @@ class HeavySlips(CoupledSlips):
 
 @dataclass(frozen=True)
 class Energy:
-    """Energies of each replica over the whole path, per N_c <k> (lengths squared), arrays of shape (replicas,).
+    """Energies of each replica at the path's points, per N_c <k> (lengths squared), arrays of shape (replicas, n).
 
-    work : of the drive. spring, contacts, kinetic : gained by the spring, the contacts that hold and the slider's
-    motion. damped : by the slider's damping. released : by contacts as they break.
+        drive + start = spring + contacts + kinetic + damped + released
+
+    drive : its work since t = 0. spring, contacts, kinetic : stored in the spring, in the contacts that hold and in the
+    slider's motion. damped, released : taken since t = 0 by the slider's damping, and by contacts as they break.
+    start : stored at t = 0 by spring and contacts, shape (replicas,).
     """
 
-    work: Array
+    drive: Array
     spring: Array
     contacts: Array
     kinetic: Array
     damped: Array
     released: Array
+    start: Array
 
     __repr__ = brief
 
     @property
+    def work(self) -> Array:
+        """Of the drive over the whole path, shape (replicas,)."""
+        return self.drive[:, -1]
+
+    @property
     def imbalance(self) -> Array:
-        """What is missing of the work, as a share of it (of all energies, where the drive did none)."""
+        """What is missing of the work at each point, as a share of it, or of the largest part of the energy where that
+        is more, shape (replicas, n)."""
         parts = [self.spring, self.contacts, self.kinetic, self.damped, self.released]
-        whole = np.maximum(np.abs(self.work), np.abs(parts).max(axis=0))
-        missing = self.work - np.sum(parts, axis=0)
+        whole = np.maximum(np.abs(self.drive), np.abs(parts).max(axis=0))
+        missing = (self.drive + self.start[:, None]) - np.sum(parts, axis=0)
         return np.divide(missing, whole, out=np.zeros_like(whole), where=whole > 0.0)
 
 
@@ -200,9 +223,9 @@ class HeavyResult(CoupledResult):
     contact_force, contact_force_standard_error : F/(N_c <k>), mean over the replicas, shape (n,), lengths.
     velocity, velocity_standard_error : of the slider, mean over the replicas, shape (n,), lengths per time.
     contact_forces, velocities : of each replica, shape (replicas, n).
-    slips : falls of the spring's force, while the slider is faster than the drive, in which contacts broke at least
-        `slip_fraction` of a replica's number of times; avalanches : numbers of falls with fewer breaks, by size.
-    energy : by parts, over the whole path.
+    slips : from one stick to the next, see HeavySlips; avalanches : numbers of other falls of the spring's force, while
+        the slider is faster than the drive, in which contacts broke, by size as in CoupledResult.
+    energy : by parts, at the path's points.
     """
 
     contact_force: Array

@@ -3,6 +3,7 @@ event at a time; the motion between events is a sum of two exponentials, looked 
 
 from __future__ import annotations
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -41,11 +42,13 @@ class PlainSlider:
         self.returns, self.breaks = list[float](), 0
         self.form(n, start=True)
         balance = self.k @ -self.zero / n / drive.spring
-        self.places = np.append(balance, drive.path)
+        self.places, self.top = np.append(balance, drive.path), 0.0
         self.clock = np.append(0.0, np.cumsum(np.abs(np.diff(self.places))) / drive.velocity)
         if drive.time is not None:
             self.clock = np.append(0.0, drive.time)
-        self.slips, self.broken, self.begun = list[list[float]](), 0, None
+        self.slips, self.begun, self.broken = list[list[float]](), None, 0
+        self.seen = 0  # breaks but for those at the present place
+        self.stuck, self.loose, self.rest = True, 0, (self.x, self.spring_force(self.x, 0.0), 0)
 
     def form(self, number: int, start: bool = False) -> None:
         """So many contacts form at X."""
@@ -87,35 +90,71 @@ class PlainSlider:
             return speed(t) - velocity
 
         signs = excess(times) > 0.0
-        for i in np.flatnonzero(signs[1:] != signs[:-1]):
-            at = brentq(excess, times[i], times[i + 1], xtol=1e-15)
-            self.turn(at, way(at), bool(signs[i + 1]))
+        edges = [0, *(np.flatnonzero(signs[1:] != signs[:-1]) + 1), times.size]
+        for first, last in itertools.pairwise(edges):
+            if not signs[first]:
+                continue
+            top, ends = speed(times[first:last]).max(), last < times.size
+            if first > 0 and ends and not self.slips_at(top, velocity):
+                continue  # falls between two events, as a slider that sticks rings
+            for i, falls, there in ((first, True, first > 0), (last, False, ends)):
+                if not there:
+                    continue
+                at = brentq(excess, times[i - 1], times[i], xtol=1e-15)
+                self.top = top if falls else max(self.top, top)
+                self.turn(at, way(at), falls, velocity)
+            self.top = max(self.top, top)
 
-    def turn(self, after: float, way: float, falls: bool) -> None:
+    def slips_at(self, top: float, velocity: float) -> bool:
+        """Whether a fall that ends now, with this top speed, is a slip."""
+        return self.stuck and self.loose >= self.fraction * self.n and top >= 1.5 * velocity
+
+    def turn(self, after: float, way: float, falls: bool, velocity: float) -> None:
         """From so much later, and so far ahead, the spring's force falls, or rises again."""
         x, now = self.x + way, self.t + after
         force = self.spring_force(x, now)
         if falls:
             self.begun, self.broken = (now, x, force), 0
-        elif self.begun is not None:
-            t, before, high = self.begun
-            if self.broken >= self.fraction * self.n:
-                drive = np.interp(t, self.clock, self.places)
-                self.slips.append([drive, before, x, high, force, self.broken, now - t])
-            self.begun = None
+            return
+        if self.begun is None:
+            return
+        t, before, high = self.begun
+        slips = self.slips_at(self.top, velocity)
+        if slips:
+            drive = np.interp(t, self.clock, self.places)
+            self.slips.append([drive, before, x, high, force, self.loose, now - t])
+            self.stuck = False
+        if slips or self.broken:
+            self.rest = x, force, self.seen
+        self.begun, self.top = None, 0.0
+
+    def watch(self) -> None:
+        """Whether the slider sticks: contacts hold it in a narrow room, and few break, as the spring's force rises."""
+        x, force, breaks = self.rest
+        now, mean = self.spring_force(self.x, self.t), self.contacts.mean_threshold
+        if self.zero.size == 0 or abs(self.x - x) > 2.0 * mean:
+            self.rest = self.x, now, self.seen
+        elif now - force >= 0.02 * mean:
+            if self.seen - breaks < self.fraction * self.n:
+                self.stuck, self.loose = True, self.breaks - self.seen
+            self.rest = self.x, now, self.seen
 
     def follow(self) -> Followed:
         """To the end of the path."""
         told, delay = list[list[float]](), self.contacts.delay
         for end, velocity in zip(self.clock[1:], self.speeds(), strict=True):
             if (self.begun is None) == (self.v > velocity):  # the drive's speed changes
-                self.turn(0.0, 0.0, self.v > velocity)
+                self.turn(0.0, 0.0, self.v > velocity, velocity)
             while True:
                 way, speed, fastest = self.motion(velocity)
                 due = min(end, self.returns[0] if self.returns else np.inf) - self.t
                 places = np.stack([self.zero + self.threshold, self.threshold - self.zero])
                 ahead = min(places[0], default=np.inf) - self.x
                 behind = min(places[1], default=np.inf) + self.x
+                if ahead > 0.0 and behind > 0.0:
+                    if self.begun is None:
+                        self.watch()
+                    self.seen = self.breaks
                 times = np.linspace(0.0, due, 200 + int(150.0 * fastest * due))
                 ways = way(times)
                 passed = np.flatnonzero((ways >= ahead) | (ways <= -behind))
@@ -135,7 +174,8 @@ class PlainSlider:
                     self.x = self.zero[first] + broke * self.threshold[first]
                     for name in ("zero", "threshold", "k"):
                         setattr(self, name, np.delete(getattr(self, name), first))
-                    self.breaks, self.broken = self.breaks + 1, self.broken + 1
+                    self.breaks, self.loose = self.breaks + 1, self.loose + 1
+                    self.broken += 1
                     if delay is None:
                         self.form(1)
                     else:

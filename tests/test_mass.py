@@ -1,5 +1,7 @@
 """Contacts on a soft slider with mass: against plain Python and scipy's integrator, exact motions and limits."""
 
+import itertools
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -97,14 +99,25 @@ def test_without_breaks_it_is_an_oscillator(mass, damping):
 
 
 def test_identical_contacts_are_pieces_of_oscillators():
-    """All break at once, one threshold behind or ahead of where they formed: undamped, by hand, over three slips."""
+    """All break at once, one threshold behind or ahead of where they formed: undamped, by hand, over three slips.
+
+    The slider sticks where the spring's force rises by 0.02 within a way of 2.
+    """
     spring, mass, path = 0.5, 0.2, [30.0]
     found = pulled(origins.Contacts(origins.identical(1.0)), path, spring, mass)
     own, drift = ((spring + 1.0) / mass) ** 0.5, spring / (spring + 1.0)
     t, birth, v = 0.0, 0.0, 0.0
-    falls, begun, breaks = [], None, 0
-    x = birth
-    while len(falls) < 3:
+    falls, begun, breaks, broken, rebounds = [], None, 0, 0, 0
+    stuck, rest, x = True, (0.0, 0.0, 0), birth
+    pieces = 0  # in each, all contacts break at once: a stick is within one
+    while len(falls) < 3 and t < 30.0:
+        if begun is None:
+            if abs(x - rest[0]) > 2.0:
+                rest = x, spring * (t - x), pieces - 1
+            elif spring * (t - x) - rest[1] >= 0.02:
+                if pieces - 1 == rest[2]:  # before all contacts broke here
+                    stuck, breaks = True, 100
+                rest = x, spring * (t - x), pieces - 1
         # about where forces balance, which moves with the drift
         u, du = x - (spring * t + birth) / (spring + 1.0), v - drift
 
@@ -125,14 +138,19 @@ def test_identical_contacts_are_pieces_of_oscillators():
             at = brentq(lambda s: speed(s) - 1.0, times[j], times[j + 1])
             force = spring * (t + at - x - moved(at))
             if fast[j + 1]:
-                begun, breaks = (t + at, x + moved(at), force), 0
-            elif breaks:
+                begun, broken = (t + at, x + moved(at), force), 0
+                continue
+            if stuck and breaks:
                 falls.append(
                     [*begun[:2], x + moved(at), begun[2], force, breaks, t + at - begun[0]]
                 )
+            rebounds += bool(not stuck and broken)
+            if broken or (stuck and breaks):
+                rest, stuck = (x + moved(at), force, pieces), stuck and not breaks
+            begun = None
         t, x, v, birth = t + end, birth + side, speed(end), birth + side
-        breaks += 100
-    assert np.abs(slips_of(found)[:3] - falls[:3]).max() < 1e-9
+        breaks, broken, pieces = breaks + 100, broken + 100, pieces + 1
+    assert np.abs(slips_of(found)[:3] - falls[:3]).max() < 1e-9 and rebounds > 0
 
 
 @pytest.mark.parametrize("rule, delay", [("instant", None), ("reform-after", origins.Delay(0.5))])
@@ -187,7 +205,7 @@ def test_replicas_are_the_same_one_by_one_on_threads_and_from_where_another_run_
         for name in ("forces", "positions", "velocities", "force_standard_error", "breaks"):
             assert np.all(getattr(other, name) == getattr(whole, name))
         assert (slips_of(other) == slips_of(whole)).all()
-        assert (other.energy.work == whole.energy.work).all()
+        assert (other.energy.drive == whole.energy.drive).all()
     assert len(whole.velocity_standard_error) == 31 and whole.velocities.shape == (5, 31)
 
 
@@ -223,8 +241,90 @@ def test_energies_and_falls_of_light_sliders_beyond_critical_damping():
     """Where one contact returns while the slider is fast, and where the slider hardly moves against its damping."""
     one = origins.Contacts(origins.gaussian(1.0, 0.3), delay=origins.Delay(5e-6))
     found = pulled(one, [6000.0], 3e-4, 8e-12, n=1, damping=2.8e-5, velocity=400.0)
-    assert (found.slips.drop > 0.0).all() and found.slips.drop.size > 5
-    assert (found.slips.duration < 0.02).all()
+    assert (found.slips.drop > 0.0).all() and found.slips.drop.size == 1
+    assert (found.slips.duration < 0.02).all() and found.avalanches.sum() > 5
     slow = pulled(CONTACTS["exponential"], [2.7], 0.16, 6e-7, damping=700.0, velocity=600.0)
     for result in (found, slow):
         assert np.abs(result.energy.imbalance).max() < 1e-10
+
+
+def test_contacts_that_break_before_the_slider_is_as_fast_as_its_drive_belong_to_its_slip():
+    """Identical thresholds and a delay beyond the path's time, in closed form.
+
+    The slider rests at first: up to the break it moves by w t - (w/s) sin(s t), w = K v/S, s² = S/M. Then no contact
+    holds, and it swings freely about the drive.
+    """
+    spring, mass, velocity, delay = 1e-2, 1.0, 50.0, origins.Delay(1e4)
+    contacts = origins.Contacts(origins.identical(1.0), delay=delay)
+    slips = pulled(contacts, [4000.0], spring, mass, velocity=velocity).slips
+    drift, own = spring * velocity / (spring + 1.0), ((spring + 1.0) / mass) ** 0.5
+    broken = brentq(lambda t: drift * t - drift / own * np.sin(own * t) - 1.0, 1e-3, 10.0)
+    assert drift * (1.0 - np.cos(own * broken)) < 0.02 * velocity
+    behind, free = velocity * broken - 1.0, (spring / mass) ** 0.5
+    slower = velocity - drift * (1.0 - np.cos(own * broken))
+    furthest = np.hypot(behind, slower / free)
+    begin = broken + np.arctan2(slower / free, behind) / free
+    assert slips.drive.size == 1 and slips.breaks[0] == 100
+    found = [getattr(slips, name)[0] for name in ("drive", "drop", "duration", "top_speed")]
+    exact = [velocity * begin, 2.0 * spring * furthest, np.pi / free, velocity + free * furthest]
+    np.testing.assert_allclose(found, exact, rtol=1e-7)
+
+
+def test_rebounds_belong_to_the_slip_and_smooth_sliding_has_none():
+    """Undamped, with a delay below a slip's time of 99, the slider swings to and fro, and contacts never hold it."""
+    swings = origins.Contacts(NARROW, delay=origins.Delay(63.0))
+    found = pulled(swings, np.linspace(0.0, 2e4, 2001), 1e-3, 1.0, n=1000)
+    assert found.slips.drive.size == 1 and found.avalanches[0, 8:].sum() > 60
+    after = found.path > found.slips.drive[0] + 100.0
+    assert np.abs(found.velocity[after]).mean() > 5.0 and found.velocity[after].min() < -10.0
+    # a longer delay than a slip: each slip is followed by a stick in which the drive moves on
+    path = np.linspace(0.0, 2000.0, 4001)
+    sticks = origins.Contacts(NARROW, delay=origins.Delay(50.0))
+    found = pulled(sticks, path, 1e-2, 1.0, damping=0.02, n=1000)
+    between = np.searchsorted(path, found.slips.drive)
+    assert between.size > 8 and np.abs(np.diff(found.slips.drive[2:]) - 194.0).max() < 3.0
+    for first, last in itertools.pairwise(between):
+        assert np.abs(found.velocity[first:last]).min() < 0.1
+    # so heavily damped that it creeps, with falls of the spring's force by chance
+    smooth = pulled(CONTACTS["narrow"], [400.0], 1e-2, 1e-4, n=1000, damping=1.0)
+    assert smooth.slips.drive.size == 0 and smooth.avalanches[0, 5:].sum() > 100
+
+
+def test_a_light_slider_that_rings_five_billion_times_costs_nothing():
+    """Undamped: before the slip at X = 1 in closed form, then breaks of the slip, then ringing on all contacts."""
+    spring, mass, velocity = 1.25e-3, 1.05e-10, 2.3e-3
+    contacts, path = origins.Contacts(origins.identical(1.0)), [700.0, 805.0, 1590.0]
+    found = pulled(contacts, path, spring, mass, n=18, velocity=velocity)
+    # without inertia the slider is at X_T K/(K + 1)
+    assert found.position[0] == pytest.approx(700.0 * spring / (spring + 1.0), rel=1e-8)
+    assert found.slips.before[0] == pytest.approx(1.0, abs=1e-6)
+    assert found.slips.drive[0] == pytest.approx(1.0 + 1.0 / spring, rel=1e-6)
+    assert found.slips.force_before[0] == pytest.approx(1.0, abs=1e-6)
+    assert 18 * 700 < found.breaks < 18 * 1700
+    assert np.abs(found.energy.imbalance).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "law, spring, mass, damping, velocity, delay, path",
+    [
+        # a drive so fast that the slider has hardly moved: powers of a small time
+        ("narrow", 19.3, 6741.0, 0.0, 9024.0, None, [1.0, 7.7]),
+        ("narrow", 19.3, 6741.0, 34.5, 9024.0, 40.0, [1.0, 7.7]),
+        # a damping so large that it has hardly relaxed
+        ("narrow", 1.1, 923.0, 6.5e5, 518.0, None, [1.0, 3.6]),
+        # light and undamped: 1e5 oscillations between two returns, and breaks where it turns
+        ("narrow", 3e-3, 2.7e-9, 0.0, 0.008, 1.58, [1.0, 1000.0]),
+        ("exponential", 2.5e-3, 4.2e-9, 0.0, 1e-3, 0.15, [1.0, 1000.0]),
+        # near critical damping, on both sides of it
+        ("narrow", 0.3, 0.01, 2.0 * 0.013**0.5 * (1.0 + 1e-5), 1.0, None, [1.0, 9.0]),
+        ("delayed", 0.3, 0.01, 2.0 * 0.013**0.5 * (1.0 - 1e-5), 1.0, None, [1.0, 9.0]),
+    ],
+)
+def test_energy_is_kept_in_the_corners(law, spring, mass, damping, velocity, delay, path):
+    """To 1e-10 of the work of the drive at each point of the path."""
+    contacts = CONTACTS[law]
+    if delay is not None:
+        contacts = origins.Contacts(contacts.thresholds, delay=origins.Delay(delay))
+    found = pulled(contacts, path, spring, mass, n=10, damping=damping, velocity=velocity)
+    assert found.energy.drive.shape == (1, 2) and (found.energy.drive > 0.0).all()
+    assert np.abs(found.energy.imbalance).max() < 1e-10

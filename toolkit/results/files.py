@@ -35,8 +35,8 @@ _LENGTHS = """path position force force_standard_error step_error position_stand
 stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after
 contact_force contact_force_standard_error contact_forces"""
 # of a slider with mass: what the drive's work became
-_PARTS = ("work", "spring", "contacts", "kinetic", "damped", "released")
-_ENERGIES = tuple(f"energy_{part}" for part in ("drive", *_PARTS))
+_PARTS = ("drive", "spring", "contacts", "kinetic", "damped", "released")
+_ENERGIES = tuple(f"energy_{part}" for part in (*_PARTS, "start"))
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -107,8 +107,7 @@ def summary(result: Result) -> dict[str, Any]:
             own["slips"] = eq.slips.number.size
             own["slips_beside"] = slips_beside(result)
             if is_heavy(eq):
-                means = {name: getattr(eq.energy, name).mean() for name in _PARTS}
-                own["energy"] = {name: float(value) for name, value in means.items()}
+                own["energy"] = _gained(eq.energy)
                 own["energy_imbalance"] = float(np.abs(eq.energy.imbalance).max())
                 if own["slips"]:
                     own["mean_slip_duration"] = float(eq.slips.duration.mean())
@@ -124,6 +123,12 @@ def summary(result: Result) -> dict[str, Any]:
     if result.interface is not None:
         content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
     return content | {"notes": list(result.notes)}
+
+
+def _gained(energy: Any) -> dict[str, float]:
+    """What the drive's work over the whole path became, means over the replicas."""
+    means = {name: float(getattr(energy, name)[:, -1].mean()) for name in _PARTS}
+    return {"work": means.pop("drive"), "start": float(energy.start.mean())} | means
 
 
 def _flat(answer: Any) -> dict[str, Any]:
@@ -273,7 +278,9 @@ def _read_eq(group: Any) -> Any:
     from eq_model import CoupledResult, CoupledSlips, EnsembleResult
     from eq_model.result import Histogram
 
-    if "energy_work" in group:  # a slider with mass
+    if "energy_work" in group:
+        raise InputError("folder: its energies are those of an older build; run the scene again")
+    if "energy_drive" in group:  # a slider with mass
         slips = _read(group, eq_model.HeavySlips, "slip_")
         energy = _read(group, eq_model.Energy, "energy_")
         return _read(group, eq_model.HeavyResult, slips=slips, energy=energy)

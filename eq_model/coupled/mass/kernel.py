@@ -3,7 +3,7 @@
 import numpy as np
 
 from eq_model.compiling import bare, entry, inlined, unsigned
-from eq_model.coupled.mass.motion import first_passage
+from eq_model.coupled.mass.motion import first_passage, first_top
 from eq_model.coupled.mass.moves import MOVED, motion_of, quick_move, slow_move
 from eq_model.coupled.mass.nearest import (
     FAR,
@@ -18,11 +18,14 @@ from eq_model.coupled.mass.nearest import (
 )
 from eq_model.coupled.mass.state import (
     CONTACT_FORCE,
+    ENERGIES,
+    FASTER,
     FORCE,
     HELD,
     POSITION,
     RELEASED,
     SPEED,
+    STORED,
     add,
     begin_fall,
     contact_force,
@@ -30,6 +33,8 @@ from eq_model.coupled.mass.state import (
     go_to,
     speed_limit,
     spring_force,
+    stored,
+    watch,
 )
 from eq_model.draws.supply import take
 
@@ -47,6 +52,8 @@ def _form(s, contacts, i, supply, mean, pull):  # type: ignore[no-untyped-def]
     s.force += k * np.float64(r)
     set_place(contacts.ahead, i, s.at - r + x)
     set_place(contacts.behind, i, x - s.at + r)
+    stretch = np.float64(r)
+    add(pull.energy, STORED, 0.5 * k * stretch * stretch)
     # formed at a whole position beside the slider, it stores this much
     add(pull.energy, RELEASED, -0.5 * k * s.off * s.off)
 
@@ -55,6 +62,7 @@ def _form(s, contacts, i, supply, mean, pull):  # type: ignore[no-untyped-def]
 def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
     """All contacts form at X = 0, where the slider rests."""
     s = slider[0]
+    s.stuck = True
     for i in range(np.int64(pull.n)):
         _form(s, contacts, i, supply, pull.mean, pull)
 
@@ -66,20 +74,24 @@ def _break(s, contacts, side, supply, pull):  # type: ignore[no-untyped-def]
         if contacts.ahead.at[NEXT] >= contacts.ahead.at[FETCHED]:
             fetch(contacts.ahead, contacts.behind)
         i = contacts.ahead.at[WHO]
-        go_to(s, contacts.ahead.places[i])
+        go_to(s, pull, contacts.ahead.places[i])
     else:
         i = contacts.behind.at[WHO]
-        go_to(s, -contacts.behind.places[i])
+        go_to(s, pull, -contacts.behind.places[i])
     x = 0.5 * np.float64(contacts.ahead.places[i] + contacts.behind.places[i])
     k = x / pull.mean if pull.mean > 0.0 else 1.0
     s.force -= side * k * x
     s.stiffness -= k
     s.held -= 1
+    released = 0.5 * k * x * x
+    add(pull.energy, RELEASED, released)
+    add(pull.energy, STORED, -released)
     if s.held == 0:  # nothing is left of what rounding has added up
         s.force, s.stiffness = 0.0, 0.0
+        pull.energy[STORED] = 0.0
     s.breaks += 1
     s.broken += 1
-    add(pull.energy, RELEASED, 0.5 * k * x * x)
+    s.loose += 1
     if pull.wait < 0.0:
         _form(s, contacts, i, supply, pull.mean, pull)
         return
@@ -111,6 +123,9 @@ def _end_leg(s, pull):  # type: ignore[no-untyped-def]
     out[POSITION, k], out[HELD, k] = np.float64(s.at) + s.off, s.held
     out[FORCE, k], out[CONTACT_FORCE, k] = spring_force(s, pull), contact_force(s, pull)
     out[SPEED, k] = s.speed
+    for part in range(STORED):
+        out[ENERGIES + part, k] = pull.energy[part, 0]
+    out[ENERGIES + STORED, k] = stored(s, pull)
     slipped = False
     s.leg, s.elapsed = k + 1, 0.0
     if s.leg < pull.lasts.size:
@@ -137,7 +152,11 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
         side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
         if side == 0:
             stiffness = pull.spring + s.stiffness * each
-            net = spring_force(s, pull) - contact_force(s, pull)
+            pulled = spring_force(s, pull)
+            net = pulled - contact_force(s, pull)
+            if not s.falling:
+                watch(s, pull, pulled)
+            s.seen = s.breaks
             if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
             if side == MOVED:
@@ -145,6 +164,12 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             elif side == 0:
                 motion = motion_of(s, pull, net, stiffness)
                 t, side = first_passage(motion, ahead, behind, most)
+                if not s.falling and s.stuck and s.loose >= pull.slip:
+                    # contacts broke before the slider was as fast as the drive: its next fall is the slip
+                    early, top = first_top(motion)
+                    limit = speed_limit(pull.speeds[unsigned(s.leg)])
+                    if early < t and top > FASTER * limit:
+                        t, side, most = early, 0, early
                 if side == 0 or (known if side > 0 else known_behind):
                     way = ahead if side > 0 else -behind
                     slipped = slow_move(s, pull, motion, t, side, way)

@@ -19,11 +19,10 @@ import numpy as np
 
 from eq_model.compiling import bare, inlined
 
-# where an extreme of the speed is nearer than this (radians of the oscillation), the next one is taken: the
-# first one is that at which the search stands, found anew with another rounding
-NEAR = 1e-7
+# where an extreme of the speed is nearer than this (radians of the oscillation, and radians for each radian since the
+# last event), the next one is taken: the first one is that at which the search stands, found anew with another rounding
+NEAR, NEAR_SHARE = 1e-7, 1e-15
 SLOW = 1e-9  # a share of the largest excess of speed, far below what anyone measures
-CRITICAL = 1e-3  # (ω/s)² or (σ/s)² below which sums of two exponentials lose too many digits
 
 
 class Motion(NamedTuple):
@@ -83,17 +82,18 @@ def acceleration(m, u, change):  # type: ignore[no-untyped-def]
 
 
 @bare
-def next_extreme(m, u, change):  # type: ignore[no-untyped-def]
-    """Time from a place with these u and u' until the speed has its next extreme; inf if it has none."""
+def next_extreme(m, t, u, change):  # type: ignore[no-untyped-def]
+    """Time from a place at t, with these u and u', until the speed has its next extreme; inf if it has none."""
+    near = NEAR + NEAR_SHARE * m.own * t
     # u'' = a and its derivative j; u'' is proportional to a C(t) + j D(t), too
     a = acceleration(m, u, change)
     j = -m.own * m.own * change - 2.0 * m.decay * a + m.decay * a
     if m.rings:
         angle = np.arctan2(a, -j / m.beat)
         angle += np.pi if angle <= 0.0 else 0.0
-        return (angle + np.pi if angle < NEAR else angle) / m.beat
+        return (angle + np.pi if angle < near else angle) / m.beat
     ratio = -a / j if j != 0.0 else -1.0
-    if ratio <= 0.0 or m.beat * ratio >= 1.0:
+    if ratio * m.own < near or m.beat * ratio >= 1.0:
         return np.inf
     return ratio if m.beat == 0.0 else np.arctanh(m.beat * ratio) / m.beat
 
@@ -133,6 +133,23 @@ def meets(m, is_speed, rises, level, low, high, guess):  # type: ignore[no-untyp
     return t
 
 
+@inlined
+def speed_at_break(m, there, off):  # type: ignore[no-untyped-def]
+    """The speed at a break that lies so far ahead of where the slider is `there`, at the time of the break as found.
+
+    A time of 1e8 oscillations has eight digits of their phase: the place is known better, and the energy of the motion
+    there, u'² + s² u², is that of the motion here, but for what damping takes on the way in between.
+    """
+    more = (
+        off * there.change / there.speed if there.speed != 0.0 else off
+    )  # of u; the rest is drift
+    if not abs(more) <= abs(off):
+        more = off
+    kept = there.change * there.change - m.own * m.own * more * (2.0 * there.u + more)
+    kept -= 4.0 * m.decay * there.change * more
+    return m.drift + np.copysign(np.sqrt(max(kept, 0.0)), there.change)
+
+
 @bare
 def _safe_until(m, t, here, ahead, behind):  # type: ignore[no-untyped-def]
     """A time until which the slider reaches neither position, as |u| <= (u² + u'²/s²)^(1/2), which never grows; t
@@ -166,7 +183,7 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
             t, here = safe, place_at(m, safe)
             if t == most:
                 break
-        end = min(t + next_extreme(m, here.u, here.change), most)
+        end = min(t + next_extreme(m, t, here.u, here.change), most)
         there = place_at(m, end)
         turn, middle = end, there.way
         if here.speed * there.speed < 0.0:
@@ -187,6 +204,21 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
 
 
 @bare
+def first_top(m):  # type: ignore[no-untyped-def]
+    """When the speed has its first maximum, the largest one, and how fast the slider is then; inf if it has none."""
+    t, here = 0.0, begin_of(m)
+    for _ in range(2):
+        rises = acceleration(m, here.u, here.change) > 0.0
+        t += next_extreme(m, t, here.u, here.change)
+        if not t < np.inf:
+            break
+        here = place_at(m, t)
+        if rises:
+            return t, here.speed
+    return np.inf, here.speed
+
+
+@bare
 def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
     """When a slider faster than `speed` (and the drift not) first is as slow, at most `most`, and its top speed then,
     if it was `top` before.
@@ -198,7 +230,7 @@ def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
     top = max(top, here.speed)
     comes_close = not m.rings and m.drift >= (1.0 - 1e-12) * speed
     while t < most:
-        end = min(t + next_extreme(m, here.u, here.change), most)
+        end = min(t + next_extreme(m, t, here.u, here.change), most)
         there = place_at(m, end)
         top = max(top, there.speed)
         level = speed + (SLOW * (top - speed) if comes_close else 0.0)
@@ -219,10 +251,10 @@ def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
     extreme = before = -1.0  # when the speed had its last two extremes
     if m.rings:
         half = np.pi / m.beat
-        extreme = end + next_extreme(m, here.u, here.change) - half
+        extreme = end + next_extreme(m, end, here.u, here.change) - half
         before = extreme - half
     else:
-        extreme = next_extreme(m, m.u, m.speed)
+        extreme = next_extreme(m, 0.0, m.u, m.speed)
         extreme = extreme if extreme < end else -1.0
     for k in range(2):
         begin = max(before if k else extreme, 0.0)
@@ -231,37 +263,3 @@ def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
             return meets(m, True, True, speed, begin, end, begin), top
         top, end = max(top, there.speed), begin
     return end, top
-
-
-@bare
-def squared_speed(m, t, there):  # type: ignore[no-untyped-def]
-    """The integral of the squared speed up to t, where the slider is `there`."""
-    steady = m.drift * (m.drift * t + 2.0 * there.gone)
-    if m.beat * m.beat < CRITICAL * m.own * m.own:  # from the energy that is lost
-        lost = m.speed * m.speed - there.change * there.change
-        lost += m.own * m.own * (m.u - there.u) * (m.u + there.u)
-        return steady + 0.5 * lost / (2.0 * m.decay)
-    b, a = m.decay, acceleration(m, m.u, m.speed)
-    if m.rings:
-        # u' = e^(-bt) (p cos ωt + q sin ωt)
-        p, q, w = m.speed, (a + b * m.speed) / m.beat, m.beat
-        fading, angle = np.exp(-2.0 * b * t), 2.0 * w * t
-        mean = -np.expm1(-2.0 * b * t) / (2.0 * b) if b > 0.0 else t
-        cosine = -2.0 * b * (fading * np.cos(angle) - 1.0) + 2.0 * w * fading * np.sin(angle)
-        sine = -2.0 * b * fading * np.sin(angle) - 2.0 * w * (fading * np.cos(angle) - 1.0)
-        norm = 4.0 * m.own * m.own
-        varying = 0.5 * (p - q) * (p + q) * cosine + p * q * sine
-        return steady + 0.5 * (p * p + q * q) * mean + varying / norm
-    # u' is a sum of two exponentials
-    slow, fast = -m.own / (b + m.beat) * m.own, -(b + m.beat)
-    p, q = (a - fast * m.speed) / (2.0 * m.beat), (slow * m.speed - a) / (2.0 * m.beat)
-    total = p * p * np.expm1(2.0 * slow * t) / (2.0 * slow)
-    total += q * q * np.expm1(2.0 * fast * t) / (2.0 * fast)
-    return steady + total - 2.0 * p * q * np.expm1(-2.0 * b * t) / (2.0 * b)
-
-
-@inlined
-def integral(m, t, there):  # type: ignore[no-untyped-def]
-    """The integral of the way up to t, where the slider is `there`; from the equation of motion of u."""
-    whole = -(there.change - m.speed + 2.0 * m.decay * there.gone) / (m.own * m.own)
-    return 0.5 * m.drift * t * t + whole - m.u * t

@@ -6,14 +6,13 @@ Short ones, as between two breaks of a slip, take the first terms of the way's p
 import numpy as np
 
 from eq_model.compiling import bare, inlined, unsigned
+from eq_model.coupled.mass.integrals import motion_integrals
 from eq_model.coupled.mass.motion import (
-    acceleration,
     first_slower,
-    integral,
     last_faster,
     make_motion,
     place_at,
-    squared_speed,
+    speed_at_break,
 )
 from eq_model.coupled.mass.state import (
     TOP_SPEED,
@@ -95,14 +94,12 @@ def slow_move(s, pull, motion, t, side, way):  # type: ignore[no-untyped-def]
     if side == 0:
         way = there.way
     else:
-        # a time of 1e8 oscillations has eight digits of their phase: the speed is that at the break's place
-        slope = acceleration(motion, there.u, there.change) * (way - there.way)
-        speed += slope / speed if abs(slope) < 1e-3 * speed * speed else 0.0
-    squares = squared_speed(motion, t, there) if pull.damping > 0.0 else 0.0
+        speed = speed_at_break(motion, there, way - there.way)
+    integral, squares = motion_integrals(motion, t, there)
     slipped, limit, slower = False, speed_limit(drive), np.inf
     if s.falling:
         slower, pull.fall[TOP_SPEED] = first_slower(motion, limit, t, pull.fall[TOP_SPEED])
-    pass_time(s, pull, t, way, speed, integral(motion, t, there), squares)
+    pass_time(s, pull, t, way, speed, integral, squares)
     if s.falling and slower < t:
         slipped = end_fall(s, pull, t - slower, way - place_at(motion, slower).way)
     if not s.falling and speed > limit:

@@ -136,19 +136,28 @@ def _remove_first(near):  # type: ignore[no-untyped-def]
 def look_through(near):  # type: ignore[no-untyped-def]
     """Look through all contacts, and sort those that are nearest."""
     at, n, width = near.at, near.places.size, near.at[WIDTH]
-    low = np.int64(FAR)
+    low, most = np.int64(FAR), near.heap.size * np.int64(2)
     for i in range(unsigned(n)):
         low = min(low, near.places[i])
     at[LOW], at[NEXT], at[LATER], at[KNOWN], at[FETCHED] = low, 0, 0, 1, 0
-    at[BOUND] = min(low + (np.int64(1) << width), np.int64(FAR))
-    passes, many = (width + 7) // 8, np.int64(0)
-    old, new = (near.spare, near.keys) if passes % 2 else (near.keys, near.spare)
-    for i in range(unsigned(n)):
-        place = near.places[i]
-        if place < at[BOUND]:
-            old[unsigned(many)] = (unsigned(place - low) << unsigned(NUMBER_BITS)) | i
-            many += 1
-    at[END] = many
+    many = most + 1
+    while (
+        many > most
+    ):  # arrays of keys take memory as they fill: at most so many, but where places are equal
+        many, passes = np.int64(0), (width + 7) // 8
+        at[BOUND] = min(low + (np.int64(1) << width), np.int64(FAR))
+        old, new = (near.spare, near.keys) if passes % 2 else (near.keys, near.spare)
+        for i in range(unsigned(n)):
+            place = near.places[i]
+            if place < at[BOUND]:
+                old[unsigned(many)] = (unsigned(place - low) << unsigned(NUMBER_BITS)) | i
+                many += 1
+                if many > most and width > 1:
+                    width -= 1
+                    break
+        else:
+            break
+    at[END], at[WIDTH] = many, width
     for d in range(passes):  # a digit of eight bits after the other, from the last one
         shift, begin = unsigned(NUMBER_BITS + 8 * d), np.int64(0)
         near.counts[:] = 0

@@ -15,6 +15,7 @@ MOST_BREAKS = 10**11  # of a replica: some two hours
 FURTHEST = 2.0**60  # of positions in whole units
 LONGEST = 1e13  # oscillations between two points of the path, after which a double has three digits of their phase
 CURVES = "position", "force", "holding", "velocity", "contact_force"
+ENERGIES = "drive", "damped", "released", "contacts", "spring", "kinetic"
 
 
 class HeavySliders:
@@ -91,9 +92,11 @@ class HeavySliders:
         """Fields of the result."""
         tables = state.rows, state.slips.reshape(-1, 10)
         rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in tables)
-        # a row: its replica's number, X_T = F(0)/K, energies; falls of the force by class; the curves at the points
-        numbers, falls, curves = np.split(rows, [8, 8 + SIZES], axis=1)
-        curves = curves.reshape(len(rows), len(CURVES), -1)
+        # a row: its replica's number, X_T = F(0)/K, what is stored there; falls of the force by class; the curves and
+        # energies at the points
+        numbers, falls, curves = np.split(rows, [3, 3 + SIZES], axis=1)
+        curves = curves.reshape(len(rows), len(CURVES) + len(ENERGIES), -1)
+        energies = dict(zip(ENERGIES, np.moveaxis(curves[:, len(CURVES) :], 1, 0), strict=True))
         fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
         fields |= {"velocities": curves[:, 3], "contact_forces": curves[:, 4]}
         for k, name in enumerate(CURVES):
@@ -105,9 +108,9 @@ class HeavySliders:
             "slips": HeavySlips(*columns),
             "avalanches": falls.astype(np.int64),
             "balance": float(numbers[:, 1].mean()),
-            "step_error": np.zeros(curves.shape[2]),
+            "step_error": np.zeros(curves.shape[-1]),
             "slip_fraction": self.slip_fraction,
-            "energy": Energy(*numbers[:, 2:].T),
+            "energy": Energy(start=numbers[:, 2], **energies),
         }
 
     def follow(self, replica: int) -> State:
@@ -115,8 +118,7 @@ class HeavySliders:
 
         Raises InputError where it takes too many breaks.
         """
-        from eq_model.coupled.mass import kernel
-        from eq_model.coupled.mass.state import FORCE
+        from eq_model.coupled.mass import kernel, state
         from eq_model.draws.streams import make_stream
         from eq_model.draws.supply import make_supply
 
@@ -135,7 +137,7 @@ class HeavySliders:
         pull.places[:] /= unit
         pull.speeds[:] /= unit
         pull.energy[:] = 0.0
-        stored = self._stored(s, contacts, s["force"] / n)
+        pull.energy[state.STORED, 0] = at_start = self._stored(s, contacts)
         while (why := kernel.slide(slider, contacts, later, pull)) != kernel.PATH_DONE:
             if why == kernel.SLIP_ENDED:
                 slips.append(np.r_[replica, len(slips), pull.slipped])
@@ -145,11 +147,12 @@ class HeavySliders:
                     f"path[-1] = {self._drive.path[-1]:g}: takes more than {MOST_BREAKS:.0e} breaks of {n} contacts, "
                     f"so many by X_T = {drive:g}; shorten the path, or give fewer contacts or a longer delay"
                 )
-        gained = self._stored(s, contacts, pull.at_points[FORCE, -1]) - stored
-        sums = pull.energy[:, 0] / [1.0, 1.0, n]
-        energies = np.r_[sums[0], gained, sums[1:]] * unit * unit
-        curves = pull.at_points * np.array([[unit], [unit], [1.0 / n], [unit], [unit]])
-        row = np.r_[replica, balance, energies, pull.falls, curves.ravel()]
+        curves = pull.at_points * self._scales()
+        curves[state.ENERGIES + state.STORED, -1] = self._stored(s, contacts) / n * unit * unit
+        force, speed = curves[state.FORCE], curves[state.SPEED]
+        moving = 0.5 * np.stack([force**2 / spring, (self._drive.mass or 0.0) * speed**2])
+        at_start = 0.5 * spring * balance**2 + at_start / n * unit * unit
+        row = np.r_[replica, balance, at_start, pull.falls, curves.ravel(), moving.ravel()]
         scales = [1.0, 1.0, unit, unit, unit, unit, unit, 1.0, 1.0, unit]
         table = np.reshape(slips, (-1, 10)) * scales
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
@@ -181,23 +184,31 @@ class HeavySliders:
             mean=mean,
             wait=-1.0 if delay is None else delay.time,
             slip=max(int(np.ceil(self.slip_fraction * n)), 1),
+            room=state.ROOM * contacts.mean_threshold / self._unit,
+            rise=state.RISE * contacts.mean_threshold / self._unit,
             most_breaks=MOST_BREAKS,
             places=np.empty(points),
             speeds=np.empty(points),
             lasts=np.empty(points),
-            at_points=np.empty((len(CURVES), points)),
+            at_points=np.empty((state.ENERGIES + 4, points)),
             fall=np.zeros(8),
             slipped=np.zeros(8),
             falls=np.zeros(SIZES, np.int64),
-            energy=np.zeros((3, 2)),
+            energy=np.zeros((4, 2)),
         )
         return slider, own, pull
 
-    def _stored(self, s: np.void, contacts: Any, spring_force: float) -> Array:
-        """Energy of the spring, the contacts that hold and the motion, each anew, per N <k> in whole units squared."""
+    def _scales(self) -> Array:
+        """The user's units of the rows of Pull.at_points, shape (rows, 1)."""
+        each, square = 1.0 / self._n, self._unit * self._unit
+        curves = self._unit, self._unit, each, self._unit, self._unit
+        return np.array([*curves, square, square, each * square, each * square])[:, None]
+
+    def _stored(self, s: np.void, contacts: Any) -> float:
+        """Energy of the contacts that hold, anew: a sum over them, with k_i in <k>, in whole units squared."""
         from eq_model.coupled.mass.nearest import FAR
 
-        n, drive, total = self._n, self._drive, 0.0
+        n, total = self._n, 0.0
         for begin in range(0, n, 1 << 16):  # in parts, which take little memory
             part = slice(begin, begin + (1 << 16))
             ahead, behind = contacts.ahead.places[part], contacts.behind.places[part]
@@ -206,5 +217,4 @@ class HeavySliders:
             stretch = 0.5 * (2 * s["at"] + (behind - ahead)) + s["off"]
             k = self._contacts.relative_stiffness(0.5 * (ahead + behind) * self._unit)
             total += float(k @ stretch**2)
-        parts = spring_force**2 / (drive.spring or 1.0), total / n
-        return 0.5 * np.array([*parts, (drive.mass or 0.0) * s["speed"] ** 2])
+        return 0.5 * total

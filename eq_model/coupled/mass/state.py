@@ -13,8 +13,12 @@ from origins.thresholds.law import Array
 
 # Of a fall of the spring's force: X_T as it begins, X and K (X_T - X) as it begins and ends, and more
 DRIVE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS, DURATION, TOP_SPEED = range(8)
-WORK, DAMPED, RELEASED = range(3)  # in Pull.energy
-POSITION, FORCE, HELD, SPEED, CONTACT_FORCE = range(5)  # in Pull.at_points
+WORK, DAMPED, RELEASED, STORED = range(4)  # in Pull.energy
+# In Pull.at_points, with the energies of WORK to STORED behind them.
+POSITION, FORCE, HELD, SPEED, CONTACT_FORCE, ENERGIES = range(6)
+RISE = 0.02  # of the spring's force while a slider sticks, in mean thresholds: above its fluctuations by few contacts
+ROOM = 2.0  # way in which it does so, mean thresholds: contacts that hold are stretched from -<x_s> to <x_s> at most
+FASTER = 1.5  # a slider that stuck and swings freely beyond the drive gets twice as fast as this
 
 # Lengths are whole units; forces of contacts, stiffness and energies of breaks are sums over the contacts with k_i in
 # units of <k>.
@@ -35,6 +39,12 @@ SLIDER = np.dtype(
         ("returns", np.int64),  # index after the last one
         ("falling", np.bool_),  # whether the slider is faster than the drive
         ("broken", np.int64),  # breaks since it is
+        ("stuck", np.bool_),  # whether the slider has stuck since the last slip
+        ("loose", np.int64),  # breaks since it last stuck
+        ("rest", np.float64),  # X from which it may be sticking
+        ("rest_force", np.float64),  # and the spring's force there
+        ("rest_breaks", np.int64),  # and the number of all breaks before
+        ("seen", np.int64),  # number of all breaks, but for those at the present place
     ]
 )
 
@@ -59,15 +69,17 @@ class Pull(NamedTuple):
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
     wait: float  # the delay, below 0 if there is none
     slip: int  # fewest breaks of a fall of the force that is a slip
+    room: float  # way in which a slider sticks
+    rise: float  # of the spring's force per N <k> meanwhile
     most_breaks: int
     places: Array  # X_T where each leg of the drive begins
     speeds: Array  # its speed on each leg
     lasts: Array  # the time that it takes
-    at_points: Array  # (5, legs), at the end of each leg
+    at_points: Array  # (9, legs), at the end of each leg
     fall: Array  # (8,), the present fall of the spring's force, or the last one
     slipped: Array  # (8,), the last one that was a slip
-    falls: Whole  # numbers of those below a slip in which 1, 2-3, 4-7, ... contacts broke
-    energy: Array  # (3, 2): sums, and what rounding has taken from them
+    falls: Whole  # numbers of those that are no slips in which 1, 2-3, 4-7, ... contacts broke
+    energy: Array  # (4, 2): sums, and what rounding has taken from them; STORED by the contacts if the slider were `at`
 
 
 @inlined
@@ -93,10 +105,44 @@ def contact_force(s, pull):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def go_to(s, place):  # type: ignore[no-untyped-def]
+def _shift(s, pull, way):  # type: ignore[no-untyped-def]
+    """Count the contacts' force and energy from a place that lies so far ahead."""
+    far = np.float64(way)
+    add(pull.energy, STORED, far * (s.force + 0.5 * s.stiffness * far))
+    s.force += s.stiffness * far
+    s.at += way
+
+
+@inlined
+def go_to(s, pull, place):  # type: ignore[no-untyped-def]
     """The slider is exactly at a whole position."""
-    s.force += s.stiffness * np.float64(place - s.at)
-    s.at, s.off = place, 0.0
+    _shift(s, pull, place - s.at)
+    s.off = 0.0
+
+
+@inlined
+def stored(s, pull):  # type: ignore[no-untyped-def]
+    """Energy of the contacts that hold, N <k> times the sum over them per contact."""
+    return pull.energy[STORED, 0] + s.off * (s.force + 0.5 * s.stiffness * s.off)
+
+
+@inlined
+def _rest_at(s, x, force):  # type: ignore[no-untyped-def]
+    """From here on the slider may be sticking."""
+    s.rest, s.rest_force, s.rest_breaks = x, force, s.seen
+
+
+@inlined
+def watch(s, pull, force):  # type: ignore[no-untyped-def]
+    """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises;
+    it is `force` now."""
+    x = np.float64(s.at) + s.off
+    if s.held == 0 or abs(x - s.rest) > pull.room:
+        _rest_at(s, x, force)
+    elif force - s.rest_force >= pull.rise:
+        if s.seen - s.rest_breaks < pull.slip:
+            s.stuck, s.loose = True, s.breaks - s.seen
+        _rest_at(s, x, force)
 
 
 @inlined
@@ -122,15 +168,19 @@ def end_fall(s, pull, before, way_before):  # type: ignore[no-untyped-def]
     fall, speed, size = pull.fall, pull.speeds[unsigned(s.leg)], s.broken
     drive = pull.places[unsigned(s.leg)] + speed * (s.elapsed - before)
     x = np.float64(s.at) + (s.off - way_before)
-    fall[X_AFTER], fall[F_AFTER], fall[BREAKS] = x, pull.spring * (drive - x), size
+    fall[X_AFTER], fall[F_AFTER], fall[BREAKS] = x, pull.spring * (drive - x), s.loose
     fall[DURATION] -= before
     s.falling = False
-    if size >= pull.slip:
+    slips = s.stuck and s.loose >= pull.slip and fall[TOP_SPEED] >= FASTER * speed
+    if slips:
         for k in range(fall.size):
             pull.slipped[k] = fall[k]
+        s.stuck = False
     elif size > 0:
         pull.falls[frexp(size)[1] - 1] += 1  # by the number of its bits
-    return size >= pull.slip
+    if slips or size > 0:  # a slider that sticks rings, and no contact breaks
+        _rest_at(s, x, fall[F_AFTER])
+    return slips
 
 
 @inlined
@@ -143,8 +193,7 @@ def pass_time(s, pull, t, way, speed, way_integral, squares):  # type: ignore[no
     s.off += way
     shift = np.int64(np.rint(s.off))
     s.off -= np.float64(shift)
-    s.at += shift
-    s.force += s.stiffness * np.float64(shift)
+    _shift(s, pull, shift)
     s.speed = speed
     s.elapsed += t
     s.due -= t
