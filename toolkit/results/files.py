@@ -17,12 +17,14 @@ from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
 from toolkit.results.points import PointsRecord, fill_points, read_points
 from toolkit.results.records import (
+    ENERGIES,
     MotionEnergy,
     Result,
     SolvedRecord,
     ThresholdCurve,
     is_coupled,
     is_heavy,
+    mean_energies,
 )
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import Number
@@ -34,9 +36,7 @@ _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 _LENGTHS = """path position force force_standard_error step_error position_standard_error positions forces x atoms
 stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after
 contact_force contact_force_standard_error contact_forces"""
-# of a slider with mass: what the drive's work became
-_PARTS = ("drive", "spring", "contacts", "kinetic", "damped", "released")
-_ENERGIES = tuple(f"energy_{part}" for part in (*_PARTS, "start"))
+_ENERGIES = tuple(f"energy_{part}" for part in (*ENERGIES, "start"))
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -107,7 +107,7 @@ def summary(result: Result) -> dict[str, Any]:
             own["slips"] = eq.slips.number.size
             own["slips_beside"] = slips_beside(result)
             if is_heavy(eq):
-                own["energy"] = _gained(eq.energy)
+                own["energy"] = mean_energies(eq)
                 own["energy_imbalance"] = float(np.abs(eq.energy.imbalance).max())
                 if own["slips"]:
                     own["mean_slip_duration"] = float(eq.slips.duration.mean())
@@ -123,12 +123,6 @@ def summary(result: Result) -> dict[str, Any]:
     if result.interface is not None:
         content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
     return content | {"notes": list(result.notes)}
-
-
-def _gained(energy: Any) -> dict[str, float]:
-    """What the drive's work over the whole path became, means over the replicas."""
-    means = {name: float(getattr(energy, name)[:, -1].mean()) for name in _PARTS}
-    return {"work": means.pop("drive"), "start": float(energy.start.mean())} | means
 
 
 def _flat(answer: Any) -> dict[str, Any]:
@@ -284,7 +278,6 @@ def _read_eq(group: Any) -> Any:
         slips = _read(group, eq_model.HeavySlips, "slip_")
         energy = _read(group, eq_model.Energy, "energy_")
         return _read(group, eq_model.HeavyResult, slips=slips, energy=energy)
-
     if "positions" in group:
         return _read(group, CoupledResult, slips=_read(group, CoupledSlips, "slip_"))
     size = len(group[_HISTOGRAMS]) if _HISTOGRAMS in group else 0

@@ -23,6 +23,10 @@ OWN_UNIT = "length unit of the thresholds"
 _PER_PANEL = 24
 
 
+# of a slider with mass: the drive's work, and what becomes of it
+ENERGIES = "drive", "spring", "contacts", "kinetic", "damped", "released"
+
+
 @dataclass(frozen=True)
 class MotionEnergy:
     """Energies per N_c<k> (lengths squared) of a slider with mass, at each point of the path, arrays of shape (n,).
@@ -106,6 +110,13 @@ def is_coupled(eq: object) -> bool:
 def is_heavy(eq: object) -> bool:
     """Whether an ensemble's answer is that of contacts on a slider with mass, whose slips take time."""
     return hasattr(eq, "energy")
+
+
+def mean_energies(eq: Any) -> dict[str, float]:
+    """Energies of an ensemble's sliders with mass, means over the replicas at the end of the path; "work" of the drive,
+    and "start" as they began."""
+    means = {name: float(getattr(eq.energy, name)[:, -1].mean()) for name in ENERGIES}
+    return {"work": means.pop("drive"), "start": float(eq.energy.start.mean())} | means
 
 
 @dataclass(frozen=True)
