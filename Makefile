@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow test-all promise bench docs lint clean
+.PHONY: demo test test-slow test-all promise bench docs dist lint clean
 
 demo: $(READY)
 	$(BIN)/mpirun -n 2 $(BIN)/mesofriction compare rough-gw-paper rough-gw-amontons rough-gw-strength \
@@ -33,6 +33,12 @@ docs: $(READY)
 	$(BIN)/python docs/gallery.py build/gallery
 	$(BIN)/python -m mkdocs build --strict --quiet
 
+# sdist, and the wheel made from it, in dist/
+dist: $(READY)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check build
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist
+
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check --quiet .
@@ -40,7 +46,7 @@ lint: $(READY)
 	$(BIN)/mypy
 
 clean:
-	rm -rf $(VENV) demo-output bench-output build
+	rm -rf $(VENV) demo-output bench-output build dist
 
 $(READY): pyproject.toml
 	@command -v $(PYTHON) > /dev/null || \
