@@ -1,6 +1,7 @@
 """What mkdocs adds to the pages of this folder: the README in front, the API from docstrings, the gallery."""
 
 import inspect
+import json
 import re
 from collections.abc import Iterator
 from importlib import import_module
@@ -22,6 +23,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """All pages and pictures of the site."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8").replace("](docs/", "](")
     pages = {"index.md": readme, "gallery.md": gallery()}
+    for notebook in (ROOT / "docs").glob("*.ipynb"):
+        pages[f"{notebook.stem}.md"] = of_notebook(notebook)
     pages |= {f"api/{room}.md": api(room) for room in ROOMS}
     for address, text in pages.items():
         files.append(File.generated(config, address, content=text))
@@ -37,6 +40,17 @@ def on_page_markdown(markdown: str, **_: object) -> str:
     for i in range(0, len(parts), 2):
         parts[i] = re.sub(r"(?<=[KX])\*", r"\*", re.sub(r"<(?=[A-Za-z])", "&lt;", parts[i]))
     return "".join(parts)
+
+
+def of_notebook(file: Path) -> str:
+    """The cells of a notebook as a page: text, code, and what the code prints."""
+    parts = []
+    for cell in json.loads(file.read_text(encoding="utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        parts.append(source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```")
+        for output in cell.get("outputs", []):
+            parts.append(f"```text\n{''.join(output['text'])}```")
+    return "\n\n".join(parts) + "\n"
 
 
 def gallery() -> str:

@@ -1,0 +1,89 @@
+"""The tutorials: their code and scenes run as a reader would run them, and print the numbers that they tell."""
+
+import io
+import json
+import re
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Any
+
+import pytest
+from scenes import said
+
+DOCS = Path(__file__).parents[1] / "docs"
+SCENES = {"tutorial-thresholds.md": "polymer.toml", "tutorial-ensemble.md": "film.toml"}
+
+
+@pytest.fixture
+def page(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The text of a tutorial, in a folder with its scene."""
+    monkeypatch.chdir(tmp_path)
+    text = (DOCS / request.param).read_text(encoding="utf-8")
+    (scene,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    Path(SCENES[request.param]).write_text(scene, encoding="utf-8")
+    return text
+
+
+def run(code: str, names: dict[str, Any]) -> str:
+    """What a piece of code prints; it adds to the names."""
+    printed = io.StringIO()
+    with redirect_stdout(printed):
+        exec(compile(code, "tutorial", "exec"), names)
+    return printed.getvalue()
+
+
+def python(page: str) -> list[str]:
+    return re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+
+
+@pytest.mark.parametrize("page", ["tutorial-thresholds.md"], indirect=True)
+def test_a_surface(page: str, capsys: Any) -> None:
+    pytest.importorskip("SurfaceTopography")
+    run(python(page)[0], {})
+    status, out, _ = said(capsys, "thresholds", "polymer.toml")
+    found = json.loads(Path("polymer-output/thresholds.json").read_text(encoding="utf-8"))[
+        "numbers"
+    ]
+    told = {name: number["value"] for name, number in found.items()}
+    assert status == 0 and "8% of the contacts would be plastic" in "\n".join(out)
+    assert f"{told['mean'] * 1e9:.2f} nm on average" in page
+    assert f"deviation of {told['standard_deviation'] * 1e9:.2f} nm" in page
+    assert f"contacts of {told['mean_stiffness']:.0f} N/m" in page
+    assert f"friction is {told['kinetic_force_of_the_area']:.4f} N" in page
+    assert f"softer than {told['critical_spring_of_the_area']:,.0f} N/m" in page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["tutorial-thresholds.md"], indirect=True)
+def test_the_verdict_on_a_surface(page: str, capsys: Any) -> None:
+    pytest.importorskip("SurfaceTopography")
+    run(python(page)[0], {})
+    status, out, _ = said(capsys, "verdict", "polymer.toml")
+    (told,) = re.findall(r"It begins: \*(.*?)\*\.", page, re.DOTALL)
+    assert status == 0 and " ".join(told.split()) in " ".join(" ".join(out).split())
+    assert "22.9 kN/m to 3.23 MN/m" in "\n".join(out) and "22.9 kN/m to 3.23 MN/m" in page
+
+
+@pytest.mark.parametrize("page", ["tutorial-ensemble.md"], indirect=True)
+def test_an_ensemble(page: str, capsys: Any) -> None:
+    first, last = python(page)
+    names: dict[str, Any] = {}
+    run(first, names)
+    status, *_ = said(capsys, "run", "film.toml")
+    assert status == 0
+    (told,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    assert run(last, names) == told
+    assert "4.95 ±" in told and "12.8 ms" in told
+
+
+def test_notebook_prints_what_it_holds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its code cells in their order, without a kernel: they are plain Python."""
+    monkeypatch.chdir(tmp_path)
+    notebook = json.loads((DOCS / "tutorial-origins.ipynb").read_text(encoding="utf-8"))
+    assert notebook["nbformat"] == 4
+    names: dict[str, Any] = {}
+    cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    for number, cell in enumerate(cells, 1):
+        kept = "".join(text for output in cell["outputs"] for text in output["text"])
+        assert run("".join(cell["source"]), names) == kept and cell["execution_count"] == number
+    assert kept.count("stick-slip") == 2 and kept.count("smooth") == 1
