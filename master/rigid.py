@@ -44,8 +44,8 @@ def solve_rigid(
     until: float = np.inf,
 ) -> Solution:
     """F along the path of a rigid slider (paper, Eq. Q6), for contacts of any life, see `solve`; it stops at the
-    reading `until` of time.monotonic(). force_error is the error of the worst panel plus those of the survivals
-    (March.life_error), times the longest stretch, plus round-off."""
+    reading `until` of time.monotonic(). force_error is the error of the worst panel plus what panels do not see
+    (March.unseen_error: survivals and sums over births), times the longest stretch, plus round-off; see ErrorBudget."""
     began, mean = clock.perf_counter(), contacts.mean_threshold
     motion, arrivals = motion_of(drive, mean, life.timeless and not contacts.waiting_time)
     check_lives(contacts, motion, life)
@@ -53,7 +53,7 @@ def solve_rigid(
     # a march that was stopped has solved the points up to the end of its last panel; without a panel not even X = 0
     solved_until = march.reached * (1.0 + 1e-12) if march.begin.size else -np.inf
     kept = arrivals <= (solved_until if march.unfinished else np.inf)
-    worst = march.error.max(initial=0.0 if march.error.size else np.inf) + march.life_error
+    worst = march.error.max(initial=0.0 if march.error.size else np.inf) + march.unseen_error
     error = float(worst * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
     progress(error)
     at = march.begin[int(np.argmax(march.error))] if march.begin.size else 0.0

@@ -43,7 +43,7 @@ def tried(error_of, length=1.0, first=0.1, tolerance=1e-8):
         if bad.size:
             widths.narrow(good, float(errors[good]))
         else:
-            widths.widen(proposal, errors, 1.0, in_any_case=False)
+            widths.widen(proposal, errors, 1.0, unresolved=False)
         assert len(all_tried) < 1000
     return all_tried, kept
 

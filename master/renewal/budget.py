@@ -33,7 +33,8 @@ class ErrorBudget:
     without heat (median 1e-7), and 0.06 of it with heat (median 5e-3), where sums over births are COARSER (see past).
     The error that counts is in force_error, and where the sum is above the tolerance, `success` is False.
 
-    panels : largest error of the number of breaks on a panel, a share of the contacts
+    panels : largest error of a panel, a share of the contacts: that of the number of breaks, plus that of the force
+        divided by the longest stretch (Run.error)
     births : largest error of the number that the births on one leg contribute, a share of the contacts
     survivals : error of a survival that is known before, a share of the contacts
     round_off : of the force, in mean thresholds

@@ -31,6 +31,8 @@ from origins.thresholds.law import Array
 MEMORIES, ALIKE, MEMORIES_AHEAD = 1.1, 0.25, 8.0
 # About the work of solving a panel, in pieces of integrals over births.
 WORK_OF_PANEL = 100
+# Part of a panel's width by which rounding may put its beginning before that of its leg.
+SAME_BEGIN = 1e-9
 # In a hold the first panel is this part of it: contacts break by heat at rates that no length tells.
 OF_HOLD = 0.25
 # Share of the contacts that break at an edge together, below which they are the rounding of conservation.
@@ -42,7 +44,8 @@ class March:
 
     start : law of the stretches at t = 0
     edges : sorted times at which the number of breaks may bend or jump; the first is 0
-    tolerance : largest error of the number of breaks on a panel, a share of the contacts
+    tolerance : largest error of a panel, a share of the contacts: of the number of breaks, and of the force divided by
+        `stretch`, together
     guess : the first guess of the width of a panel, a length
     stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
 
@@ -78,10 +81,15 @@ class March:
         self.steady_since = self.widest = np.inf
 
     @property
-    def life_error(self) -> float:
-        """Error of the survivals themselves, to which the residuals of the panels are blind: of each contact that of
-        births on the present leg or that of earlier births, plus that of the sums over earlier births."""
-        return max(self.present.error, self._past.survival_error) + self._past.error
+    def survival_error(self) -> float:
+        """Largest error of a survival: of a birth on the present leg, or of an earlier one."""
+        return max(self.present.error, self._past.survival_error)
+
+    @property
+    def unseen_error(self) -> float:
+        """What the residuals of the panels are blind to, a share of the contacts: the errors of survivals, and of the
+        sums over earlier births (see ErrorBudget). A wrong survival conserves the number as well as the right one."""
+        return self.survival_error + self._past.error
 
     @property
     def reached(self) -> float:
@@ -135,7 +143,7 @@ class March:
                 self.widest = widths.widest
             else:
                 broken = float(np.abs(run.breaks[:, -1]).max())
-                widths.widen(proposal, run.error, broken, in_any_case=keep_all)
+                widths.widen(proposal, run.error, broken, unresolved=keep_all)
                 self.widest = widths.widest
                 yield
 
@@ -174,21 +182,31 @@ class March:
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
         self.births.work += WORK_OF_PANEL * count
-        # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
-        # that begin before `oldest`, a second width on the safe side of rounding, add nothing. The sums hold for
-        # breaks on this leg only, whose survival depends on the lag alone.
-        oldest = self.reached - self._memory(leg) - 2.0 * width
-        first = np.searchsorted(self.begin, max(oldest, self.motion.times[leg] - 1e-9 * width))
-        other = np.flatnonzero(self.width[first:] != width)
-        alike = self.width.size - int(first) - (int(other[-1]) + 1 if other.size else 0)
+        alike = self._count_alike(width, leg)
         of_panel = self.present.on(float(self.motion.speeds[leg]), width, alike + count)
         known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), alike, leg)
         return solve_run(of_panel, known, self.breaks[self.width.size - alike :], self.stretch)
 
+    def _count_alike(self, width: float, leg: int) -> int:
+        """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
+        survival depends on the lag alone. Panels from so long ago that none holds are left out."""
+        # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
+        # that begin before `oldest`, a second width on the safe side of rounding, add nothing.
+        oldest = self.reached - self._memory(leg) - 2.0 * width
+        leg_begin = self.motion.times[leg] - SAME_BEGIN * width
+        first = int(np.searchsorted(self.begin, max(oldest, leg_begin)))
+        other = np.flatnonzero(self.width[first:] != width)
+        return self.width.size - first - (int(other[-1]) + 1 if other.size else 0)
+
     def known(self, grid: Array, alike: int = 0, leg: int | None = None) -> Array:
-        """Number and force at later times, of all but the last `alike` panels. Those have the width of the panels
-        to be solved, and solve_run adds them. Three sums: lumps and earlier legs (Past), births on this leg, contacts
-        that are out. The times `grid`, in rows, are all on one leg, and with `leg` counted from its beginning."""
+        """Number and force of all contacts whose births are known, at later times.
+
+        grid : times in rows, all on one leg; counted from its beginning where `leg` is given, else from t = 0
+        alike : the last panels, so many, are left out: they have the width of the panels to be solved, and solve_run
+            adds them by PanelSums
+
+        Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
+        """
         if leg is None:
             leg = self.motion.leg_of_all(grid)
             grid = grid - self.motion.times[leg]
@@ -205,12 +223,15 @@ class March:
         on_it = self.panels(max(first, self._past.first), last)
         out += self.births_on_leg(t, leg, on_it).reshape(out.shape)
         if delay > 0.0 and first < last:
-            # contacts that are out count as well
-            begin, _, width, breaks = self.panels(first, last)
-            place = (leg_begin + t - [[[0.0]], [[delay]]] - begin[:, None]) / width[:, None]
-            values = polynomials.values(np.clip(place, 0.0, 1.0))
-            out[0] += np.einsum("ptn,pn->t", values[0] - values[1], breaks).reshape(grid.shape)
+            out[0] += self._out(leg_begin + t, self.panels(first, last)).reshape(grid.shape)
         return out
+
+    def _out(self, t: Array, panels: Panels) -> Array:
+        """Of the breaks on some panels those that are out at times t (n,): all up to t, but for those up to one delay
+        before, which have formed again."""
+        since = t - np.array([[[0.0]], [[self.births.delay]]]) - panels.begin[:, None]
+        broken = polynomials.values(np.clip(since / panels.width[:, None], 0.0, 1.0))
+        return np.asarray(np.einsum("ptn,pn->t", broken[0] - broken[1], panels.breaks))
 
     def panels(self, first: int, last: int | None = None) -> Panels:
         """Solved panels from one to before another."""
@@ -250,7 +271,7 @@ class March:
         # the panels so far were solved with these survivals
         other._past.survival_error = self._past.survival_error
         other.widest = min(self.widest, self.guess)
-        begun = int(np.searchsorted(self.begin, t - 1e-9 * self.guess))
+        begun = int(np.searchsorted(self.begin, t - SAME_BEGIN * self.guess))
         for name in self.STORED:
             setattr(other, name, getattr(self, name)[:begun].copy())
         if begun and other.reached > t:

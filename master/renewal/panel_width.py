@@ -29,8 +29,10 @@ class WidthRules:
         tolerance: two halvings of a polynomial of degree 16 reduce it 1e9 times, but behind a root of t only twice
     aim : of the tolerance, the error at which the width aims where two bad widths show by what power of it errors fall
     progress : part of the former error below which a bad error must be for this power to be trusted
-    spare_soon, spare_late : part of the tolerance below which errors let panels widen: soon, where few panels may have
-        their width; late, by what one doubling costs: the error grows as the width to the power of the degree
+    spare_late : part of the tolerance below which errors let panels widen. Twice the width makes the error of a
+        polynomial of degree 16 up to 2^16 times as large, so that panels below this part are good afterwards, too
+    spare_soon : the same where widths change often: beside a point that is hardly resolved errors grow far more slowly
+        than that, and to wait for 2^-16 would keep panels narrow far behind it; one that is too wide is only done again
     rounding : residual of conservation, in contacts, which no width reduces: errors below it let panels widen, too
     patience : good panels of one width before the next are widened: each width needs sums of its own, which costs
         as much as solving some 30 panels
@@ -86,7 +88,8 @@ class PanelWidth:
 
     length : from edge to edge, a time
     widest : largest width of the next panels; the controller changes it, and the next edge takes it over
-    first, most : width of the first guess, and the largest that is of use: that of a whole life
+    first, most : width of the first guess, and the largest that is of use: that of a whole life. Both are lengths
+        divided by the speed, and so inf in a hold, where only the distance to the edge bounds a width
     tolerance : largest error of a good panel; quick : whether a look-up gives the survival (Life.quick)
     """
 
@@ -138,9 +141,13 @@ class PanelWidth:
         self.widest = factor * self._width
         self._run, self._good_panels = rules.run_after_narrowing, 0
 
-    def widen(self, proposal: Proposal, errors: Array, broken: float, in_any_case: bool) -> None:
+    def widen(self, proposal: Proposal, errors: Array, broken: float, unresolved: bool) -> None:
         """Learn that all panels of a proposal were kept, with these errors, and at most a share `broken` of the
-        contacts broke on each; the next ones are widened if that is of use, or in any case."""
+        contacts broke on each; the next ones are widened if that is of use.
+
+        unresolved : whether they were kept although halving did not make them good. They are then wider in any case:
+            behind the point that no panel resolves breaks are smooth, and without allowed work few panels are to come.
+        """
         rules, width, largest = self.rules, proposal.width, float(errors.max())
         self._bad_error = 0.0
         calm = broken < rules.calm * self.tolerance
@@ -155,7 +162,7 @@ class PanelWidth:
         # a new width pays at once where panels are narrow or hardly any contact breaks, else if it serves many panels
         patience = 0 if calm or narrow else rules.patience
         easy = self._good_panels > patience and proposal.ahead - errors.size >= patience
-        if not (in_any_case or (easy and width > rules.fills * self.widest)):
+        if not (unresolved or (easy and width > rules.fills * self.widest)):
             return
         factor = rules.far_widening if largest < rules.far_below * spare else rules.widening
         self.widest = min((rules.calm_widening if calm else factor) * width, self._most)

@@ -37,6 +37,8 @@ COARSER = 30.0
 LEFT_OUT, LEAST_LEFT_OUT = 1e-3, 1e-18
 # Nodes of a piece that are tried first where a survival takes long; they are doubled before the piece is halved.
 FIRST_NODES = 5
+# Rounding of a time of birth, relative: that of some sums and differences of times.
+ROUNDED_TIME = 1e-14
 # The survival jumps at exact thresholds: on panels that end there it is evaluated this share of the panel inside.
 INSIDE = 1e-9
 
@@ -174,7 +176,7 @@ class Past:
 
     def _resolved(self, t: Array) -> Iterator[tuple[Pieces, Array]]:
         """Pieces of the births as seen from times t, halved until the survival is a polynomial on each; their number,
-        force and error, shape (3, pieces)."""
+        force and error, shape (3, pieces). Yielded as they get good: the good ones of each round of halving."""
         if not self._legs.size:
             return
         births, pieces = self._births, self._pieces(t)
@@ -187,15 +189,11 @@ class Past:
             birth = low[:, None] + (high - low)[:, None] * few.nodes
             births.add_work(owner.size * size // polynomials.PANEL_NODES)
             held = self._survivors(births.law, self._motion.history(t[owner, None], birth))
-            born = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
-            # about the first coefficient c_n left out of number or force, by the decay of the last four
-            last, fall = polynomials.last_and_fall(np.abs(held @ few.series[:, -4:]))
-            fall, unit = np.sqrt(fall), np.array([[1.0], [self._life.largest_stretch]])
-            left_out, fall = (last * fall / unit).max(axis=0), fall.max(axis=0)
-            wrong = left_out * born
-            leg = self._motion.leg(birth[:, 1])
-            narrowest = polynomials.CLOSE * np.diff(self._motion.times)[leg] + 1e-14 * np.abs(low)
-            rough = (wrong * self._legs.size > self._accuracy) & (high - low > narrowest)
+            left_out, fall = self._first_left_out(held @ few.series[:, -4:])
+            most = np.subtract(*(np.interp(end, self._ends, self._most) for end in (high, low)))
+            # all legs share the accuracy
+            rough = left_out * most * self._legs.size > self._accuracy
+            rough &= high - low > self._narrowest(pieces)
             rough &= births.work <= MOST_WORK and clock.monotonic() <= births.until
             good = pieces.pick(~rough)
             weights = legendre_births(self._ends, self._slopes, good.low, good.high, size)
@@ -207,6 +205,20 @@ class Past:
             pieces = pieces.pick(rough)
             pieces = pieces.halves() if size == polynomials.PANEL_NODES else pieces
             size = min(2 * size, polynomials.PANEL_NODES)
+
+    def _first_left_out(self, last_four: Array) -> tuple[Array, Array]:
+        """About the first coefficient that a piece's polynomial leaves out, and by what factor coefficients fall from
+        one to the next, shape (pieces,): the larger of number and force (divided by the largest stretch), by the decay
+        of the `last_four` coefficients of both, shape (2, pieces, 4)."""
+        last, fall_of_two = polynomials.last_and_fall(np.abs(last_four))
+        fall, unit = np.sqrt(fall_of_two), np.array([[1.0], [self._life.largest_stretch]])
+        return (last * fall / unit).max(axis=0), fall.max(axis=0)
+
+    def _narrowest(self, pieces: Pieces) -> Array:
+        """Width of a piece below which its ends are equal by rounding, shape (pieces,)."""
+        leg = self._motion.leg(0.5 * (pieces.low + pieces.high))
+        durations = np.diff(self._motion.times)[leg]
+        return polynomials.CLOSE * durations + ROUNDED_TIME * np.abs(pieces.low)
 
     def _pieces(self, t: Array) -> Pieces:
         """Pieces of the births on each leg, for each target, with ends where the survival bends."""

@@ -152,7 +152,7 @@ class Move:
         # a drop by more than this share of the contacts, well above rounding, makes a slip
         times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
-        rounding = 1e-14 * (self.contacts.unit + begin) + march.life_error * largest
+        rounding = 1e-14 * (self.contacts.unit + begin) + march.unseen_error * largest
         error = loaded.error + np.maximum.accumulate(missed) * largest + rounding
         drops, series = (
             np.array(times) - loaded.end,

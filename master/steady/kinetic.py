@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from master.outcome import WELL, judged
 from master.steady.steady import state_at
-from master.steady.sums import summed
+from master.steady.sums import SURE, is_summed, summed
 from master.survival.make import steady_life
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
@@ -172,13 +172,12 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed without delay, shape (4, n)."""
     laws, unit = set(contacts.laws), contacts.mean_threshold
     out = np.full((4, speeds.size), np.nan)
-    by_heat = contacts.thermal is not None and contacts.thermal.closure == "exact"
-    if by_heat and not laws & {"ageing", "grains", "reforming"}:
+    if is_summed(contacts):
         out[2:], area = summed(contacts, speeds)
         out[0] = area[0] / out[2]
         out[1] = (area[1] + out[0] * out[3]) / out[2]
     # points not known well enough from these sums are solved individually, with one life
-    rest = np.flatnonzero(~(out[1] < 1e-9 * out[0]))
+    rest = np.flatnonzero(~(out[1] < SURE * out[0]))
     life = steady_life(contacts, 1.0) if rest.size and not laws & {"ageing", "grains"} else None
     solved = rest[:1] if life and life.timeless else rest  # at T = 0 the speed does not matter
     for i in solved:

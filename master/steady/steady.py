@@ -12,8 +12,7 @@ from master.numerics.polynomials import Pieces
 from master.outcome import WELL, judged
 from master.steady.cycle import Cycle
 from master.steady.q15 import paper_steady
-from master.steady.sums import summed
-from master.survival.heat import ThermalLife
+from master.steady.sums import is_summed, summed
 from master.survival.life import Life
 from master.survival.make import steady_life
 from origins import Contacts, Thresholds
@@ -83,8 +82,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
             life = copy(life)  # its owner may ask for more
             life.coefficient_limit = max(life.coefficient_limit, resolved)
         cycle = Cycle(contacts, life, velocity)
-        if isinstance(life, ThermalLife) and contacts.reforming is None:
-            # sums over single contacts resolve the strongest, which bear F_k where the others hardly hold
+        if is_summed(contacts):
             sums = summed(contacts, np.array([velocity]))[..., 0].tolist()
             if sums[1][1] < cycle.area_error:
                 (cycle.length, cycle.length_error), (cycle.area, cycle.area_error) = sums

@@ -30,8 +30,22 @@ CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last two Legendre coefficients on a panel of thresholds, in units of typical values, below which it is
 # not halved (the error of its integral is about their square); and its least width, in mean thresholds.
 ACCURACY, NARROWEST_PANEL = 1e-7, 1e-13
+# Relative error of the force below which sums are taken as they are: better than the tables' usual accuracy.
+SURE = 1e-9
 # Thresholds are summed up to this survival.
 TAIL = 1e-80
+
+
+def is_summed(contacts: Contacts) -> bool:
+    """Whether C and the integral of the force are sums over single contacts: they break at their thresholds or by heat
+    alone, each at its own rate, and form again relaxed.
+
+    Such sums serve all speeds at once, and resolve the strongest contacts, which bear F_k where the others hardly
+    hold. `steady_state` takes them where they are more accurate than the integrals of a table of E (`Cycle`), which it
+    needs for Q(x) anyhow; `kinetic_curve` makes no table where the sums are SURE.
+    """
+    others = {"ageing", "grains", "reforming"}.intersection(contacts.laws)
+    return contacts.thermal is not None and contacts.thermal.closure == "exact" and not others
 
 
 def summed(contacts: Contacts, speeds: Array) -> Array:

@@ -111,7 +111,7 @@ def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]
     begin, width = cycle.velocity * np.array([march.begin, march.width])
     series = np.array(march.force) @ polynomials.TO_LEGENDRE.T
     # 2e-15: round-off of the number of breaks on a panel
-    errors = (np.maximum(march.error, 2e-15) + march.life_error) * march.stretch
+    errors = (np.maximum(march.error, 2e-15) + march.unseen_error) * march.stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
     # over which contacts break: conservation puts the number right at the panel's end
     shifted = np.maximum.accumulate(errors * np.minimum(width / cycle.resolution_length, 1.0))

@@ -166,7 +166,7 @@ def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
     march = forward_march(cycle, horizon, TOLERANCE).run()
     share = np.append(0.0, polynomials.NODES)
     x = cycle.velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
-    off = (np.array(march.error) + march.life_error) * march.stretch
+    off = (np.array(march.error) + march.unseen_error) * march.stretch
     apart = np.abs(np.array(march.force) - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
     # twice as much, as the terms left out may add up in phase elsewhere
