@@ -299,6 +299,21 @@ def test_wall_time_ends_the_work_on_births_that_age(monkeypatch) -> None:
     assert found.path.tolist() == [1.0] and next(looks) < most + 4
 
 
+def test_wall_time_keeps_the_points_before_the_first_slip(monkeypatch) -> None:
+    """By a clock that counts how often it is looked at; the drive goes on without a slip: F = 1 - exp(-X)."""
+    contacts, path, looks = (
+        origins.Contacts(stats.expon()),
+        np.linspace(0.0, 40.0, 201),
+        itertools.count(),
+    )
+    monkeypatch.setattr("time.monotonic", lambda: float(next(looks)))
+    asked = {"spring": 0.5, "slip": "reset"}
+    assert master.solve(contacts, path, 1e-6, wall_time=1e9, **asked).success
+    found = master.solve(contacts, path, 1e-6, wall_time=6.5, **asked)
+    assert not found.success and "wall_time" in found.message and 5 < found.path.size < path.size
+    assert np.abs(found.force + np.expm1(-found.position)).max() <= found.force_error <= 1e-6
+
+
 def test_wall_time_keeps_a_rough_solution_where_the_tables_of_a_finer_one_take_long(
     monkeypatch,
 ) -> None:

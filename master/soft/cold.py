@@ -8,7 +8,7 @@ from master.motion import Motion
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import Births
 from master.renewal.edges import edges
-from master.soft.curve import SlipBegin
+from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths, SlipEnd
 from master.soft.regime import Followed, slips_of
 from origins import Contacts
@@ -106,13 +106,17 @@ class ColdSlider:
             move = self._begun(direction, self._loaded)
             begin = direction * (self._base + move.at(0.0))
             loads = spring * (direction * drives - begin)
-            slip = move.next_slip(y, loads[-1])
+            try:
+                slip = move.next_slip(y, loads[-1])
+            except StoppedError:
+                if move.solved:
+                    curve = move.solved_curve()
+                    last = min(curve.slip_begins(y), curve.end)
+                    load = float(curve.force(last)) + spring * last
+                    self._keep(curve, loads[: np.searchsorted(loads, load)], y, last, direction)
+                raise
             curve, count = slip.curve, int(np.searchsorted(loads, slip.load))
-            if count:
-                at = curve.travel_at(loads[:count], y, slip.travel)
-                self.force.append(direction * curve.force(at))
-                off = curve.travel_errors(at, self._base_error)
-                self.error = max(self.error, spring * float(off.max()))
+            at, off = self._keep(curve, loads[:count], y, slip.travel, direction)
             if not np.isfinite(slip.load):
                 # F' jumps to 1 at a turn: the error of its place is one of the force
                 jump = abs(1.0 + spring - float(curve.load_slope(at[-1])))
@@ -127,6 +131,19 @@ class ColdSlider:
             else:
                 renew = self._reset if self.slip == "reset" else self._reform_after
                 self._loaded, y = renew(move, slip, begin), 0.0
+
+    def _keep(
+        self, curve: LoadCurve, loads: Array, low: float, high: float, direction: int
+    ) -> tuple[Array, Array]:
+        """Keep the force at these loads, which are met from one travel to another: the travels there, and their errors
+        (lengths)."""
+        if not loads.size:
+            return loads, loads
+        at = curve.travel_at(loads, low, high)
+        self.force.append(direction * curve.force(at))
+        off = curve.travel_errors(at, self._base_error)
+        self.error = max(self.error, self.spring * float(off.max()))
+        return at, off
 
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them."""

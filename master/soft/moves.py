@@ -145,6 +145,15 @@ class Move:
                 self._plan(self._march, self._march.reached, self._march.reached)
             self.contacts.nodes += (len(self._march.begin) - before) * polynomials.DEGREE
             self._steady = self._steady_force()
+        return self.solved_curve(y)
+
+    @property
+    def solved(self) -> bool:
+        """Whether any panel of the move is solved."""
+        return len(self._march.begin) > self._first
+
+    def solved_curve(self, y: float = 0.0) -> LoadCurve:
+        """The load on the panels solved so far; where breaks are steady, up to the travel y at least."""
         loaded, march, largest = self.loaded, self._march, self.contacts.life.largest_stretch
         panels = march.begin, march.width, march.force, march.error
         begin, width, force, missed = (np.array(values[self._first :]) for values in panels)
