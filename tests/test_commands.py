@@ -233,9 +233,11 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
     files = [write(name, thresholds=law, drive=drive, eq=EQ) for name, law in laws.items()]
     soft = write("soft", thresholds=narrow, drive=drive | {"spring": 0.5})
     status, lines, _ = said(capsys, "compare", *files, soft, "--out", "deep/er")
-    files_there = {f"compare.{end}" for end in ("json", "png", "txt")}
+    files_there = {f"compare.{end}" for end in ("csv", "json", "png", "txt")}
     assert status == 0 and set(os.listdir("deep/er")) == files_there
     assert Path("deep/er/compare.txt").read_text().splitlines() == lines[:-1]
+    head, best, *_ = Path("deep/er/compare.csv").read_text().splitlines()
+    assert "critical_spring [N_c<k>]" in head.split(",") and best.startswith("exact,")
     found = {one["name"]: one for one in read("deep/er/compare.json")["scenes"]}
     assert next(iter(found)) == "exact" and list(found)[-1] == "wide"
     assert found["exact"]["critical_spring"] is None
@@ -262,7 +264,11 @@ def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeyp
     contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "start": start}
     file = write(contacts=contacts, drive={"to": 6.0, "points": 61}, eq=EQ)
     assert said(capsys, "precision", file)[0] == 0
-    assert sorted(os.listdir("mine-output")) == ["precision.json", "precision.png", "precision.txt"]
+    ends = ("csv", "json", "png", "txt")
+    assert sorted(os.listdir("mine-output")) == [f"precision.{end}" for end in ends]
+    head, first, *_ = Path("mine-output/precision.csv").read_text().splitlines()
+    assert head == "method,setting,error [<x_s>],claimed_error [<x_s>],run_time [s],runs"
+    assert first.startswith("master,0.01,")
     written = read("mine-output/precision.json")
     assert written["reference"] == "the closed form for Gaussian thresholds"
     points: dict[str, Any] = {}

@@ -1,5 +1,6 @@
 """Scenes run: the solvers' own numbers, kept whole in a folder and read back; what is lost, damaged or in the way."""
 
+import csv
 import dataclasses
 import json
 import os
@@ -78,7 +79,7 @@ def test_what_is_saved_is_the_solvers_own_and_is_what_is_loaded() -> None:
     own = eq_model.simulate(made.contacts, made.path, n_contacts=400, n_replicas=2, seed=1)
     assert np.array_equal(result.eq.force, own.force) and result.eq.breaks == own.breaks
     toolkit.save(result, "out")
-    assert sorted(os.listdir("out")) == ["picture.png", "result.h5", "summary.json"]
+    assert sorted(os.listdir("out")) == ["force.csv", "picture.png", "result.h5", "summary.json"]
     assert Path("out/picture.png").stat().st_size > 10_000
     back = toolkit.load("out")
     same_bits(back.master, result.master)
@@ -245,6 +246,7 @@ def test_nothing_of_another_scene_stays_beside_a_new_result(capsys: Any) -> None
     assert sorted(os.listdir("out")) == [*ours, *theirs]
     (line,) = said(capsys, "run", write("plain"), "--out", "out")[2]
     assert "out: holds the result of another scene, swept, which this run will replace" in line
+    ours = ["force.csv", *ours]
     assert sorted(os.listdir("out")) == ours
     Path("out/sweep.csv").write_text("mine")
     toolkit.run("plain.toml", folder="out")
@@ -421,3 +423,28 @@ def test_threads_give_the_same_bits_and_are_no_other_run() -> None:
     assert 1 <= cores_of(None) <= (os.cpu_count() or 1)
     with pytest.raises(InputError, match=r"eq\.threads = 0"):
         toolkit.load_scene(scene(eq=eq | {"threads": 0}))
+
+
+@pytest.mark.usefixtures("no_picture")
+def test_spreadsheets_hold_force_and_slips_in_the_units_of_the_scene() -> None:
+    drive = {"to": 4.0, "points": 21, "spring": 0.7}
+    result = toolkit.run(scene(drive=drive, eq={"contacts": 500, "replicas": 2}), folder="out")
+    with Path("out/force.csv").open(encoding="utf-8") as stream:
+        head, *rows = list(csv.reader(stream))
+    force = head.index("master force [N_c<k> length]")
+    assert head[0] == "drive [length]" and len(rows) == 21
+    assert [float(row[force]) for row in rows] == result.master.force.tolist()
+    with Path("out/slips.csv").open(encoding="utf-8") as stream:
+        slips = list(csv.DictReader(stream))
+    own = [slip for slip in slips if slip["solver"] == "master"]
+    before = [float(slip["force before [N_c<k> length]"]) for slip in own]
+    assert before == result.master.slips.force_before.tolist() != []
+    assert len(slips) - len(own) == result.eq.slips.drive.size and {
+        slip["slider"] for slip in own
+    } == {""}
+    surface = {"to": 5e-8, "points": 5, "area": 1e-6}
+    result = toolkit.run(scene(ROUGH, drive=surface), folder="out")
+    with Path("out/force.csv").open(encoding="utf-8") as stream:
+        head, *rows = list(csv.reader(stream))
+    assert head[:2] == ["slider [m]", "master force [N]"] and not Path("out/slips.csv").exists()
+    np.testing.assert_allclose([float(row[1]) for row in rows], result.newtons(result.master.force))

@@ -14,6 +14,7 @@ from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
 from toolkit.judge.describe import PROPENSITY, SHARED_NUMBERS, Description, describe, in_units_of
+from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
 from toolkit.pictures.thresholds import save_thresholds_picture
 from toolkit.processes.ranks import on_root
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
@@ -241,7 +242,8 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     verdicts = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
     lines, numbers = judge.table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
     draw = partial(pictures.draw_comparison, verdicts)
-    on_root(comm, lambda: _write(folder, "compare", draw, lines, numbers))
+    rows = comparison_rows(numbers["scenes"])
+    on_root(comm, lambda: save_judgement(folder, "compare", draw, lines, numbers, rows))
     print("\n".join([*lines, f"written to {folder}"]))
     return 0 if all(one.result.success and one.found.success for one in verdicts) else 1
 
@@ -277,17 +279,7 @@ def precision(arguments: argparse.Namespace) -> int:
     with within(scene.deadline(), scene, "[precision]"):
         found = ladders.precision(scene, say_it)
     draw = partial(ladders.draw_picture, found)
-    _write(folder, "precision", draw, [*lines, *found["notes"]], found)
+    rows = precision_rows(found["points"])
+    save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows)
     print("\n".join([*found["notes"], f"written to {folder}"]))
     return 0
-
-
-def _write(folder: str, name: str, draw: Any, lines: list[str], numbers: dict[str, Any]) -> None:
-    """Picture, table and numbers of a judgement."""
-    text = "\n".join([*lines, ""])
-    writers: dict[str, Any] = {
-        f"{name}.png": partial(draw().savefig, dpi=130, format="png"),
-        f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
-        f"{name}.json": lambda path: write_json(numbers, path),
-    }
-    write_folder(folder, writers)

@@ -1,6 +1,5 @@
 """The files of a result folder but for its pictures: result.h5, summary.json and a sweep's table."""
 
-import csv
 import json
 import math
 import os
@@ -63,10 +62,14 @@ def load(folder: str | os.PathLike[str]) -> Result:
 
 
 def earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Name and text of the scene whose result or thresholds `folder` holds, and whether it is `swept`; {} for none."""
+    """Name and text of the scene whose result or thresholds `folder` holds, and the CSV files that it may have as
+    `tables`; {} for none."""
     with suppress(InputError, OSError), opened(Path(folder) / RESULT) as store:
         scene = {name: str(store.attrs[name]) for name in ("name", "scene")}
-        return scene | {"swept": "sweep" in store}
+        sliding = "slip_drive" in store.get("master", ()) or "positions" in store.get("eq", ())
+        there = {"force.csv": "master" in store or "eq" in store, "slips.csv": sliding}
+        there["sweep.csv"] = "sweep" in store
+        return scene | {"tables": [name for name, known in there.items() if known]}
     with suppress(OSError, ValueError, KeyError, TypeError):
         before = json.loads((Path(folder) / "thresholds.json").read_text(encoding="utf-8"))
         return {name: str(before[name]) for name in ("name", "scene")}
@@ -162,16 +165,6 @@ def write_json(content: dict[str, Any], path: Path) -> None:
 
     text = json.dumps(speakable(content), indent=2, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")
-
-
-def write_csv(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
-    """A line for each point, a column for each array that the sweep has, its unit in brackets, with all digits."""
-    arrays = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
-    arrays = {name: value for name, value in arrays.items() if isinstance(value, np.ndarray)}
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(f"{name} [{units[name]}]" if name in units else name for name in arrays)
-        writer.writerows(zip(*(value.ravel().tolist() for value in arrays.values()), strict=True))
 
 
 def units_of(result: Result, short: bool = False) -> dict[str, str]:

@@ -1,0 +1,55 @@
+"""The files of a judgement: its picture, its table as text and as CSV, its numbers as JSON; all or none."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from toolkit.results.files import write_json
+from toolkit.results.folders import write_folder
+from toolkit.results.spreadsheets import write_rows
+
+
+def save_judgement(
+    folder: str,
+    name: str,
+    draw: Any,
+    lines: list[str],
+    numbers: dict[str, Any],
+    rows: Mapping[str, Sequence[Any]],
+) -> None:
+    """Write name.png, .txt, .json and .csv; `rows` are the columns of the last, by their heads."""
+    text = "\n".join([*lines, ""])
+    writers: dict[str, Any] = {
+        f"{name}.png": partial(draw().savefig, dpi=130, format="png"),
+        f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
+        f"{name}.json": lambda path: write_json(numbers, path),
+        f"{name}.csv": partial(write_rows, rows),
+    }
+    write_folder(folder, writers)
+
+
+def precision_rows(points: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """The columns of precision.csv: the points of `precision`, with units."""
+    units = {"error": "<x_s>", "claimed_error": "<x_s>", "run_time": "s"}
+    return _columns(points, units)
+
+
+def comparison_rows(scenes: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """The columns of compare.csv: a line for each scene, with the numbers that compare.json has; each scene's unit of
+    length stands in the column "unit"."""
+    units = {"critical_spring": "N_c<k>", "mean_threshold": "unit", "run_time": "s"}
+    units |= {"kinetic_force": "<x_s>", "decoherence_length": "<x_s>"}
+    units |= {"critical_spring_newtons": "N/m", "critical_spring_per_area": "N/m³"}
+    units |= {f"{name}_error": unit for name, unit in units.items()}
+    plain = [
+        {name: value for name, value in scene.items() if not isinstance(value, list | tuple | dict)}
+        for scene in scenes
+    ]
+    return _columns([{k: v for k, v in one.items() if k != "evidence"} for one in plain], units)
+
+
+def _columns(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> dict[str, list[Any]]:
+    """Columns of these rows, with the unit of each in its head."""
+    names = dict.fromkeys(name for row in rows for name in row)
+    heads = {name: f"{name} [{units[name]}]" if name in units else name for name in names}
+    return {head: [row.get(name) for row in rows] for name, head in heads.items()}
