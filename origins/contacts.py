@@ -152,6 +152,15 @@ class Contacts:
         if self.grains is not None:
             self.waiting_time += self.grains.growth.first_pinning_time
 
+    def __repr__(self) -> str:
+        """The laws that the contacts have, each by its own repr."""
+        named = ("thresholds", "start", "thermal", "ageing", "delay", "reforming", "stiffness")
+        laws = {name: getattr(self, name, None) for name in named}
+        if self.grains is not None:
+            laws["thresholds"] = self.grains
+        said = (f"{name}={law!r}" for name, law in laws.items() if law is not None)
+        return f"Contacts({', '.join(said)})"
+
     @property
     def laws(self) -> tuple[str, ...]:
         """Names of the laws that these contacts have, in the order of origins.contacts.LAWS."""

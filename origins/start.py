@@ -38,6 +38,10 @@ class Start:
         """Mean starting stretch."""
         return self._mean
 
+    def __repr__(self) -> str:
+        """Its name and its mean stretch, such as SingleStart(mean=0)."""
+        return f"{type(self).__name__}(mean={self.mean():.6g})"
+
     @property
     def is_single(self) -> bool:
         """Whether all contacts start from one stretch."""
@@ -57,12 +61,16 @@ class GaussianStart(Start):
     def __init__(self, mean: float, std: float) -> None:
         reach = 8.3 * std  # beyond which lie 1e-16 of the weight
         super().__init__(mean, (mean - reach, mean + reach))
+        self._std = std
         norm = std * np.sqrt(2.0 * np.pi)
         self.pdf = lambda x: np.exp(-0.5 * ((np.asarray(x) - mean) / std) ** 2) / norm
         self.cdf = lambda x: scipy.special.ndtr((np.asarray(x) - mean) / std)
         self.sf = lambda x: scipy.special.ndtr((mean - np.asarray(x)) / std)
         self.ppf = lambda q: mean + std * scipy.special.ndtri(q)
         self.isf = lambda q: mean - std * scipy.special.ndtri(q)
+
+    def __repr__(self) -> str:
+        return f"GaussianStart(mean={self.mean():.6g}, std={self._std:.6g})"
 
 
 def gaussian_start(mean: float, std: float) -> Start:

@@ -124,3 +124,18 @@ def test_changes_reach_into_lists_and_leave_the_scene_alone() -> None:
     out = changed(given, {"contacts.thresholds.components[1].value": 3.0, "eq.contacts": 5})
     assert out["contacts"]["thresholds"]["components"][1]["value"] == 3.0
     assert out["eq"] == {"contacts": 5} and parts[1]["value"] == 2.0 and "eq" not in given
+
+
+def test_one_name_offers_all_rooms_and_laws_say_what_they_are() -> None:
+    import mesofriction
+
+    assert [getattr(mesofriction, room).__name__ for room in dir(mesofriction)[1:]] == dir(
+        mesofriction
+    )[1:]
+    assert mesofriction.toolkit is toolkit and mesofriction.__version__ == toolkit.__version__
+    assert {"load", "plot", "run"} <= set(dir(toolkit))
+    with pytest.raises(AttributeError, match="no attribute 'room'"):
+        _ = mesofriction.room
+    contacts = toolkit.load_scene("stick-slip").contacts
+    assert repr(contacts).startswith("Contacts(thresholds=UpperGaussian(mean=1, std=")
+    assert "start=GaussianStart(mean=0, std=0.025)" in repr(contacts)

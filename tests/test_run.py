@@ -55,7 +55,9 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     if "eq" not in tables:
         done = toolkit.run(name)
         found = done.master or done.sweep
-        assert done.eq is None and done.success and np.ptp(found.force) > 0.1 * done.mean_threshold
+        springs = getattr(found, "critical_spring", None)
+        told = found.force / done.mean_threshold if springs is None else springs
+        assert done.eq is None and done.success and np.ptp(told) > 0.1
         return
     tables["eq"] |= {"contacts": 400, "replicas": 4}
     done = toolkit.run(tables)
@@ -346,10 +348,11 @@ FEW_SLIP = (
     "smooth",
     "3 of 3 sliders of 500 contacts slip",
 )
+# an avalanche of the ensemble counts as a slip from a share on that none of these reaches
 NONE_SLIPS = (
-    WEAK_AND_STRONG,
-    {"to": 1.6, "points": 33, "spring": 0.5},
-    {"contacts": 2000, "replicas": 3},
+    {"kind": "gaussian", "mean": 1.0, "std": 0.2},
+    {"to": 6.0, "points": 61, "spring": 0.6},
+    {"contacts": 2000, "replicas": 3, "slip_fraction": 0.999},
     "stick-slip",
     "none of 3 sliders of 2,000 contacts slips",
 )
@@ -382,7 +385,9 @@ def test_a_run_says_where_the_slip_rule_decides() -> None:
         drive = {"to": 15.0, "points": 151, "spring": 0.95, "slip": rule}
         (note,) = toolkit.run(scene(wide, drive=drive)).notes
         assert 'decides: stick-slip with "reset", decaying transient with "reform-after"' in note
-    small = toolkit.run(scene(WEAK_AND_STRONG, drive=NONE_SLIPS[1])).notes
+    small = toolkit.run(
+        scene(WEAK_AND_STRONG, drive={"to": 1.6, "points": 33, "spring": 0.5})
+    ).notes
     (share,) = (note for note in small if note.startswith("the first slip is small"))
     assert 0.001 < float(share.split(" by ")[1].split()[0]) < 0.03
     assert toolkit.run(scene(wide, drive=drive | {"spring": 2.0})).notes == ()

@@ -121,6 +121,28 @@ CONTACT_LAWS: dict[str, Any] = {  # as a scene has it, and as origins
 }
 
 
+def test_columns_of_samples_are_named_and_may_have_decimal_commas(tmp_path: Path) -> None:
+    def mean(text: str, **more: Any) -> float:
+        (tmp_path / "own.txt").write_text(text, encoding="utf-8")
+        law = {"kind": "from-samples", "file": str(tmp_path / "own.txt"), **more}
+        return toolkit.load_scene(scene(law)).contacts.mean_threshold
+
+    plain = mean("1.0\n1.1\n1.3\n")
+    table = "count;x_s;w\n1;1,0;5\n2;1,1;5\n3;1,3;5\n"
+    assert mean(table, column="x_s") == plain == mean(table, column="x_s", weight_column="w")
+    assert mean("# n x_s\n1 1.0\n2 1.1\n3 1.3\n", column="x_s") == plain
+    assert mean("1,0\n1,1\n1,3\n", decimal=",") == plain
+    for text, more, told in (
+        (table, {"column": "x_S"}, "column = 'x_S': is no column of the header; did you mean x_s?"),
+        ("1.0\n2.0\n", {"column": "x_s"}, "is no column of the header; it names 1.0"),
+        ("1,0\n1,1\n", {}, 'write decimal = ","'),
+        ("1.0\n1.1\n", {"decimal": ";"}, "decimal = ';'"),
+    ):
+        with pytest.raises(InputError) as wrong:
+            mean(text, **more)
+        assert told in str(wrong.value)
+
+
 def test_a_damaged_scan_is_told_in_words(tmp_path: Path) -> None:
     """Readers quote the bytes that they cannot read; the message does not."""
     pytest.importorskip("SurfaceTopography")

@@ -73,6 +73,19 @@ class Thresholds:
     cut_weight: float = 0.0
     _support: tuple[float, float] = (0.0, np.inf)
 
+    def __repr__(self) -> str:
+        """The family, its mean, width and ends, such as Gaussian(mean=1, std=0.1, support=(0, inf))."""
+        try:
+            lower, upper = self.support()
+            numbers = (
+                f"mean={self.mean():.6g}, std={self.std():.6g}, support=({lower:.6g}, {upper:.6g})"
+            )
+        except (
+            ValueError
+        ):  # of a law whose numbers are out of reach; a refusal is a ValueError, too
+            numbers = "..."
+        return f"{type(self).__name__}({numbers})"
+
     def support(self) -> tuple[float, float]:
         """Ends (lower, upper) of the support; upper may be inf."""
         return self._support

@@ -13,6 +13,7 @@ import origins
 from origins.errors import InputError, finite, finite_array, one_of, pair, positive, refuse, whole
 from origins.roughness.surface import METRES, Topography, as_topography
 from toolkit.scene.laws import read_file, read_text
+from toolkit.scene.tables import did_you_mean
 
 
 def from_samples(
@@ -21,8 +22,9 @@ def from_samples(
     f_s: Sequence[float] | None = None,
     file: str | None = None,
     quantity: str = "x_s",
-    column: int | None = None,
-    weight_column: int | None = None,
+    column: int | str | None = None,
+    weight_column: int | str | None = None,
+    decimal: str = ".",
     coefficient: float | None = None,
     stiffness: float | None = None,
     weights: Sequence[float] | None = None,
@@ -33,28 +35,48 @@ def from_samples(
     `file` is relative to the scene's folder; its columns, separated by semicolons, or by blanks or commas, count from
     1: `column` has the values, x_s or f_s by `quantity`, and may be left out if it is the only one; `weight_column` has
     the weights. With semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a comment, and the
-    first line may be a header of text. Raises InputError.
+    first line may be a header of text, whose words name columns, too. `decimal = ","`: every comma is a decimal one.
+    Raises InputError.
     """
     given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
     if file is None:
-        if (column, weight_column, quantity) != (None, None, "x_s"):
-            hint = "quantity, column and weight_column say what a file holds; leave them out without one"
+        if (column, weight_column, quantity, decimal) != (None, None, "x_s", "."):
+            hint = "quantity, column, weight_column and decimal say what a file holds; leave them out without one"
             raise InputError(f"from_samples: {hint}")
     else:
         if any(values is not None for values in given.values()):
             refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
         one_of("quantity", quantity, ("x_s", "f_s"))
+        one_of("decimal", decimal, (".", ","))
         lines = read_file("file", file, folder, comm, read_text).splitlines()
-        given[quantity] = _column(file, lines, quantity, column)
+        place = _place("column", column, lines)
+        given[quantity] = _column(file, lines, quantity, place, decimal)
         if weight_column is not None:
-            if weight_column == (column or 1):
+            other = _place("weight_column", weight_column, lines)
+            if other == (place or 1):
                 refuse("weight_column", weight_column, "is that of the samples; name another")
-            given["weights"] = _column(file, lines, "weights", weight_column)
+            given["weights"] = _column(file, lines, "weights", other, decimal)
     return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
 
 
-def _column(file: str, lines: list[str], name: str, place: int | None) -> list[float]:
+def _place(key: str, column: int | str | None, lines: list[str]) -> int | None:
+    """The number of a column that is named by the header, the first line with text, which may begin with #; InputError
+    where it names no such column."""
+    if not isinstance(column, str):
+        return column
+    header = next((line for line in lines if line.strip()), "").strip().lstrip("#").strip()
+    names = [word.strip().strip("\"'") for word in re.split(r"[;,\t]", header)]
+    names = names if len(names) > 1 else header.split()
+    if column not in names:
+        hint = f"is no column of the header; {did_you_mean(column, names)}it names"
+        refuse(key, column, f"{hint} {shorten(', '.join(names), 100, placeholder=' ...')}")
+    return names.index(column) + 1
+
+
+def _column(file: str, lines: list[str], name: str, place: int | None, decimal: str) -> list[float]:
     """The values of this column, counted from 1 (None: of the only one)."""
+    if decimal == ",":
+        lines = [line.replace(",", ".") for line in lines]
     numbered = enumerate((_words(line.partition("#")[0]) for line in lines), start=1)
     rows = [(number, row) for number, row in numbered if row]
     if rows and np.isnan(rows[0][1]).all() and not re.match(r"\W*\d", lines[rows[0][0] - 1]):
@@ -63,7 +85,7 @@ def _column(file: str, lines: list[str], name: str, place: int | None) -> list[f
         refuse("file", file, "holds no numbers; write one value a line")
     width = len(rows[0][1])
     if place is None and all(re.fullmatch(r"\s*\d+,\d+\s*", lines[n - 1]) for n, _ in rows):
-        hint = "a decimal comma? write 1.0238; two columns? say which, as column = 2"
+        hint = """a decimal comma? write decimal = ","; two columns? say which, as column = 2"""
         refuse("file", file, f"holds two whole numbers a line, parted by a comma: {hint}")
     if place is None and width > 1:
         refuse("file", file, f"holds {width} columns; say which has {name}, as column = {width}")
