@@ -94,7 +94,8 @@ def follow(
     """Pull the slider until it has slipped five times or slides steadily.
 
     static : about the largest force, F_s/(N_c <k>) (a length); wall_time : s
-    A combination that the solver does not take is "undecided", and its message says why.
+    A combination that the solver does not take is "undecided", and its message says why; with a mass and a long delay
+    the ensemble is followed then, and where the master equation does not end within half of the time.
     """
     import master
 
@@ -102,7 +103,9 @@ def follow(
     begin = contacts.start.mean() / machine.spring
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     tolerance = TOLERANCE_IN_TIME if in_time else TOLERANCE
-    found, until = _refused(rule, "no time was left"), time.monotonic() + wall_time
+    alone = not _by_contacts(machine, contacts, rule)
+    found, until = _refused(rule, "no time was left"), time.monotonic()
+    until += wall_time if alone else 0.5 * wall_time
     for loadings in LOADINGS:
         path = begin + np.linspace(0.0, loadings * loading, POINTS)
         if (left := until - time.monotonic()) <= 0.0:
@@ -112,26 +115,30 @@ def follow(
                 contacts, path, tolerance, wall_time=left, **machine.keywords(rule)
             )
         except InputError as error:
-            by_contacts = follow_by_contacts(machine, contacts, rule, loading)
-            return _refused(rule, str(error)) if by_contacts is None else by_contacts
+            found = _refused(rule, str(error))
+            break
         found = _behaviour(rule, solved)
         if found.kind != "undecided" or not solved.success:
             break
+    if found.kind == "undecided" and not found.success and not alone:
+        return follow_by_contacts(machine, contacts, rule, loading)
     return found
+
+
+def _by_contacts(machine: Machine, contacts: Contacts, rule: str) -> bool:
+    """Whether the ensemble may take the place of the master equation: with a mass and a delay far above the time of a
+    slip, π (M/K)^(1/2). Else contacts re-form while it goes on, and break again at every threshold that it passes."""
+    slip_time = np.pi * np.sqrt((machine.mass or 0.0) / machine.spring)
+    others = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
+    return rule == "mass" and not others and contacts.waiting_time >= LONG_DELAY * slip_time
 
 
 def follow_by_contacts(
     machine: Machine, contacts: Contacts, rule: str, loading: float
-) -> Behaviour | None:
-    """Sliders with mass and a delay by the ensemble, as the master equation does not take it; `loading`: way of the
-    drive up to the static force. None where the delay is not far above the time of a slip, π (M/K)^(1/2): then contacts
-    re-form while it goes on, and break again at every threshold that it passes."""
+) -> Behaviour:
+    """Sliders with mass and a delay by the ensemble; `loading`: way of the drive up to the static force."""
     import eq_model
 
-    slip_time = np.pi * np.sqrt((machine.mass or 0.0) / machine.spring)
-    others = {"thermal", "ageing", "grains"}.intersection(contacts.laws)
-    if rule != "mass" or others or contacts.waiting_time < LONG_DELAY * slip_time:
-        return None
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS[0] * loading, POINTS)
     asked = {"n_contacts": CONTACTS, "n_replicas": SLIDERS, "seed": 1} | machine.keywords(rule)
     found = eq_model.simulate(contacts, path, threads=cores_of(None), **asked)

@@ -192,7 +192,7 @@ def dependence(verdict: Verdict) -> list[str]:
         if behaviour.message.startswith("by the ensemble"):
             lines.append(
                 f"the slips are means {behaviour.message}, with a standard error of some "
-                f"{behaviour.error:.0e} <x_s>: the master equation takes no delay beside a mass"
+                f"{behaviour.error:.0e} <x_s>: the master equation takes no such slider, or not in time"
             )
         if not behaviour.success:
             lines.append(f"not as asked, {NAMED[behaviour.rule]}: {behaviour.message}")
