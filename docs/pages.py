@@ -21,7 +21,12 @@ ROOMS = ("origins", "master", "eq_model", "toolkit")
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """All pages and pictures of the site."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8").replace("](docs/", "](")
+    readme = (
+        (ROOT / "README.md")
+        .read_text(encoding="utf-8")
+        .replace("](docs/", "](")
+        .replace(".ipynb)", ".md)")
+    )
     pages = {"index.md": readme, "gallery.md": gallery()}
     for notebook in (ROOT / "docs").glob("*.ipynb"):
         pages[f"{notebook.stem}.md"] = of_notebook(notebook)

@@ -1,10 +1,12 @@
 """The paper's figures: each is drawn from a shipped scene, and its number agrees with an exact result."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from scenes import said
@@ -14,6 +16,12 @@ from toolkit.figures.paper import DRAW, labels_of
 from toolkit.scene.paper import PAPER_FIGURES
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
+PAGE = (Path(__file__).parents[1] / "docs" / "paper-figures.md").read_text(encoding="utf-8")
+# number, label, scenes, what, here, exact
+ROW = re.compile(
+    r"^\| (\d+) \| (\w+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]*) \|$", re.MULTILINE
+)
+ROWS = {row[1]: row for row in ROW.findall(PAGE)}
 SLOW = (
     "A04",
     "A05",
@@ -33,6 +41,10 @@ def test_number_agrees(label: str) -> None:
     figure = Figure()
     found = DRAW[label](figure)
     assert found.agrees, found
+    _, _, _, what, here, exact = ROWS[label]
+    assert what == found.what and float(here) == pytest.approx(found.value, rel=1e-5)
+    assert float(exact or "nan") == pytest.approx(found.exact or np.nan, rel=1e-5, nan_ok=True)
+    assert not found.remark or PAGE.count(f"| {PAPER_FIGURES[label].number}, {label} |") == 1
     assert len(figure.axes) >= 1 and all(axes.has_data() for axes in figure.axes)
     if found.exact is not None:  # a reference that is off would be seen
         assert found.off <= 0.01 * abs(found.exact)
@@ -45,6 +57,10 @@ def test_every_figure_with_data_has_its_scene_and_number() -> None:
     assert list(PAPER_FIGURES) == [*labels_of([])] and set(DRAW) == set(PAPER_FIGURES)
     assert [one.number for one in PAPER_FIGURES.values()] == list(range(2, 25))
     assert {name for one in PAPER_FIGURES.values() for name in one.scenes} <= set(shipped_scenes())
+    assert list(ROWS) == list(PAPER_FIGURES)
+    for label, one in PAPER_FIGURES.items():
+        number, _, scenes, *_ = ROWS[label]
+        assert int(number) == one.number and tuple(re.findall(r"`([^`]+)`", scenes)) == one.scenes
     # scenes say so themselves, except where the figure differs in one key
     for label, one in PAPER_FIGURES.items():
         text = (SHIPPED / f"{one.scenes[0]}.toml").read_text(encoding="utf-8")
