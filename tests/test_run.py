@@ -48,8 +48,8 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
-    if "mass" in tables.get("drive", {}) and "master" not in tables:
-        return  # test_slider_scenes.py: the ensemble alone takes a delay beside a mass
+    if "mass" in tables.get("drive", {}):
+        return  # test_slider_scenes.py
     if name == "eyring":
         return  # test_eyring.py: 63 surfaces
     if "eq" not in tables:
