@@ -44,7 +44,7 @@ def test_the_delay_decides_between_smooth_sliding_and_stick_slip() -> None:
     assert force.mean() == pytest.approx(kinetic, rel=0.01) and np.ptp(force) < 0.15 * kinetic
     one, other = ((run.eq.slips.drop, run.eq.slips.force_after) for run in (partial, full))
     slips = partial.eq.slips.drop > 0.1 * length
-    assert slips.sum() >= 3 and (one[0][slips] < partial.eq.slips.force_before[slips]).all()
+    assert slips.sum() >= 2 and (one[0][slips] < partial.eq.slips.force_before[slips]).all()
     assert (one[1][slips] > 0.0).all() and (one[1][slips] < 0.3 * kinetic).all()
     # a free swing beyond the drive: damping 20 N s/m beside 2 (1e5 N/m 0.1 kg)^(1/2) = 200
     ratio = 20.0 / 200.0
