@@ -19,6 +19,25 @@ from origins.thresholds.law import Array
 # How far F is followed, in units of `unit_of`: for UNITS, and to one unit beyond the longest way that more than
 # the share OLD of the contacts in steady sliding have lived through, but for at most MOST_UNITS.
 UNITS, OLD, MOST_UNITS = 10.0, 1e-6, 1000.0
+# Accuracies of F, in that asked for, with which slopes are tried until they are good.
+FINER = 1.0, 1e-2, 1e-4
+# A slope is asked for to this part of its tolerance in F: an error e of a polynomial of degree n on a panel of width w
+# makes errors of up to 2 n² e/w. Beside a density that diverges F is solved to no better than LEAST_ASKED, in units of
+# `unit_of`, as more takes long and the slope is infinite anyhow.
+FOR_SLOPE, LEAST_ASKED = 1e-3, 1e-6
+# Accuracy of the table of E in the tolerance of slopes, which lose some four digits; and the finest one.
+FOR_TABLE, FINEST_TABLE = 1e-6, 1e-13
+# Least largest force of a contact, in mean thresholds: less would make the march's tolerance finer than rounding.
+LEAST_FORCE = 0.1
+# Round-off of the number of breaks on a panel, a share of the contacts.
+BREAKS_ROUNDED = 2e-15
+# Width of a panel, in typical lives, below which the change of F on it is rounding, and so would be its slope.
+NARROW = 1e-6
+# The largest value on a panel is searched by so many rounds of so many points, each between the neighbours of the best
+# one: then its place is known to 1e-6 of a panel.
+ROUNDS, LOOKED_AT = 5, 33
+# Where generations of breaks do not overlap, F is followed by this part of a mean threshold beyond the last break.
+BEYOND_BREAKS = 0.01
 
 
 class Largest(NamedTuple):
@@ -44,12 +63,10 @@ def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = 
     cycle = cycle_table(contacts, speed, tolerance)
     horizon, followed = _horizon(cycle)
     unit, diverges = unit_of(cycle), _diverges(contacts, cycle.life.bends)
-    # an error e of a polynomial of degree n on a panel of width w makes errors of up to 2 n^2 e / w of its slope:
-    # panels are solved to a thousandth of the slope's tolerance; beside densities that diverge, 1e-6 takes long
-    asked = max(tolerance, 1e-6) if diverges else 1e-3 * tolerance
+    asked = max(tolerance, LEAST_ASKED) if diverges else FOR_SLOPE * tolerance
     asked *= unit / contacts.mean_threshold
     solved_to = np.inf
-    for finer in (1.0, 1e-2, 1e-4):
+    for finer in FINER:
         march = forward_march(cycle, horizon, finer * asked, until)
         if march.tolerance >= solved_to:  # the finest already
             break
@@ -73,7 +90,7 @@ def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = 
 
 def cycle_table(contacts: Contacts, velocity: float, tolerance: float) -> Cycle:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
-    accuracy = max(1e-6 * tolerance, 1e-13)  # a slope loses some four digits
+    accuracy = max(FOR_TABLE * tolerance, FINEST_TABLE)
     return Cycle(contacts, steady_life(contacts, velocity), velocity, accuracy)
 
 
@@ -82,9 +99,8 @@ def forward_march(cycle: Cycle, horizon: float, tolerance: float, until: float =
     the tolerance of the force, in mean thresholds, is limited by the error of the survival."""
     contacts, life, mean = cycle.contacts, cycle.life, cycle.contacts.mean_threshold
     motion = Motion(np.array([0.0, horizon / cycle.velocity]), np.array([0.0, horizon]))
-    # with heat contacts break long before they reach the longest stretch; a limit below a tenth of the mean
-    # threshold would make the march's tolerance finer than rounding
-    most = max(max(abs(end) for end in contacts.start.span) + cycle.most, 0.1 * mean)
+    # with heat contacts break long before they reach the longest stretch
+    most = max(max(abs(end) for end in contacts.start.span) + cycle.most, LEAST_FORCE * mean)
     known = cycle.survival_error + (0.0 if life.quick else float(cycle.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves
     finest = max(
@@ -110,8 +126,7 @@ def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]
     """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `cycle` as in `forward_march`."""
     begin, width = cycle.velocity * np.array([march.begin, march.width])
     series = np.array(march.force) @ polynomials.TO_LEGENDRE.T
-    # 2e-15: round-off of the number of breaks on a panel
-    errors = (np.maximum(march.error, 2e-15) + march.unseen_error) * march.stretch
+    errors = (np.maximum(march.error, BREAKS_ROUNDED) + march.unseen_error) * march.stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
     # over which contacts break: conservation puts the number right at the panel's end
     shifted = np.maximum.accumulate(errors * np.minimum(width / cycle.resolution_length, 1.0))
@@ -120,8 +135,7 @@ def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]
     force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
         return Largest(np.inf, 0.0, march.lumps[1].time * cycle.velocity), force
-    # on panels narrower than this the change of F is rounding, and so would be its slope
-    wide = width > min(1e-6 * cycle.typical, 0.5 * width.max())
+    wide = width > min(NARROW * cycle.typical, 0.5 * width.max())
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
     errors = 2.0 * polynomials.DEGREE**2 * errors / width + shifted / cycle.resolution_length
     fall = _largest(slopes, errors[wide], begin[wide], width[wide])
@@ -131,11 +145,11 @@ def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]
 def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Largest:
     """The largest value of all panels' Legendre series, which have these errors."""
     low, high, rows = -np.ones(begin.size), np.ones(begin.size), np.arange(begin.size)
-    for _ in range(5):  # then the place is known to 1e-6 of a panel
-        z = np.linspace(low, high, 33, axis=1)
+    for _ in range(ROUNDS):
+        z = np.linspace(low, high, LOOKED_AT, axis=1)
         values = polynomials.legendre_sum(series, z)
         at = values.argmax(axis=1)
-        low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, 32)]
+        low, high = z[rows, np.maximum(at - 1, 0)], z[rows, np.minimum(at + 1, LOOKED_AT - 1)]
     best = values.max(axis=1)
     k = int(best.argmax())
     error = max(float((best + errors).max() - best[k]), float(best[k] - (best - errors).max()))
@@ -148,9 +162,11 @@ def _horizon(cycle: Cycle) -> tuple[float, bool]:
     life, contacts, elsewhere = cycle.life, cycle.contacts, any(cycle.born.span)
     low, high = contacts.start.span
     if life.largest_stretch - low < 2.0 * life.safe_stretch - high - max(cycle.born.span[1], 0.0):
-        # the last contact breaks before any breaks for the second time: F is followed for 0.01 mean thresholds beyond
+        # the last contact breaks before any breaks for the second time
         second = life.largest_stretch - cycle.born.span[0] + cycle.wait if elsewhere else 0.0
-        return life.largest_stretch - min(low, 0.0) + second + 0.01 * contacts.mean_threshold, True
+        return life.largest_stretch - min(
+            low, 0.0
+        ) + second + BEYOND_BREAKS * contacts.mean_threshold, True
     unit, begin, end = unit_of(cycle), cycle.table.begin, cycle.table.end
     old = end[cycle.table(begin)[0] * end > OLD * cycle.length].max(initial=0.0)
     furthest = max(UNITS * unit, old + unit)

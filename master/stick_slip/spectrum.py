@@ -22,6 +22,8 @@ from origins.thresholds.tail import tail_rate
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
+# Rate at which roots crowd, times the mean way from birth to birth, below which exact values leave no slowest root.
+LEAST_CROWDING = 1e-2
 # Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd everywhere.
 LONGEST_DELAY = 400.0
 
@@ -111,8 +113,8 @@ def decoherence_spectrum(
     next_decay = float(-roots[n_roots].real) if roots.size > n_roots else searched
     # at X = 0 grains are older than those just pinned, at the same stretch, too
     if contacts.grains is not None or not (start.is_single and start.span == cycle.born.span):
-        way = Cycle(contacts, cycle.life, velocity, born=start)
-        of_start = Transform(way, -float(s.real.min(initial=0.0)))
+        from_start = Cycle(contacts, cycle.life, velocity, born=start)
+        of_start = Transform(from_start, -float(s.real.min(initial=0.0)))
     root_error = transform(s).root_error()
     beside = np.append(s, s + root_error)
     values, first = transform(beside), of_start(beside)
@@ -146,7 +148,7 @@ def _deepest(cycle: Cycle) -> float:
         fault = f"{grown}contacts wait for {wait / cycle.length:.3g} times as long as they hold"
         refuse("velocity", cycle.velocity, f"{fault}; roots are told to {LONGEST_DELAY:g} times")
     crowd, tail = crowding(cycle), tail_rate(contacts.thresholds)[0]
-    if crowd * cycle.birth_to_birth < 1e-2:
+    if crowd * cycle.birth_to_birth < LEAST_CROWDING:
         fault = "so much of their weight is in exact values alone: their roots come as near to Re s = 0 as one likes"
         hint = "and none is the slowest; give each a width, or follow F(X) with master.solve"
         raise InputError(f"thresholds: {fault}, {hint}")

@@ -30,8 +30,26 @@ from origins.thresholds.quadrature import finite_density, panel_edges
 
 # Nodes and weights on (0, 1) of the integral over fresh thresholds.
 _INNER, _INNER_WEIGHTS = polynomials.gauss(12).nodes, polynomials.gauss(12).series[:, 0]
-# Shares of the contacts below which: none is taken to hold; a panel's breaks are left out.
+# Share of the contacts below which none is taken to hold: rounding of a survival. And below which a panel's breaks are
+# left out: some hundred of them are not seen beside that.
 _NOTHING, _FEWEST = 1e-14, 1e-18
+# Most relaxations of thresholds while the slider moves by one length: panels are a tenth of one at first.
+_MOST_RELAXED = 1e10
+# Least diffusion, in mean fresh thresholds times the speed: less moves no threshold by its rounding.
+_LEAST_DIFFUSION = 1e-28
+# Standard deviations of the final law beyond the furthest threshold within which all of them stay: normal tails.
+_ALL_WITHIN = 12.0
+# e^-LOG_MET of the thresholds are met after so long that a level which recedes at the speed u has outrun the others: a
+# threshold spreads by (4 D t)^(1/2), the level goes u t, and e^-(u t)²/4Dt is e^-40 at t = 160 D/u².
+_LOG_MET = 40.0
+# Part of the shortest time in which a survival changes that the root of the first panel's end is.
+_FIRST_PART = 0.1
+# A panel whose last coefficients hardly fell since it was halved, and are below _ROUNDED, resolves rounding only.
+_HARDLY, _ROUNDED = 0.3, 1e-9
+# Factor on the width of the next panel after a good one, and after one on which hardly any contact breaks.
+_WIDER, _FAR_WIDER, _HARDLY_ANY = 2.0, 16.0, 1e-3
+# A smooth law takes some 50 panels.
+_MOST_PANELS = 4000
 
 
 class _Segment(NamedTuple):
@@ -80,9 +98,9 @@ class Passage:
         if not float(fresh.sf(least)) > 0.0:
             refuse("start", start, "lies beyond every threshold; contacts there hold nothing")
         # less ageing has no effect in floating point
-        self._diffusion = max(ageing.rate, 1e-28 * fresh.mean() * fastest)
+        self._diffusion = max(ageing.rate, _LEAST_DIFFUSION * fresh.mean() * fastest)
         self._mean, self._std, self._pull = normal.mean, normal.std, self._diffusion / normal.std**2
-        if self._pull * normal.mean > 1e10 * fastest > 0.0:
+        if self._pull * normal.mean > _MOST_RELAXED * fastest > 0.0:
             hint = f"relaxes thresholds 1e10 times while the slider moves by one at the speed {fastest:g}"
             refuse("rate", ageing.rate, f"{hint}, too often to follow; slide faster")
         self.age, self.stretch, self.left = 0.0, start, 1.0
@@ -91,7 +109,7 @@ class Passage:
         self._fresh, self._held, above = fresh, float(fresh.sf(least)), fresh.atoms[0] > least
         self._values, self._weights = (part[above] for part in fresh.atoms)
         self._pieces = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
-        self._furthest = max(float(fresh.isf(1e-16)), normal.mean) + 12.0 * normal.std
+        self._furthest = max(float(fresh.isf(1e-16)), normal.mean) + _ALL_WITHIN * normal.std
         # of the last coefficients of integrals over earlier breaks, whose errors are far smaller
         self._resolved = min(100.0 * accuracy, 1e-8)
         self._accuracy, self._segments, self._panels = accuracy, list[_Segment](), list[_Panel]()
@@ -133,12 +151,12 @@ class Passage:
     def _march(self, here: _Segment) -> None:
         """Add the panels of the last segment, until hardly any contact holds."""
         speed, last = abs(here.slope), here.root
-        # speed u at which the level recedes from all thresholds: of these fewer than e^-40 are met after t = 160 D/u²
+        # the speed at which the level recedes from all thresholds; see _LOG_MET
         recedes = -here.slope - self._pull * max(self._furthest - self._mean, 0.0)
         if recedes > 0.0:
-            last = min(last, float(np.sqrt(160.0 * self._diffusion)) / recedes)
+            last = min(last, float(np.sqrt(4.0 * _LOG_MET * self._diffusion)) / recedes)
         least = min(self._diffusion / speed, 0.1 * self._std) / speed if speed else np.inf
-        first = 0.1 * float(np.sqrt(min(1.0 / self._pull, least)))
+        first = _FIRST_PART * float(np.sqrt(min(1.0 / self._pull, least)))
         few = bool(self._panels) and abs(self._panels[-1].breaks) < self._accuracy  # near the level
         width, low, before = max(first, 0.25 * last) if few else first, 0.0, np.inf
         while last - low > 1e-12 * last and self.left > _NOTHING:  # less is rounding
@@ -148,7 +166,7 @@ class Passage:
             early, tail = (
                 np.abs(series[-k:]).max() * step / (2.0 * polynomials.DEGREE) for k in (6, 2)
             )
-            rounded = 0.3 * before < tail < 1e-9  # hardly less than on twice the panel
+            rounded = _HARDLY * before < tail < _ROUNDED
             if tail > self._accuracy and not rounded and step > 0.3 * first:
                 width, before = 0.5 * step, tail
                 continue
@@ -158,9 +176,9 @@ class Passage:
             low, self.left = low + step, self.left - breaks
             self._tails += float(tail)
             self.error = self._tails + self._missed
-            wider = 16.0 if breaks < 1e-3 * self._accuracy else 2.0
+            wider = _FAR_WIDER if breaks < _HARDLY_ANY * self._accuracy else _WIDER
             width, before = step * (wider if early < self._accuracy or rounded else 1.0), np.inf
-            if len(self._panels) > 4000:  # a smooth law takes some 50
+            if len(self._panels) > _MOST_PANELS:
                 raise InputError("ageing: needs 4000 panels; use smoother fresh thresholds")
 
     def _panel(self, low: float, width: float) -> Array:
