@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import master
-from origins import Contacts, gaussian
+from origins import Contacts, InputError, gaussian
 from tests.scenes import CONSTANTS, ROUGH, said, write
 from toolkit.scene.scale import scale_of, written
 from toolkit.scene.scene import load_scene
@@ -106,6 +106,26 @@ def test_mass_and_delay_decide_in_place_of_a_slip_rule(capsys: Any) -> None:
     assert status == 0 and slips["kind"] == "stick-slip" and page.count("stick-slip") >= 1
     assert slips["slip_time"] == pytest.approx(np.pi, rel=0.05)
     assert -1.0 < slips["after"] / slips["before"] < -0.6
+
+
+def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    """A slip takes half a period of mass and spring, and the page says whose slips they are."""
+    drive = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-4}
+    contacts = {
+        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2},
+        "delay": {"time": 30.0},
+    }
+
+    def refused(*arguments: Any, **named: Any) -> None:
+        raise InputError("mass: not in time")
+
+    monkeypatch.setattr(master, "solve", refused)
+    _, page, found = judged(capsys, contacts=contacts, drive=drive)
+    (slips,) = found["readings"][0]["behaviours"]
+    assert slips["kind"] == "stick-slip" and "by the ensemble, 4 sliders" in page
+    assert slips["slip_time"] == pytest.approx(np.pi, rel=0.05)
 
 
 def test_many_contacts_do_what_infinitely_many_do(capsys: Any) -> None:
