@@ -313,8 +313,8 @@ REFUSED = [
         "slip = 'reset': mass, damping and the contacts' delay",
     ),
     (
-        lambda: master.solve(Contacts(GAUSSIAN, delay=Delay(1.0)), [1.0], spring=1.0, mass=1.0),
-        "mass = 1.0: the master equation follows a slider with mass at T = 0 without laws",
+        lambda: master.solve(Contacts(GAUSSIAN, thermal=PAPER), [1.0], spring=1.0, mass=1.0),
+        "mass = 1.0: the master equation follows a slider with mass at T = 0, with no law but a delay",
     ),
     (
         lambda: simulate(spring=1.0, mass=1.0, laws={"thermal": PAPER}),
