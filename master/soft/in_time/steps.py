@@ -1,8 +1,12 @@
 """Steps: one step of a slider that a spring pulls, K (X_T - X) = F, and where a slip begins.
 
-This is pseudo-arclength continuation. The size of a step is its travel in units of `Steps.length` plus its steps of
-time (see StepCount), so that steps are even both where the slider creeps and just before a slip, where dX/dt
-diverges. A slip begins at a fold, where the time of balance, as a function of the size, is the latest.
+A step has a size, and two parts that add up to it: the travel of the slider, in units of `Steps.length`, and steps of
+time (see StepCount). The size is chosen; the balance of forces decides how much of it is time. So steps are even both
+where the slider creeps, and nearly all is time, and just before a slip, where dX/dt diverges and nearly all is travel
+(pseudo-arclength continuation).
+
+A slip begins where a longer step would end earlier: at a fold, where the time of balance, as a function of the size, is
+the latest, or where contacts at an exact threshold break and there is no balance from then on.
 
 A slider whose balance has other terms, such as inertia, is a subclass of Steps with an `imbalance` of its own.
 """
@@ -90,8 +94,8 @@ class Steps:
         self.length, self.sign = CONTROL.coarsest * contacts.memory.scales.length, 1.0
         ageing = contacts.memory.finer_before_slips
         self._accuracy = CONTROL.balance_of_ageing if ageing else CONTROL.balance
-        # first guess of how fast the imbalance grows with the steps of time (a length)
-        self._slope = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
+        # how fast the imbalance grows with the steps of time (a length), at first a guess
+        self._imbalance_per_time = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
 
     def begin(self, leg: int, end: float) -> None:
         """Begin steps on a leg of the drive's motion, smooth up to the time `end`."""
@@ -103,8 +107,8 @@ class Steps:
             stuck = abs(speed) * self.spring / (1.0 + self.spring)
             uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.coarsest
         self._count, self._end = StepCount(self._contacts.now, end, uniform, scales.time), end
-        # the fraction of its size that the last step took in steps of time, and a guess of the next one's
-        self._time_fraction, self._guess, self.shrink = np.nan, 0.5, 1.0
+        # the fraction of its size that the last step took in steps of time, unknown yet, and a guess of the next one's
+        self._last_time_fraction, self._time_fraction, self.shrink = np.nan, 0.5, 1.0
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
@@ -124,23 +128,28 @@ class Steps:
         return float(self.sign * (self.spring * stretch - trial.force))
 
     def step(self, size: float) -> BalancedStep:
-        """The balanced step of this size, or up to the section's end."""
-        now, slope = self._contacts.now, self._slope
-        done, tried = self._count.steps(now), list[Trial]()
+        """The balanced step of this size, or up to the section's end.
+
+        The root is looked for in the number of its steps of time. Below 0, as time does not go back, the imbalance goes
+        on as a straight line: a root there says that there is no balance from now on.
+        """
+        now, slope = self._contacts.now, self._imbalance_per_time
+        steps_so_far, last = self._count.steps(now), list[Trial]()
 
         def imbalance(time_steps: float) -> float:
-            """The imbalance, continued to below 0 by a straight line, as time does not go back."""
             later, back = max(time_steps, 0.0), min(time_steps, 0.0)
-            time = max(self._count.time(done + later), now) if later else now
-            tried[:] = [self._contacts.trial(self.sign * self.length * (size - later), time)]
-            return self.imbalance(tried[0]) + slope * back
+            time = max(self._count.time(steps_so_far + later), now) if later else now
+            last[:] = [self._contacts.trial(self.sign * self.length * (size - later), time)]
+            return self.imbalance(last[0]) + slope * back
 
         accuracy = self._accuracy * size
-        found, self._slope = secant(imbalance, self._guess * size, slope, accuracy)
+        found, self._imbalance_per_time = secant(
+            imbalance, self._time_fraction * size, slope, accuracy
+        )
         if found < 0.0 and self._contacts.memory.exact:
             found = _before_exact(imbalance, size, accuracy, found)
             imbalance(found)
-        return BalancedStep(found, tried[0])
+        return BalancedStep(found, last[0])
 
     def up_to_slip(self, step: BalancedStep, size: float) -> tuple[Trial, bool]:
         """The step that was asked for with this size, or that up to a slip that begins within it; and whether one
@@ -148,26 +157,33 @@ class Steps:
         size = min(size, self.size(step.trial)) if step.trial.now > self._contacts.now else size
         looks_beyond = self._contacts.jumps and step.time_steps > 0.0
         longest = CONTROL.beyond_jump * size if looks_beyond else size
-        if self._sticks(step, size, longest):
+        slips = self._ends_earlier(step, size, longest) if looks_beyond else self._slips(step, size)
+        if not slips:
             self._foresee(step.time_steps / size, size)
             return step.trial, False
-        trial = self._onset(size, longest)
+        trial = self._latest(size, longest)
+        last = self._last_before_exact(size, longest) if self._contacts.memory.exact else None
+        if last is not None and last.now > trial.now:
+            trial = last
         return trial, trial.now < self._end  # where the section ends, a slip may still be to come
 
     def _travelled(self, trial: Trial) -> float:
         """The part of a step's size that is travel."""
         return self.sign * trial.travel / self.length
 
-    def _sticks(self, step: BalancedStep, size: float, longest: float) -> bool:
-        """Whether no slip begins before the end of the step."""
-        if (
-            longest > size
-        ):  # where P_c jumps F falls at once: right behind, longer steps take less time
-            return self.step(longest).time_steps >= size - self._travelled(step.trial)
-        # far from a slip the slider follows the drive; nearer, a slip is to come where a shorter step takes less time
-        least = CONTROL.far_from_slip * CONTROL.drive_weight * size
-        shorter = CONTROL.before_fold * size
-        return step.time_steps > least or 0.0 < step.time_steps > self.step(shorter).time_steps
+    def _ends_earlier(self, step: BalancedStep, size: float, longer: float) -> bool:
+        """Whether a step that is longer than this one ends earlier: behind a jump of P_c, where F falls at once."""
+        return self.step(longer).time_steps < size - self._travelled(step.trial)
+
+    def _slips(self, step: BalancedStep, size: float) -> bool:
+        """Whether a slip begins before the end of a step of this size."""
+        # far from a slip the slider follows the drive, and this part of the size is time
+        if step.time_steps > CONTROL.far_from_slip * CONTROL.drive_weight * size:
+            return False
+        if step.time_steps <= 0.0:
+            return True
+        # nearer, a fold lies within the step where a shorter one takes as much time or more
+        return self.step(CONTROL.before_fold * size).time_steps >= step.time_steps
 
     def _foresee(self, time_fraction: float, size: float) -> None:
         """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.
@@ -175,30 +191,34 @@ class Steps:
         Steps become finer within four of the coarsest before a slip of contacts that age: their thresholds cross |x|
         step by step, and the slip would depend on where those steps end.
         """
-        change = float(np.nan_to_num(time_fraction - self._time_fraction))
-        self._time_fraction, self._guess, self.shrink = time_fraction, time_fraction + change, 1.0
+        change = float(np.nan_to_num(time_fraction - self._last_time_fraction))
+        self._last_time_fraction, self._time_fraction = time_fraction, time_fraction + change
+        self.shrink = 1.0
         if self._contacts.memory.finer_before_slips and change < 0.0:
             to_slip = CONTROL.nearing * time_fraction * size / -change
             self.shrink = min(max(to_slip, CONTROL.least_shrink), 1.0)
 
-    def _onset(self, size: float, longest: float) -> Trial:
-        """The step up to the slip: that which takes the most time, or the last before exact thresholds break."""
+    def _latest(self, size: float, longest: float) -> Trial:
+        """The step up to a fold: that which takes the most time."""
         found = minimize_scalar(
             lambda at: -self.step(at).time_steps,
             bounds=(0.0, longest),
             options={"xatol": CONTROL.onset * size},
         )
-        trial = self.step(float(found.x)).trial
-        low, high = 0.0, longest if self._contacts.memory.exact else 0.0
+        return self.step(float(found.x)).trial
+
+    def _last_before_exact(self, size: float, longest: float) -> Trial | None:
+        """The longest step after which there still is a balance, before exact thresholds break, by bisection; None
+        where there is none at once."""
+        low, high = 0.0, longest
         while high - low > CONTROL.last_jump * size:
             middle = 0.5 * (low + high)
             time_steps = self.step(middle).time_steps
             if time_steps > 0.0:
-                low, self._guess = middle, time_steps / middle
+                low, self._time_fraction = middle, time_steps / middle
             else:
                 high = middle
-        last = self.step(low).trial if low else trial
-        return max(trial, last, key=lambda each: each.now)
+        return self.step(low).trial if low else None
 
 
 def _before_exact(
