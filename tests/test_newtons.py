@@ -1,12 +1,13 @@
 """Forces and springs of a surface in newtons of its area and pascals without one: results, tables and reports."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from scenes import GAUSSIAN, ROUGH, said, scene, write
+from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 
 import toolkit
 from origins.errors import InputError
@@ -92,3 +93,57 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert with_uncertainty(0.2512, 3e-3, "N") == "251 mN ± 3 mN"
     assert with_uncertainty(0.2512, 3e-9, "N") == "251.2 mN"
     assert of_surface(1e11, 200.0, 1e6, None).force == 2e13
+
+
+def test_a_notebook_shows_a_table_and_completes_names() -> None:
+    result = toolkit.run(scene(ROUGH, title="<b> & co", drive=DRIVE))
+    html = result._repr_html_()
+    assert "&lt;b&gt; &amp; co" in html and "mN" in html and html.count("<table>") == 1
+    assert {"master", "newtons", "per_area", "to_xarray", "thresholds"} <= set(dir(result))
+    assert not any(name.startswith("_") for name in dir(result))
+    assert {"run", "load", "plot", "save"} <= set(dir(toolkit))
+
+
+def test_a_missing_xarray_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(InputError, match=r"needs xarray; install mesofriction\[xarray\]"):
+        toolkit.run(scene()).to_xarray()
+
+
+def test_a_dataset_has_all_arrays_with_their_units() -> None:
+    xarray: Any = pytest.importorskip("xarray")
+    spring = {"to": 2e-8, "points": 41, "spring": "1e5 N/m", "area": AREA}
+    eq = {"contacts": 500, "replicas": 2, "seed": 1}
+    result = toolkit.run(scene(ROUGH, drive=spring, eq=eq))
+    data = result.to_xarray()
+    assert isinstance(data, xarray.Dataset)
+    np.testing.assert_allclose(data.master_force, result.newtons(result.master.force), rtol=1e-15)
+    assert data.master_force.units == "N" and data.path.units == data.threshold.units == "m"
+    error = result.newtons(result.master.force_error * result.mean_threshold)
+    assert data.master_force.error == pytest.approx(float(error), rel=1e-12)
+    assert data.eq_forces.dims == ("replica", "point") and data.eq_forces.units == "N"
+    np.testing.assert_array_equal(data.eq_slip_drive, result.eq.slips.drive)
+    sweep = {"velocity": [1e-6, 1e-5], "critical_spring": True}
+    swept = toolkit.run(scene(ROUGH, drive=DRIVE, sweep=sweep)).to_xarray()
+    assert swept.sweep_critical_spring.units == "N/m" and swept.sweep_velocity.units == "m/s"
+    assert swept.sweep_force.units == "N"
+
+
+def test_pictures_are_written_in_other_formats_too_and_old_ones_go(capsys: Any) -> None:
+    name = write(drive={"to": 1.0, "points": 3})
+    begins = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
+    for command, picture in (
+        ("run", "picture"),
+        ("thresholds", "thresholds"),
+        ("compare", "compare"),
+    ):
+        out = f"out-{command}"
+        words = (command, name, "--out", out)
+        assert said(capsys, *words, "--format", "pdf,svg")[0] == 0
+        for suffix, begin in begins.items():
+            assert (Path(out) / f"{picture}.{suffix}").read_bytes().startswith(begin)
+        assert said(capsys, *words, "--format", "png")[0] == 0
+        left = {file.suffix for file in Path(out).glob(f"{picture}.*")}
+        assert ".png" in left and not left & {".pdf", ".svg"}
+    line = refused(capsys, "run", name, "--format", "jpg")
+    assert line == "format = 'jpg': must be among png, pdf and svg, such as --format pdf,svg"

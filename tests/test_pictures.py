@@ -226,8 +226,8 @@ def test_a_heavy_slider_has_panels_in_time_with_slips_from_their_own_data() -> N
     result = toolkit.run(scene(contacts=contacts, drive=HEAVY, master=None, eq=eq))
     found = panels(draw_run(result, Figure()))
     force, place, speed = (found[name] for name in ("F", "plot_position", "plot_velocity"))
-    assert place.get_ylabel() == "position (units of length)"
-    assert speed.get_ylabel() == "slider's speed (length/time)"
+    assert place.get_ylabel() == "position\n(units of length)"
+    assert speed.get_ylabel() == "slider's speed\n(length/time)"
     own = result.eq.slips
     assert own.number.size >= 2
     for replica, line in enumerate(force.lines):

@@ -100,6 +100,9 @@ def _parse(words: list[str]) -> "argparse.Namespace":
             continue
         explained = f"folder for what is written (default: ./{folder})"
         own.add_argument("--out", metavar="DIR", help=explained)
+        if name != "precision":
+            explained = "formats of pictures beside PNG: pdf, svg, or pdf,svg"
+            own.add_argument("--format", metavar="FORMATS", help=explained)
         if name == "run":
             kept = "how often a long ensemble writes what it has found into DIR, from which the same command goes on"
             seconds: Any = {"metavar": "SECONDS", "type": float, "default": 60.0}

@@ -13,21 +13,30 @@ from origins.errors import refuse
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
-from toolkit.judge.describe import PROPENSITY, SHARED_NUMBERS, Description, describe, in_units_of
+from toolkit.judge.describe import (
+    SHARED_NUMBERS,
+    Description,
+    describe,
+    in_units_of,
+    table_of,
+)
 from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
-from toolkit.pictures.thresholds import save_thresholds_picture
+from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
 from toolkit.processes.ranks import on_root
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
+from toolkit.results.kinds import is_coupled
 from toolkit.results.numbers import in_words
 from toolkit.results.points import PointsRecord
-from toolkit.results.records import is_coupled, sample_curve
+from toolkit.results.records import sample_curve
 from toolkit.results.verdicts import contradiction
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
+from toolkit.saving import pictures as picture
+from toolkit.saving import read_formats, stale
 from toolkit.scene.changes import read_changes
 from toolkit.scene.interfaces import foreseen, in_a_line, with_error
 from toolkit.scene.laws import inside
@@ -93,6 +102,7 @@ def copy(arguments: argparse.Namespace) -> int:
 def run(arguments: argparse.Namespace, comm: Any) -> int:
     """Run every solver that the scene names, report, and write; returns 1 where a solver missed its tolerance, or where
     both disagree (results are written nevertheless)."""
+    formats = read_formats(arguments.format)
     scene = load_scene(arguments.scene, comm=comm, changes=read_changes(arguments.changes))
     first = comm is None or comm.Get_rank() == 0
     before = [] if scene.grid is not None else foreseen(scene)
@@ -107,7 +117,7 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
         result, finished = runner.solve(scene, comm, kept=kept, show_progress=first)
         said_before = {f"note    {note}" for note in before}
         print("\n".join(line for line in report(result) if line not in said_before))
-        runner.write(result, comm, kept, finished)
+        runner.write(result, comm, kept, finished, formats)
     print(f"written to {folder}")
     for name in ("master", "eq", "sweep"):
         answer = getattr(result, name)
@@ -182,6 +192,7 @@ def _agreement(result: Any) -> str:
 def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     """P_c, its survival and hazard as a picture, moments and propensity as a table; returns 1 where a number of the
     table misses its tolerance."""
+    formats = read_formats(arguments.format)
     scene = load_scene(arguments.scene, False, comm, read_changes(arguments.changes))
     folder = arguments.out or f"{scene.name}-output"
 
@@ -199,38 +210,21 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     law, title = scene.contacts.thresholds, scene.title or scene.name
     record = {"name": scene.name, "title": scene.title, "scene": scene.text, **asdict(found)}
     writers: dict[str, Any] = {
-        "thresholds.png": partial(save_thresholds_picture, law, sample_curve(law), title),
+        **picture("thresholds", partial(draw_law, law, sample_curve(law), title), formats),
         "thresholds.json": lambda path: write_json(record, path),
     }
-    on_root(comm, lambda: write_folder(folder, writers))
+    on_root(comm, lambda: write_folder(folder, writers, stale(["thresholds"], writers)))
     hidden = SHARED_NUMBERS if scene.scale.spring_unit != SHARED else ()
-    lines = _lines(found, scene.contacts.laws, hidden)
+    lines = table_of(found, scene.contacts.laws, hidden)
     print("\n".join([title, *lines, f"written to {folder}"]))
     return 0 if found.success else 1
-
-
-def _lines(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...]) -> list[str]:
-    """The table as lines of text without the numbers `hidden`, which are there in SI units, too; where contacts have
-    `laws`, the numbers of sliding say whether these are in them."""
-    sliding = [name for name in found.numbers if name.startswith((*PROPENSITY, "kinetic_force"))]
-    labels = dict.fromkeys(sliding, "with laws")
-    labels |= dict.fromkeys(("friction_coefficient", "kinetic_stress"), "P_c alone")
-    width, out = max(map(len, found.numbers)) + 2, list[str]()
-    for name, number in found.numbers.items():
-        if name in hidden:
-            continue
-        value = with_error(number.value, number.error or 0.0, 8)
-        row = f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip()
-        out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)
-    out += [f"  {note}" for note in found.notes]
-    return [*out, f"  {'run time':{width}}{found.run_time:.2g} s"]
 
 
 def compare(arguments: argparse.Namespace, comm: Any) -> int:
     """Propensity of each scene to stick-slip, as a printed table and a picture; returns 1 where a solver missed its
     tolerance."""
     scenes: dict[str, Any] = {}
-    changes = read_changes(arguments.changes)
+    formats, changes = read_formats(arguments.format), read_changes(arguments.changes)
     for given in arguments.scene:
         with inside(given, {}):
             scene = load_scene(given, comm=comm, changes=changes).one("compare")
@@ -243,7 +237,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     lines, numbers = judge.table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
     draw = partial(pictures.draw_comparison, verdicts)
     rows = comparison_rows(numbers["scenes"])
-    on_root(comm, lambda: save_judgement(folder, "compare", draw, lines, numbers, rows))
+    on_root(comm, lambda: save_judgement(folder, "compare", draw, lines, numbers, rows, formats))
     print("\n".join([*lines, f"written to {folder}"]))
     return 0 if all(one.result.success and one.found.success for one in verdicts) else 1
 
@@ -255,12 +249,13 @@ def verdict(arguments: argparse.Namespace) -> int:
     from toolkit.verdict.judge import verdict as judged
     from toolkit.verdict.words import disagreeing, page
 
+    formats = read_formats(arguments.format)
     scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))
     folder = arguments.out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it
     with closing(Progress("verdict")) as bar:
         found = judged(scene, bar.doing)
-    save_verdict(found, folder)
+    save_verdict(found, folder, formats)
     print("\n".join([*page(found), f"written to {folder}"]))
     return 0 if found.success and not disagreeing(found) else 1
 

@@ -1,10 +1,11 @@
 """Saving of a result: its files and its pictures, all or none."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
+from origins.errors import refuse
 from toolkit.results.files import (
     RESULT,
     another,
@@ -19,13 +20,36 @@ from toolkit.results.points import PointsRecord, write_points_csv
 from toolkit.results.records import Result
 from toolkit.results.spreadsheets import has_force, has_slips, write_force, write_slips, write_sweep
 
-_OF_THRESHOLDS = ("thresholds.json", "thresholds.png")  # what the command `thresholds` writes
+FORMATS = ("pdf", "svg")  # of pictures, beside PNG
+
+Writers = dict[str, Callable[[Path], None]]
 
 
-def save(result: Result, folder: str | os.PathLike[str]) -> None:
+def read_formats(text: str | None) -> tuple[str, ...]:
+    """The formats of a list such as "pdf,svg"; "png" may be in it. Raises InputError for others."""
+    names = [name.strip().lower() for name in (text or "").split(",") if name.strip()]
+    for name in names:
+        if name not in ("png", *FORMATS):
+            refuse("format", name, "must be among png, pdf and svg, such as --format pdf,svg")
+    return tuple(dict.fromkeys(name for name in names if name != "png"))
+
+
+def pictures(name: str, draw: Callable[[Path], None], formats: Sequence[str] = ()) -> Writers:
+    """Writers of the picture `name`, which `draw` draws into a path by its suffix: as PNG, and in these formats."""
+    return {f"{name}.{suffix}": draw for suffix in ("png", *formats)}
+
+
+def stale(names: Sequence[str], writers: Writers) -> list[str]:
+    """Pictures of these names in formats that are not written now: of an earlier call."""
+    files = [f"{name}.{suffix}" for name in names for suffix in FORMATS]
+    return [file for file in files if file not in writers]
+
+
+def save(result: Result, folder: str | os.PathLike[str], formats: Sequence[str] = ()) -> None:
     """Write result.h5, summary.json and picture.png into `folder`, for a path force.csv, for a slider on a spring
-    slips.csv, for a sweep sweep.csv and for islands barriers.png, all or none. Another scene's thresholds.json,
-    thresholds.png and barriers.png, or the CSV files of an earlier run, are removed.
+    slips.csv, for a sweep sweep.csv and for islands barriers.png, all or none; pictures in `formats` such as
+    ("pdf", "svg"), too. Another scene's thresholds.json and pictures, the CSV files of an earlier run and its pictures
+    in other formats are removed.
 
     result.h5 holds a group per solver, one for the thresholds and, for a rough surface, one for its interface. Each
     array has its unit as the attribute `units`; force is per N_c<k>, so a length. Raises InputError where the folder
@@ -33,10 +57,10 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
     """
     from toolkit.pictures.run import save_picture  # matplotlib only where a picture is drawn
 
-    writers: dict[str, Callable[[Path], None]] = {
+    writers: Writers = {
         RESULT: lambda path: write_result(result, path),
         "summary.json": lambda path: write_json(summary(result), path),
-        "picture.png": lambda path: save_picture(result, path),
+        **pictures("picture", partial(save_picture, result), formats),
     }
     if has_force(result):
         writers["force.csv"] = partial(write_force, result)
@@ -45,14 +69,15 @@ def save(result: Result, folder: str | os.PathLike[str]) -> None:
     if (islands := result.domains) is not None:
         from toolkit.pictures.thresholds import save_barriers
 
-        writers["barriers.png"] = lambda path: save_barriers(islands, path)
+        writers |= pictures("barriers", partial(save_barriers, islands), formats)
     sweep = result.sweep
     if isinstance(sweep, PointsRecord):
         writers["sweep.csv"] = partial(write_points_csv, sweep)
     elif sweep is not None:
         units = units_of(result, short=True) | {"force_error": "<x_s>"}
         writers["sweep.csv"] = partial(write_sweep, sweep, units)
-    gone = earlier(folder).get("tables", [])
+    gone = [*earlier(folder).get("tables", []), *stale(["picture", "barriers"], writers)]
     if another(folder, result.name, result.text) is not None:
-        gone += [*_OF_THRESHOLDS, "barriers.png"]
+        gone += ["thresholds.json", "thresholds.png", "barriers.png"]
+        gone += stale(["thresholds"], writers)
     write_folder(folder, writers, [name for name in gone if name not in writers])

@@ -12,7 +12,7 @@ from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
 from toolkit.running.resampled import of_resampled
-from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
+from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite, with_error
 from toolkit.scene.scale import SHARED, Scale
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
@@ -164,3 +164,20 @@ def conditions(contacts: Contacts, velocity: float) -> list[str]:
     unit = "length per time" if contacts.interface is None else "m/s"
     where = ", ".join([f"v = {velocity:.4g} {unit}", *laws])
     return [f"with laws: F_k, K*, F_s/F_k and X* at {where}; all else is P_c alone"] if laws else []
+
+
+def table_of(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...]) -> list[str]:
+    """The table as lines of text without the numbers `hidden`, which are there in SI units, too; where contacts have
+    `laws`, the numbers of sliding say whether these are in them."""
+    sliding = [name for name in found.numbers if name.startswith((*PROPENSITY, "kinetic_force"))]
+    labels = dict.fromkeys(sliding, "with laws")
+    labels |= dict.fromkeys(("friction_coefficient", "kinetic_stress"), "P_c alone")
+    width, out = max(map(len, found.numbers)) + 2, list[str]()
+    for name, number in found.numbers.items():
+        if name in hidden:
+            continue
+        value = with_error(number.value, number.error or 0.0, 8)
+        row = f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip()
+        out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)
+    out += [f"  {note}" for note in found.notes]
+    return [*out, f"  {'run time':{width}}{found.run_time:.2g} s"]

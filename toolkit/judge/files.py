@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from toolkit.results.files import write_json
 from toolkit.results.folders import write_folder
 from toolkit.results.spreadsheets import write_rows
+from toolkit.saving import pictures, stale
 
 
 def save_judgement(
@@ -16,16 +18,22 @@ def save_judgement(
     lines: list[str],
     numbers: dict[str, Any],
     rows: Mapping[str, Sequence[Any]],
+    formats: Sequence[str] = (),
 ) -> None:
-    """Write name.png, .txt, .json and .csv; `rows` are the columns of the last, by their heads."""
-    text = "\n".join([*lines, ""])
+    """Write name.png, .txt, .json and .csv; `rows` are the columns of the last, by their heads. The picture is written
+    in `formats`, too."""
+    text, figure = "\n".join([*lines, ""]), draw()
     writers: dict[str, Any] = {
-        f"{name}.png": partial(draw().savefig, dpi=130, format="png"),
+        **pictures(name, partial(_save_figure, figure), formats),
         f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
         f"{name}.json": lambda path: write_json(numbers, path),
         f"{name}.csv": partial(write_rows, rows),
     }
-    write_folder(folder, writers)
+    write_folder(folder, writers, stale([name], writers))
+
+
+def _save_figure(figure: Any, path: Path) -> None:
+    figure.savefig(path, dpi=130, format=path.suffix[1:])
 
 
 def precision_rows(points: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:

@@ -8,7 +8,7 @@ import numpy as np
 from toolkit.judge.compare import Verdict, common_unit
 from toolkit.pictures.axes import name_axis, some_of, spring_name, style_of
 from toolkit.pictures.thresholds import highest
-from toolkit.results.records import is_known
+from toolkit.results.kinds import is_known
 from toolkit.scene.scale import SHARED, written
 
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis

@@ -51,20 +51,21 @@ def spring_name(unit: str) -> tuple[str, str]:
 
 
 def name_axis(axis: Any, name: str, unit: str) -> None:
-    """Label an axis, once it has its data and limits, with name and unit; the unit takes the SI prefix that makes its
-    ticks short, such as µm, mN or kN/m."""
+    """Label an axis, once it has its data and limits, with name and unit, which takes the SI prefix that makes ticks
+    short, such as µm, mN or kN/m; after a name that ends its line the unit has the next one."""
     low, high = axis.get_view_interval()
+    gap = "" if name.endswith("\n") else " "
     inverse = unit == "1/m"
     if not (unit in PREFIXED or inverse):
         said = _OWN.get(unit, unit)
-        axis.set_label_text(f"{name} ({said})".removesuffix(" ()"))
+        axis.set_label_text(f"{name}{gap}({said})".removesuffix(f"{gap}()"))
         return
     power = _power(low, high, axis.get_scale() == "log", inverse, unit == "s")
     if power is None:
-        axis.set_label_text(f"{name} ({unit})")
+        axis.set_label_text(f"{name}{gap}({unit})")
         return
     prefixed = f"1/{PREFIXES[-power]}m" if inverse else f"{PREFIXES[power]}{unit}"
-    axis.set_label_text(f"{name} ({prefixed})")
+    axis.set_label_text(f"{name}{gap}({prefixed})")
     _set_ticks(axis, power)
 
 

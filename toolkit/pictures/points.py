@@ -47,7 +47,7 @@ def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
         name_axis(axes.yaxis, *force_name(result.scale, "F_k"))
     elif name == "eq_force_swing":
         whole, own_unit = force_name(result.scale)
-        name_axis(axes.yaxis, f"spring {whole},\nlargest less smallest", own_unit)
+        name_axis(axes.yaxis, f"swing of spring {whole}\n", own_unit)
     else:
         axes.set_ylim(0.0, None)
         name_axis(axes.yaxis, *spring_name(result.scale.spring_unit))

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from toolkit.pictures.axes import (
     INK,
     MARKERS,
@@ -27,11 +29,13 @@ from toolkit.pictures.sweep import plot_critical_spring, plot_sweep
 from toolkit.pictures.thresholds import plot_density
 from toolkit.pictures.traces import along, in_time, moments, slips_of, with_slips
 from toolkit.results.beside import NOT_COMPARED, deviation
+from toolkit.results.kinds import is_coupled, is_heavy, is_known
 from toolkit.results.points import PointsRecord
-from toolkit.results.records import Result, is_coupled, is_heavy, is_known
+from toolkit.results.records import Result
 
 _BARS = 61  # error bars; with more the line would be hidden
 _REPLICAS = 5  # as can be distinguished
+_RESOLVED = 8  # points of the path within a slip that show it as well as can be seen
 _OF_EQ: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
 
 
@@ -131,7 +135,7 @@ def plot_position(axes: Any, result: Result) -> Any:
         legend_above(axes)
     write_along(axes, result)
     mark_legs(axes, result, named=True)
-    name_axis(axes.yaxis, "position", result.scale.length_unit)
+    name_axis(axes.yaxis, "position\n", result.scale.length_unit)
     return axes
 
 
@@ -180,7 +184,8 @@ def plot_velocity(axes: Any, result: Result) -> Any:
         axes.plot(along(result, solved), solved.velocity, color=INK["master"], lw=1.2)
         _draw_top_speeds(axes, result, solved, solved.force, None)
     write_along(axes, result)
-    name_axis(axes.yaxis, "slider's speed", result.scale.speed_unit)
+    mark_legs(axes, result)
+    name_axis(axes.yaxis, "slider's speed\n", result.scale.speed_unit)
     legend_above(axes)
     return axes
 
@@ -188,11 +193,14 @@ def plot_velocity(axes: Any, result: Result) -> Any:
 def _draw_top_speeds(
     axes: Any, result: Result, curve: Any, force: Any, replica: int | None
 ) -> None:
-    """The top speed of each slip, at half its duration."""
+    """The top speed of each slip, at half its duration, but of those that the path's own points show."""
     slips = slips_of(curve, replica)
     if slips is None or slips.top_speed is None or slips.duration is None or not slips.drive.size:
         return
-    begin = moments(along(result, curve), curve.path, force, slips)
+    place = along(result, curve)
+    begin = moments(place, curve.path, force, slips)
+    inside = np.searchsorted(place, begin + slips.duration) - np.searchsorted(place, begin)
+    begin = np.where(inside < _RESOLVED, begin, np.nan)
     at, ink = begin + 0.5 * slips.duration, INK["master" if replica is None else "eq"]
     axes.vlines(at, 0.0, slips.top_speed, color=ink, lw=0.7, alpha=0.7)
     label = "top speed of a slip" if replica in (None, 0) else None

@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.thresholds.law import Array
-from toolkit.results.records import Result, is_coupled, is_heavy
+from toolkit.results.kinds import is_coupled, is_heavy
+from toolkit.results.records import Result
 from toolkit.scene.interfaces import with_error
 from toolkit.scene.scale import spoken
 

@@ -14,6 +14,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
+from toolkit.results.kinds import is_coupled, is_heavy
 from toolkit.results.points import PointsRecord, fill_points, read_points
 from toolkit.results.records import (
     ENERGIES,
@@ -21,8 +22,6 @@ from toolkit.results.records import (
     Result,
     SolvedRecord,
     ThresholdCurve,
-    is_coupled,
-    is_heavy,
     mean_energies,
 )
 from toolkit.results.verdicts import contradiction

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.results.records import Result, is_coupled, is_known
+from toolkit.results.kinds import is_coupled, is_known
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import with_uncertainty, written
 from toolkit.scene.sweep import SweepRecord
 
 
-def numbers_of(result: Result) -> dict[str, Number]:
+def numbers_of(result: Any) -> dict[str, Number]:
     """Forces, friction coefficients, springs and slips of a run, by name, in the units of its `scale`, each with its
     numerical or its standard error. The master equation's where it is solved, else the ensemble's."""
     solved, eq, scale = result.master, result.eq, result.scale
@@ -70,7 +70,7 @@ def _of_slips(eq: Any, scale: Any) -> dict[str, Number]:
     return found
 
 
-def in_words(result: Result) -> list[str]:
+def in_words(result: Any) -> list[str]:
     """Lines of a report on these numbers."""
     numbers, lines = numbers_of(result), list[str]()
 

@@ -12,6 +12,8 @@ from origins.domains.rotated import DomainSamples
 from origins.errors import InputError, positive, refuse
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import panel_edges
+from toolkit.results.dataset import as_dataset
+from toolkit.results.html import as_html
 from toolkit.results.points import PointsRecord
 from toolkit.scene.drive import make_drive
 from toolkit.scene.interfaces import Number
@@ -95,21 +97,6 @@ def record_of(answer: Any) -> SolvedRecord:
     for name in ("duration", "top_speed"):  # slips without mass take no time
         values[f"slip_{name}"] = getattr(values["slips"], name, None)
     return SolvedRecord(**values)
-
-
-def is_known(solved: SolvedRecord) -> bool:
-    """Whether the force is known well enough to be drawn: to a tenth of <x_s>, where F_k is about half of it."""
-    return solved.success or solved.force_error < 0.1
-
-
-def is_coupled(eq: object) -> bool:
-    """Whether an ensemble's answer is that of contacts on a soft slider."""
-    return hasattr(eq, "avalanches")
-
-
-def is_heavy(eq: object) -> bool:
-    """Whether an ensemble's answer is that of contacts on a slider with mass, whose slips take time."""
-    return hasattr(eq, "energy")
 
 
 def mean_energies(eq: Any) -> dict[str, float]:
@@ -234,6 +221,18 @@ class Result:
         if self.interface is not None and area is None:
             refuse("area", area, "is missing: the scene has no drive.area; give one in m²")
         return self.per_area(shared) * (1.0 if area is None else positive("area", area))
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset of all arrays with their units, of a surface in SI units. Raises InputError where xarray is
+        not installed."""
+        return as_dataset(self)
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
+
+    def __dir__(self) -> list[str]:
+        """Names that a user may want; without those of Python."""
+        return [name for name in super().__dir__() if not name.startswith("_")]
 
     @property
     def success(self) -> bool:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from origins.thresholds.law import Array
-from toolkit.results.records import Result, is_coupled
+from toolkit.results.kinds import is_coupled
+from toolkit.results.records import Result
 from toolkit.scene.sweep import SweepRecord
 
 # points of a path: more, some tens of megabytes, are in result.h5 alone

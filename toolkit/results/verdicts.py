@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from toolkit.results.records import Result, is_coupled
+from toolkit.results.kinds import is_coupled
+from toolkit.results.records import Result
 
 
 def contradiction(result: Result) -> str:

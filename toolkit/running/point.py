@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.results.records import is_coupled
+from toolkit.results.kinds import is_coupled
 from toolkit.running.solvers import follow, make_ensemble, solve_master
 from toolkit.scene.scene import Scene, Source, checked
 

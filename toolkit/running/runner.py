@@ -1,6 +1,6 @@
 """Run a scene: each solver it names, and no other."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from os import PathLike
 from typing import Any
@@ -71,11 +71,14 @@ def open_checkpoint(
         yield Checkpoint(folder, scene, comm, every)
 
 
-def write(result: Result, comm: Any, kept: Checkpoint, finished: bool) -> None:
-    """Save the result in the checkpoint's folder, on rank 0, and then remove the checkpoint if the run is finished."""
+def write(
+    result: Result, comm: Any, kept: Checkpoint, finished: bool, formats: Sequence[str] = ()
+) -> None:
+    """Save the result in the checkpoint's folder, on rank 0, its pictures in `formats` beside PNG, and then remove the
+    checkpoint if the run is finished."""
 
     def on_first() -> None:
-        save(result, kept.folder)
+        save(result, kept.folder, formats)
         if isinstance(result.sweep, PointsRecord):
             forget_points(kept.folder / "checkpoint")
         elif finished and result.eq is not None:  # else a checkpoint there is that of another scene

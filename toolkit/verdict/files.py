@@ -2,6 +2,7 @@
 
 import csv
 import os
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -9,23 +10,26 @@ from typing import Any
 
 from toolkit.results.files import write_json
 from toolkit.results.folders import write_folder
+from toolkit.saving import pictures, stale
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.picture import save_verdict_picture
 from toolkit.verdict.words import dependence, details, page, sentence
 
 
-def save_verdict(verdict: Verdict, folder: str | os.PathLike[str]) -> None:
-    """Write the four files into `folder`. Raises InputError where it cannot be written."""
+def save_verdict(
+    verdict: Verdict, folder: str | os.PathLike[str], formats: Sequence[str] = ()
+) -> None:
+    """Write the four files into `folder`, the picture in `formats`, too. Raises InputError where that fails."""
     text = "\n".join([*page(verdict), ""])
     writers: dict[str, Any] = {
         "verdict.txt": lambda path: path.write_text(text, encoding="utf-8"),
         "verdict.json": lambda path: write_json(plain(verdict), path),
-        "verdict.png": partial(save_verdict_picture, verdict),
+        **pictures("verdict", partial(save_verdict_picture, verdict), formats),
     }
     if verdict.own.behaviours:
         writers["friction.csv"] = partial(write_friction, verdict)
-    write_folder(folder, writers)
+    write_folder(folder, writers, stale(["verdict"], writers))
 
 
 def plain(verdict: Verdict) -> dict[str, Any]:

@@ -1,0 +1,43 @@
+"""A result as a table in a notebook."""
+
+from html import escape
+from typing import Any
+
+from toolkit.results.numbers import numbers_of
+from toolkit.scene.scale import with_uncertainty
+
+_NAMED = {
+    "last_force": "force at the end",
+    "last_force_over_load": "over the load",
+    "largest_force": "largest force",
+    "largest_force_over_load": "largest force over the load",
+    "critical_spring": "critical spring K*",
+    "before_slip": "force before a slip",
+    "after_slip": "force after a slip",
+    "period": "period of slips",
+    "swept_force_least": "F_k, least of the sweep",
+    "swept_force_most": "F_k, most of the sweep",
+    "swept_critical_spring_least": "K*, least of the sweep",
+    "swept_critical_spring_most": "K*, most of the sweep",
+}
+
+
+def as_html(result: Any) -> str:
+    """Title, the most important numbers with their errors in the units of its scale, and notes, of a Result."""
+    rows = []
+    if result.master is not None and result.master.regime is not None:
+        rows.append(("verdict", result.master.regime.verdict))
+    for name, number in numbers_of(result).items():
+        said = with_uncertainty(number.value, number.error or 0.0, number.unit)
+        rows.append((_NAMED.get(name, name), said))
+    for name in ("master", "eq", "sweep"):
+        if (answer := getattr(result, name)) is not None:
+            told = "as asked" if answer.success else f"not as asked: {answer.message}"
+            rows.append((name, f"{told}, run time {answer.run_time:.2g} s"))
+    cells = "".join(
+        f"<tr><th style='text-align:left'>{escape(name)}</th><td>{escape(said)}</td></tr>"
+        for name, said in rows
+    )
+    notes = "".join(f"<li>{escape(note)}</li>" for note in result.notes)
+    head = f"<caption>{escape(result.title or result.name)}</caption>"
+    return f"<table>{head}{cells}</table>" + (f"<ul>{notes}</ul>" if notes else "")
