@@ -34,6 +34,12 @@ def told(comm: Any) -> Iterator[Any]:
         (origins.Contacts(wide, start, ageing=ageing), loop, 3001, {"histograms": [4]}),
         (origins.Contacts(grains, thermal=soft), loop, 301, {}),
         (origins.Contacts(wide, delay=origins.Delay(0.1)), path, 300, {"spring": 0.7}),
+        (
+            origins.Contacts(wide, delay=origins.Delay(0.1)),
+            path,
+            300,
+            {"spring": 0.3, "mass": 0.05, "damping": 0.01},
+        ),
     ):
         run = eq_model.simulate(
             contacts, drive, n_contacts=number, n_replicas=3, seed=9, comm=comm, **more
@@ -43,6 +49,13 @@ def told(comm: Any) -> Iterator[Any]:
             row for one in getattr(run, "histograms", ()) for row in (one.stretches, one.thresholds)
         ]
         rows += [run.slips.drive, *run.forces] if more.get("spring") else []
+        if more.get("mass"):
+            rows += [
+                *run.velocities,
+                *run.energy.released,
+                *run.energy.contacts,
+                run.slips.duration,
+            ]
         assert sum(run.breaks_per_rank) == run.breaks
         assert comm is None or (
             len(run.breaks_per_rank) == comm.Get_size() and min(run.breaks_per_rank) > 0
