@@ -90,12 +90,13 @@ class PlainSlider:
             return speed(t) - velocity
 
         signs = excess(times) > 0.0
+        fell = self.begun is not None
         edges = [0, *(np.flatnonzero(signs[1:] != signs[:-1]) + 1), times.size]
         for first, last in itertools.pairwise(edges):
             if not signs[first]:
                 continue
             top, ends = speed(times[first:last]).max(), last < times.size
-            if first > 0 and ends and not self.slips_at(top, velocity):
+            if first > 0 and ends and (fell or not self.slips_at(top, velocity)):
                 continue  # falls between two events, as a slider that sticks rings
             for i, falls, there in ((first, True, first > 0), (last, False, ends)):
                 if not there:
@@ -120,6 +121,7 @@ class PlainSlider:
             return
         t, before, high = self.begun
         slips = self.slips_at(self.top, velocity)
+        slips = slips and high - force >= 0.02 * self.contacts.mean_threshold
         if slips:
             drive = np.interp(t, self.clock, self.places)
             self.slips.append([drive, before, x, high, force, self.loose, now - t])

@@ -140,7 +140,7 @@ def test_identical_contacts_are_pieces_of_oscillators():
             if fast[j + 1]:
                 begun, broken = (t + at, x + moved(at), force), 0
                 continue
-            if stuck and breaks:
+            if stuck and breaks and begun[2] - force >= 0.02:
                 falls.append(
                     [*begun[:2], x + moved(at), begun[2], force, breaks, t + at - begun[0]]
                 )

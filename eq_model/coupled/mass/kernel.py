@@ -164,12 +164,12 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             elif side == 0:
                 motion = motion_of(s, pull, net, stiffness)
                 t, side = first_passage(motion, ahead, behind, most)
-                if not s.falling and s.stuck and s.loose >= pull.slip:
+                if not s.falling and s.stuck and s.loose >= pull.slip and s.loose != s.tried:
                     # contacts broke before the slider was as fast as the drive: its next fall is the slip
                     early, top = first_top(motion)
                     limit = speed_limit(pull.speeds[unsigned(s.leg)])
                     if early < t and top > FASTER * limit:
-                        t, side, most = early, 0, early
+                        t, side, most, s.tried = early, 0, early, s.loose
                 if side == 0 or (known if side > 0 else known_behind):
                     way = ahead if side > 0 else -behind
                     slipped = slow_move(s, pull, motion, t, side, way)

@@ -16,7 +16,9 @@ DRIVE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS, DURATION, TOP_SPEED = range
 WORK, DAMPED, RELEASED, STORED = range(4)  # in Pull.energy
 # In Pull.at_points, with the energies of WORK to STORED behind them.
 POSITION, FORCE, HELD, SPEED, CONTACT_FORCE, ENERGIES = range(6)
-RISE = 0.02  # of the spring's force while a slider sticks, in mean thresholds: above its fluctuations by few contacts
+# Rise of the spring's force while a slider sticks, and its least fall in a slip, in mean thresholds: above its
+# fluctuations by few contacts.
+RISE = 0.02
 ROOM = 2.0  # way in which it does so, mean thresholds: contacts that hold are stretched from -<x_s> to <x_s> at most
 FASTER = 1.5  # a slider that stuck and swings freely beyond the drive gets twice as fast as this
 
@@ -41,6 +43,10 @@ SLIDER = np.dtype(
         ("broken", np.int64),  # breaks since it is
         ("stuck", np.bool_),  # whether the slider has stuck since the last slip
         ("loose", np.int64),  # breaks since it last stuck
+        (
+            "tried",
+            np.int64,
+        ),  # of these when a swing without breaks was last looked at: later ones are smaller
         ("rest", np.float64),  # X from which it may be sticking
         ("rest_force", np.float64),  # and the spring's force there
         ("rest_breaks", np.int64),  # and the number of all breaks before
@@ -70,7 +76,7 @@ class Pull(NamedTuple):
     wait: float  # the delay, below 0 if there is none
     slip: int  # fewest breaks of a fall of the force that is a slip
     room: float  # way in which a slider sticks
-    rise: float  # of the spring's force per N <k> meanwhile
+    rise: float  # of the spring's force per N <k> meanwhile, and its least fall in a slip
     most_breaks: int
     places: Array  # X_T where each leg of the drive begins
     speeds: Array  # its speed on each leg
@@ -172,6 +178,7 @@ def end_fall(s, pull, before, way_before):  # type: ignore[no-untyped-def]
     fall[DURATION] -= before
     s.falling = False
     slips = s.stuck and s.loose >= pull.slip and fall[TOP_SPEED] >= FASTER * speed
+    slips = slips and fall[F_BEFORE] - fall[F_AFTER] >= pull.rise
     if slips:
         for k in range(fall.size):
             pull.slipped[k] = fall[k]
