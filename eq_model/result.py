@@ -157,10 +157,10 @@ class HeavySlips(CoupledSlips):
 
     A slip is the fall of the spring's force that ends a stick: it begins as the slider becomes faster than the drive,
     at a maximum of the force, and ends as it is as slow again, at the next minimum. The slider *sticks* where the
-    spring's force rises by 0.02 mean thresholds while contacts hold the slider within two mean thresholds, and fewer of
-    them than in a slip break. From where
-    it last stuck to the end of the fall contacts break at least `slip_fraction` N times; the slider gets 1.5 times as
-    fast as the drive, and the force falls by 0.02 mean thresholds at least.
+    spring's force rises by 0.02 mean thresholds while the slider stays within two mean thresholds, at least
+    `slip_fraction` N contacts hold it and fewer break. From where it last stuck to the end of the fall contacts break
+    at least `slip_fraction` N times; the slider gets 1.5 times as fast as the drive, and the force falls by 0.02 mean
+    thresholds at least.
 
     So contacts count that break while a heavy slider still gathers speed, and falls that follow before the slider
     sticks again, as when it swings back, belong to the same slip. In smooth sliding, where the speed only varies, it

@@ -134,7 +134,7 @@ class PlainSlider:
         """Whether the slider sticks: contacts hold it in a narrow room, and few break, as the spring's force rises."""
         x, force, breaks = self.rest
         now, mean = self.spring_force(self.x, self.t), self.contacts.mean_threshold
-        if self.zero.size == 0 or abs(self.x - x) > 2.0 * mean:
+        if self.zero.size < self.fraction * self.n or abs(self.x - x) > 2.0 * mean:
             self.rest = self.x, now, self.seen
         elif now - force >= 0.02 * mean:
             if self.seen - breaks < self.fraction * self.n:

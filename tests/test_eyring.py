@@ -92,6 +92,10 @@ def test_the_shipped_scene_has_a_slope_for_each_temperature() -> None:
     tables = tomllib.loads((SHIPPED / "eyring.toml").read_text())
     tables["contacts"]["thresholds"]["surface"]["shape"] = [64, 64]
     tables["contacts"]["thresholds"]["surface"]["long_cutoff"] = 2e-6
+    # beside its sweep the scene is the one at its own 300 K
+    alone = {name: table for name, table in tables.items() if name != "sweep"}
+    own = toolkit.load_scene(alone, solved=False).contacts.thermal
+    assert toolkit.load_scene(tables).contacts.thermal == own
     tables["sweep"]["velocity"] = [1e-4, 1e-2, 1e3]
     tables["sweep"]["contacts.thermal.kelvin"] = [200.0, 300.0]
     swept = toolkit.run(tables).sweep

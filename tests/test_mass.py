@@ -270,6 +270,20 @@ def test_contacts_that_break_before_the_slider_is_as_fast_as_its_drive_belong_to
     np.testing.assert_allclose(found, exact, rtol=1e-7)
 
 
+def test_contacts_that_all_break_before_a_heavy_slider_is_fast_have_slipped():
+    """The last ones break so slowly that the spring's force still rises. Then the slider swings freely about the drive,
+    at which the damping takes the force γ v; the delay is longer than the path's time."""
+    spring, mass, velocity, ratio = 0.36, 4.0, 0.36, 0.08
+    damping = 2.0 * ratio * (spring * mass) ** 0.5
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), delay=origins.Delay(70.0))
+    drive = {"spring": spring, "mass": mass, "damping": damping, "velocity": velocity}
+    slips = pulled(contacts, [20.0], n=2000, **drive).slips
+    assert slips.drive.size == 1 and slips.breaks[0] > 400
+    beyond = np.exp(-np.pi * ratio / (1.0 - ratio**2) ** 0.5)
+    whole = (slips.force_before[0] - damping * velocity) * (1.0 + beyond)
+    assert slips.drop[0] == pytest.approx(whole, rel=1e-3)  # a few contacts hold on as it begins
+
+
 def test_rebounds_belong_to_the_slip_and_smooth_sliding_has_none():
     """Undamped, with a delay below a slip's time of 99, the slider swings to and fro, and contacts never hold it."""
     swings = origins.Contacts(NARROW, delay=origins.Delay(63.0))

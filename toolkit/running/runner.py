@@ -156,7 +156,7 @@ def solve(
 def _solve_points(
     scene: Scene, comm: Any, progress: Any, kept: Checkpoint | None, show_progress: bool
 ) -> Result:
-    """The result of a sweep over keys of the scene: all its points, beside the thresholds of the first."""
+    """The result of a sweep over keys of the scene: all its points, beside the thresholds of the scene itself."""
     home = None if kept is None else kept.folder / "checkpoint"
     shown: Any = closing(Progress("sweep", "points")) if show_progress else nullcontext()
     with shown as bar, within(scene.deadline(), scene, "[sweep]"):

@@ -4,6 +4,7 @@ import time
 import tomllib
 import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from os import PathLike
@@ -39,7 +40,7 @@ class Scene:
     together, None for no limit; `tolerance_given`: whether the scene names master.tolerance; `area`: drive.area;
     `drive_table`, `verdict`: the tables [drive] and [verdict] as they are given; `units`: of forces and springs of a
     surface, "SI" or "N_c<k>"; `grid`: a [sweep] over keys of the scene, each point of which is a scene of its own; all
-    else is then that of the first point.
+    else is then of the scene without its sweep, or of the first point where the sweep gives what the scene lacks.
     """
 
     name: str
@@ -210,12 +211,7 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
         raise InputError("scene: has neither [master] nor [eq] nor [sweep]; add one of them")
     one_of("units", table.units, (SI, SHARED))
     if table.sweep is not None and (grid := make_grid(table.sweep, given)) is not None:
-        # without a solve the scene's own values count, as for `thresholds`
-        first = source._replace(tables=grid.tables(given, grid.points[0] if solved else {}))
-        if not solved:
-            return checked(first, False, comm)
-        own = checked(first, table.master is not None or table.eq is not None, comm)
-        return replace(own, grid=grid)
+        return _checked_grid(source, grid, solved, comm)
     contacts = make_contacts(table.contacts, folder, comm)
     drive = sweep = None
     if table.drive is not None and (solved or has_path(table.drive)):
@@ -244,6 +240,20 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
             raise InputError(f"drive.turns: {hint}")
         scene.histogram_points()
     return scene
+
+
+def _checked_grid(source: Source, grid: Grid, solved: bool, comm: Any) -> Scene:
+    """The scene without its sweep over keys of the scene, beside the `grid` where it is to be `solved`. Where the sweep
+    gives what the scene lacks, it is that of the first point, which is checked in any case. Raises InputError."""
+    own = source._replace(tables=grid.tables(source.tables, {}))
+    if not solved:
+        return checked(own, False, comm)
+    first = source._replace(tables=grid.tables(source.tables, grid.points[0]))
+    runs = "master" in first.tables or "eq" in first.tables
+    scene = checked(first, runs, comm)
+    with suppress(InputError):  # where it is not complete by itself
+        scene = checked(own, runs, comm)
+    return replace(scene, grid=grid)
 
 
 def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:

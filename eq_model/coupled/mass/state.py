@@ -43,10 +43,7 @@ SLIDER = np.dtype(
         ("broken", np.int64),  # breaks since it is
         ("stuck", np.bool_),  # whether the slider has stuck since the last slip
         ("loose", np.int64),  # breaks since it last stuck
-        (
-            "tried",
-            np.int64,
-        ),  # of these when a swing without breaks was last looked at: later ones are smaller
+        ("tried", np.int64),  # of these at the last fall without a break: the next is smaller
         ("rest", np.float64),  # X from which it may be sticking
         ("rest_force", np.float64),  # and the spring's force there
         ("rest_breaks", np.int64),  # and the number of all breaks before
@@ -141,9 +138,10 @@ def _rest_at(s, x, force):  # type: ignore[no-untyped-def]
 @inlined
 def watch(s, pull, force):  # type: ignore[no-untyped-def]
     """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises;
-    it is `force` now."""
+    it is `force` now. Fewer contacts than break in a slip do not hold it: a heavy slider that slowly breaks the last
+    ones, as it gathers speed, has begun to slip."""
     x = np.float64(s.at) + s.off
-    if s.held == 0 or abs(x - s.rest) > pull.room:
+    if s.held < pull.slip or abs(x - s.rest) > pull.room:
         _rest_at(s, x, force)
     elif force - s.rest_force >= pull.rise:
         if s.seen - s.rest_breaks < pull.slip:
