@@ -254,41 +254,6 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
     assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
 
 
-SHORT = {"master": (1e-2, 1e-6, 1e-10), "explicit": (25.0, 50.0, 100.0, 200.0)}
-SHORT |= {"ensemble": (100.0, 1000.0, 10_000.0), "closest": (100.0, 1000.0)}
-
-
-def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeypatch: Any) -> None:
-    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
-    start = {"kind": "gaussian", "mean": 0.1, "std": 0.05}
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "start": start}
-    file = write(contacts=contacts, drive={"to": 6.0, "points": 61}, eq=EQ)
-    assert said(capsys, "precision", file)[0] == 0
-    ends = ("csv", "json", "png", "txt")
-    assert sorted(os.listdir("mine-output")) == [f"precision.{end}" for end in ends]
-    head, first, *_ = Path("mine-output/precision.csv").read_text().splitlines()
-    assert head == "method,setting,error [<x_s>],claimed_error [<x_s>],run_time [s],runs"
-    assert first.startswith("master,0.01,")
-    written = read("mine-output/precision.json")
-    assert written["reference"] == "the closed form for Gaussian thresholds"
-    points: dict[str, Any] = {}
-    for point in written["points"]:
-        points.setdefault(point["method"], []).append(point)
-    assert [len(of) for of in points.values()] == [3, 4, 3, 2]
-    for p in points["master"]:
-        assert p["error"] <= p["claimed_error"] + 1e-13 and p["claimed_error"] <= p["setting"]
-    # the worst of many positions: 1 to 4.4 largest standard errors in each of 400 trials
-    assert all(0.5 < p["error"] / p["claimed_error"] < 5.0 for p in points["ensemble"])
-
-
-def test_precision_refuses_laws_before_any_work(capsys: Any) -> None:
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "delay": {"time": 0.2}}
-    status, out, told = said(
-        capsys, "precision", write(contacts=contacts, drive={"to": 6.0, "points": 9})
-    )
-    assert status == 2 and not out and "contacts.delay: precision does not take it" in told[0]
-
-
 def test_scenes_lists_every_shipped_scene(capsys: Any) -> None:
     status, out, _ = said(capsys, "scenes")
     told = "\n" + "\n".join(out)

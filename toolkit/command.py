@@ -16,7 +16,8 @@ COMMANDS = {
     "thresholds": "picture and table of a scene's P_c(x)",
     "compare": "how prone to stick-slip each of several scenes is: one table, one picture",
     "verdict": "does this interface, on this machine, stick and slip? one page, one picture, in SI units",
-    "precision": "what precision costs: true error against run time of each solver, of a scene",
+    "precision": "what precision costs: true error against run time of each method, of a scene",
+    "cost": "what a scene imports, builds and runs, its start-up and memory, and what it leaves out",
     "scenes": "list the scenes that are shipped",
     "figures": "draw the paper's figures, each with a number beside an exact one; all take some 30 s",
     "show": "print a scene with all its defaults, as TOML that runs",
@@ -96,7 +97,7 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         change: Any = {"metavar": "KEY=VALUE", "action": "append", "default": [], "dest": "changes"}
         explained = "another value for a key of the scene, as TOML: --set drive.spring='\"50 N/m\"'; repeatable"
         own.add_argument("--set", help=explained, **change)
-        if name == "show":
+        if name in ("show", "cost"):
             continue
         explained = f"folder for what is written (default: ./{folder})"
         own.add_argument("--out", metavar="DIR", help=explained)

@@ -21,6 +21,7 @@ from toolkit.judge.describe import (
     table_of,
 )
 from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
+from toolkit.judge.frontier import draw_picture as draw_precision
 from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
 from toolkit.processes.ranks import on_root
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
@@ -31,6 +32,7 @@ from toolkit.results.numbers import in_words
 from toolkit.results.points import PointsRecord
 from toolkit.results.records import sample_curve
 from toolkit.results.verdicts import contradiction
+from toolkit.running import cost as costs
 from toolkit.running import forecast, runner
 from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
@@ -46,7 +48,15 @@ from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes
 from toolkit.scene.tables import did_you_mean
 from toolkit.scene.writing import written_out
 
-ON_ONE_RANK = ("copy", "figures", "precision", "scenes", "show", "verdict")  # the other ranks wait
+ON_ONE_RANK = (
+    "copy",
+    "cost",
+    "figures",
+    "precision",
+    "scenes",
+    "show",
+    "verdict",
+)  # the other ranks wait
 _APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
 
@@ -260,9 +270,16 @@ def verdict(arguments: argparse.Namespace) -> int:
     return 0 if found.success and not disagreeing(found) else 1
 
 
+def cost(arguments: argparse.Namespace) -> int:
+    """What the scene imports, builds and runs, its memory, and what it leaves out, of one run in another process."""
+    found = costs.cost(arguments.scene, read_changes(arguments.changes))
+    print("\n".join(costs.cost_lines(found)))
+    return 0
+
+
 def precision(arguments: argparse.Namespace) -> int:
-    """True error against run time of each solver the scene names, as picture and table; each line is printed once it
-    is measured."""
+    """True error against run time of each method that takes the scene, as picture and table; each line is printed once
+    it is measured. Returns 1 where the ensemble contradicts the master equation."""
     scene = load_scene(arguments.scene, changes=read_changes(arguments.changes)).one("precision")
     folder, lines = arguments.out or f"{scene.name}-output", list[str]()
     check_folder(folder)  # before the work, not after it
@@ -273,8 +290,9 @@ def precision(arguments: argparse.Namespace) -> int:
 
     with within(scene.deadline(), scene, "[precision]"):
         found = ladders.precision(scene, say_it)
-    draw = partial(ladders.draw_picture, found)
+    draw = partial(draw_precision, found)
     rows = precision_rows(found["points"])
     save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows)
     print("\n".join([*found["notes"], f"written to {folder}"]))
-    return 0
+    worst = (found["witness"] or {}).get("worst_deviation")
+    return 0 if (worst or 0.0) < _APART else 1

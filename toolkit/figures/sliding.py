@@ -10,7 +10,7 @@ import master
 from origins.laws.delay import Delay
 from origins.thresholds.law import Array
 from toolkit.figures.found import FORCE, INKS, Found, normal_tail, waterfall
-from toolkit.judge.precision import closed_form
+from toolkit.judge.closed_form import closed_form
 from toolkit.scene.scene import load_scene
 
 

@@ -8,7 +8,7 @@ import eq_model
 import master
 from origins.contacts import Contacts
 from toolkit.figures.found import FORCE, INKS, Found, coarser, lettered, waterfall
-from toolkit.judge.precision import closed_form
+from toolkit.judge.closed_form import closed_form
 from toolkit.scene.scene import load_scene
 
 _CONTACTS = 200_000  # so that noise is visible, as in the paper, and F is good to 1e-3

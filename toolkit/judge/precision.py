@@ -1,18 +1,22 @@
-"""Cost of precision: true error against run time, for each solver the scene names and for the paper's algorithms."""
+"""Cost of precision: true error against run time of every method that can follow the scene's slider along its path."""
 
 import time
+import tomllib
 from collections.abc import Callable
-from typing import Any
+from statistics import median
+from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 
-from origins.contacts import Contacts, check_contacts
-from origins.errors import InputError
-from origins.start import GaussianStart
-from origins.thresholds.gaussian import CutGaussian
+from origins.contacts import check_contacts
+from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
+from toolkit.judge.closed_form import closed_form
+from toolkit.judge.frontier import as_words, cheapest, slope
+from toolkit.results.beside import apart
+from toolkit.running.solvers import follow, make_ensemble, solve_master
 from toolkit.scene.scene import Scene
+from toolkit.scene.tables import EqTable
 
 RUNGS: dict[str, tuple[float, ...]] = {  # the settings of each method, the cheapest first
     "master": tuple(10.0**-n for n in range(2, 13)),  # tolerances
@@ -20,52 +24,111 @@ RUNGS: dict[str, tuple[float, ...]] = {  # the settings of each method, the chea
     "ensemble": (1e2, 1e3, 1e4, 1e5, 1e6, 1e7),  # contacts
     "closest": (1e2, 3e2, 1e3, 3e3, 1e4),
 }
+_SECONDS = (
+    6.0  # s for the runs of one method, so that the four of them take less than half a minute
+)
+_REPEATED = 0.5  # s: runs are repeated, up to 5 times, until they took so long together
+_REMARKS = {
+    "explicit": "explicit: the paper's scheme, Eqs. (Q2)-(Q4); it claims no error",
+    "ensemble": "ensemble: of one seed; claims its largest standard error, and the worst of many positions exceeds it",
+    "closest": "closest: the paper's algorithm, of one seed; it claims no error",
+}
+
+
+class Answer(NamedTuple):
+    """A method's force at the points of the path that it reaches, and the error that it claims, both in lengths; None
+    where it claims none. `found` is the solver's own answer."""
+
+    force: Array
+    claimed: float | None
+    found: Any = None
+
+
+class Run(NamedTuple):
+    """A method's answer at a setting, and its median run time in s of so many `runs`."""
+
+    setting: float
+    answer: Answer
+    run_time: float
+    runs: int
+
+
+class Reference(NamedTuple):
+    """The force that the others are held against, its own error in mean thresholds, what it is in words, and at which
+    points of the path it is compared."""
+
+    force: Array
+    error: float
+    words: str
+    told: Any
 
 
 def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
-    """Measure the master equation and the paper's explicit scheme (scenes with [master]), the ensemble and the paper's
-    closest-contact algorithm (scenes with [eq]), each at its RUNGS; `say` is given a line for each as it is measured.
+    """Measure the master equation, the paper's explicit scheme, the ensemble and the paper's closest-contact algorithm,
+    each at its RUNGS where it takes the scene; `say` is given a line for each run.
 
-    Returns what precision.json holds: name, title, `reference_error`, `notes`, and `points`, each with its `method`,
-    `setting`, largest `error` over the path and `claimed_error` (mean thresholds; None where nothing is claimed),
-    `run_time` in s, the shortest of `runs` warm ones. Raises InputError where F is not known in closed form.
+    Returns what precision.json holds: name, title, `reference` in words with its `reference_error`, `notes`, `slopes`
+    and `cheapest` (see toolkit.judge.frontier), `warm_up` of each method in s (imports and compilation), `witness`, the
+    ensemble beside a reference by the master equation, and `points`, each with its `method`, `setting`, largest `error`
+    over the path (None of the reference itself), `claimed_error` (None where nothing is claimed), both in mean
+    thresholds, and `run_time` in s, the median of `runs`. Raises InputError for a sweep, for a slider with mass, and
+    where the master equation has no answer.
     """
-    scene.only_forward("precision")
-    check_contacts(scene.contacts, "precision")  # no closed form has a law
-    exact, reference_error = closed_form(scene.contacts, scene.path)
+    if scene.master is None and scene.eq is None:
+        raise InputError("sweep: precision takes a path with [master] or [eq]; add one of them")
+    if scene.drive.mass is not None:
+        hint = "precision takes a slider without mass; leave mass and damping out"
+        refuse("drive.mass", tomllib.loads(scene.text)["drive"]["mass"], hint)
+    notes, warm_up, unit = list[str](), dict[str, float](), scene.contacts.mean_threshold
+    methods = _methods(scene, notes)
+    exact = _exact(scene)
+    solved = _climb("master", methods.pop("master"), notes, warm_up, needed=exact is None)
+    reference = exact or _finest(scene, solved)
     points: list[dict[str, Any]] = []
-    notes = [
-        f"true error: largest over {scene.path.size} positions, in units of <x_s>, from the closed form for Gaussian "
-        f"thresholds, good to {reference_error:.0e}",
-        "run time: wall time, best of the warm runs; compilation is not in it",
-        "explicit (Eqs. (Q2)-(Q4)) and closest are the paper's, and claim no error; ensemble and closest are of one "
-        "seed, and the ensemble claims its largest standard error, which the worst of many positions exceeds",
-    ]
-    for method, work in _methods(scene).items():
-        work(RUNGS[method][0])  # so that nothing is imported or compiled while timed
+
+    def tell(method: str, runs: list[Run]) -> None:
         if not points:
             say(_line(["method", "at", "error", "claimed", "time", "runs"]))
-        for setting in RUNGS[method]:
-            times: list[float] = []
-            while len(times) < 5 and (not times or times[-1] < 1.0):  # long runs are not repeated
-                began = time.perf_counter()
-                force, claimed = work(setting)
-                times.append(time.perf_counter() - began)
-            error = float(np.abs(force - exact).max()) / scene.contacts.mean_threshold
-            point = {"method": method, "setting": setting, "error": error}
-            point |= {"claimed_error": claimed, "run_time": min(times), "runs": len(times)}
-            points.append(point)
-            say(_line(point.values()))
-            if min(times) > 3.0:
-                notes.append(f"{method}: no further, as a run took more than 3 s")
-                break
+        for run in runs:
+            claimed = None if run.answer.claimed is None else run.answer.claimed / unit
+            point = {"method": method, "setting": run.setting}
+            point |= {"error": _error(run.answer.force, reference, unit)}
+            points.append(point | {"claimed_error": claimed, "run_time": run.run_time})
+            points[-1]["runs"] = run.runs
+            say(_line(points[-1].values()))
+
+    tell("master", solved)
+    sampled: list[Run] = []
+    for method, work in methods.items():
+        runs = _climb(method, work, notes, warm_up)
+        sampled = runs if method == "ensemble" else sampled
+        tell(method, runs)
+    witness = None if exact or not sampled else _witness(sampled[-1], solved, unit)
+    own = [p for p in points if p["method"] == "master" and p["error"] is not None]
+    bounded = sum(point["error"] <= point["claimed_error"] + reference.error for point in own)
+    measured = {point["method"] for point in points}
+    said = [
+        f"true error: largest over {reference.told.sum()} positions, in units of <x_s>, from {reference.words}, good "
+        f"to {reference.error:.0e}",
+        *_of_witness(witness, exact is None),
+        f"master: its claim bounds the true error in {bounded} of {len(own)} runs that differ from the reference",
+        "run time: wall time on one core, median of the warm runs; imports and compilation are told apart: "
+        + ", ".join(f"{method} {seconds:.2g} s" for method, seconds in warm_up.items()),
+    ]
+    said += [words for method, words in _REMARKS.items() if method in measured]
+    slopes = {method: slope(points, method, reference.error) for method in RUNGS}
+    spans = cheapest(points, reference.error)
     return {
-        "reference": "the closed form for Gaussian thresholds",
+        "reference": reference.words,
         "name": scene.name,
         "title": scene.title or scene.name,
-        "reference_error": reference_error,
+        "reference_error": reference.error,
+        "witness": witness,
         "points": points,
-        "notes": notes,
+        "slopes": slopes,
+        "cheapest": spans,
+        "warm_up": warm_up,
+        "notes": [*as_words(slopes, spans), *said, *notes],
     }
 
 
@@ -74,84 +137,158 @@ def _line(cells: Any) -> str:
     return "  ".join(f"{cell:>9}" for cell in texts)
 
 
-def _methods(scene: Scene) -> dict[str, Callable[[float], tuple[Array, float | None]]]:
-    """By each method's name its force (a length) at a setting, and the error that it claims, in mean thresholds."""
-    import eq_model
-    import master
+def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[[float], Answer]]:
+    """What finds the force at a setting, by the name of each method that takes the scene; those that are left out are
+    noted."""
     from eq_model.closest import closest
     from master.paper.explicit import explicit
 
     contacts, path, unit = scene.contacts, scene.path, scene.contacts.mean_threshold
-    seed = 0 if scene.eq is None else scene.eq.seed
+    asked = scene.eq or EqTable()
 
-    def solve(tolerance: float) -> tuple[Array, float]:
-        solved: Any = master.solve(contacts, path, tolerance=tolerance)
-        return solved.force, float(solved.force_error)
+    def solve(tolerance: float) -> Answer:
+        solved: Any = solve_master(scene, tolerance, wall_time=_SECONDS)
+        return Answer(solved.force, float(solved.force_error) * unit, solved)
 
-    def step(number: float) -> tuple[Array, None]:
-        return explicit(contacts, path, step=unit / number).force, None
+    def step(number: float) -> Answer:
+        return Answer(explicit(contacts, path, step=unit / number).force, None)
 
-    def simulate(size: float) -> tuple[Array, float]:
-        found: Any = eq_model.simulate(contacts, path, n_contacts=int(size), seed=seed)
-        return found.force, float(found.force_standard_error.max()) / unit
+    def simulate(size: float) -> Answer:
+        small: dict[str, Any] = {"n_contacts": int(size), "n_replicas": 1, "histograms": ()}
+        small |= {"tolerance": None, "wall_time": _SECONDS, "threads": 1}
+        found: Any = follow(make_ensemble(scene, asked, None, **small))
+        return Answer(
+            found.force, float((found.force_standard_error + found.step_error).max()), found
+        )
 
-    def follow(size: float) -> tuple[Array, None]:
-        return closest(contacts, path, n_contacts=int(size), seed=seed)[0], None
+    def pick(size: float) -> Answer:
+        return Answer(closest(contacts, path, n_contacts=int(size), seed=asked.seed)[0], None)
 
-    own: Any = {"master": solve, "explicit": step} if scene.master is not None else {}
-    return own | ({} if scene.eq is None else {"ensemble": simulate, "closest": follow})
-
-
-def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
-    """F/(N_c<k>) of Gaussian thresholds from one stretch or a Gaussian of them, and a bound on its round-off in mean
-    thresholds. Raises InputError for other contacts, and where the cut of a law at 0 matters.
-
-    With thresholds of mean m and width s, and starts of mean x_0 and width s_0, the n-th break of a contact comes at
-    X_n, normal with mean n m - x_0 and variance n s^2 + s_0^2, and then the n-th threshold is released, so that
-    F = x_0 + X - sum over n of E[threshold n; X_n < X].
-    """
-    law, start = contacts.thresholds, contacts.start
-    if isinstance(law, CutGaussian) and (start.is_single or isinstance(start, GaussianStart)):
-        mean, width, first = law.parent_mean, law.parent_std, start.mean()
-        spread = 0.0 if start.is_single else 1.0 / (np.sqrt(2.0 * np.pi) * float(start.pdf(first)))
-        narrowest, reach = float(np.hypot(width, spread)), float(path[-1]) + abs(first) + abs(mean)
-        cut = scipy.special.ndtr((np.array([first, -first]) - mean) / narrowest).sum()
-        cut += (reach / abs(mean) + 1.0) * scipy.special.ndtr(-mean / width)
-        # the error for a contact that the cut affects, in any generation, is at most its travel
-        if mean > 0.0 and cut * reach <= 1e-16 * mean:
-            force, count, z = first + path, 0, np.zeros(1)
-            while z[-1] >= -10.0:
-                count += 1
-                scatter = np.sqrt(count * width**2 + spread**2)
-                z = (path - count * mean + first) / scatter
-                bell = np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
-                force -= mean * scipy.special.ndtr(z) - width**2 / scatter * bell
-            # each term and its argument are rounded, and the latter matters more the narrower the laws are
-            return force, float(2.0**-53 * (count + 4.0 + mean / narrowest) * reach / mean)
-    hint = "needs F in closed form: Gaussian thresholds far from 0, from one stretch or a Gaussian"
-    raise InputError(f"precision: {hint} of them")
+    if scene.drive.spring is not None:
+        notes.append(
+            "explicit, ensemble, closest: left out; the paper's two take a rigid slider, and the ensemble's slips come "
+            "late as its contacts are finitely many, so that point by point its force is another"
+        )
+        return {"master": solve}
+    methods = {"master": solve, "explicit": step, "ensemble": simulate, "closest": pick}
+    if not scene.drive.forward:
+        notes.append("explicit, closest: left out; they take a path that does not turn round")
+        del methods["explicit"], methods["closest"]
+    if contacts.each_by_itself() is not contacts:
+        notes.append("ensemble: left out; single contacts do not follow the paper's closure")
+        del methods["ensemble"]
+    return methods
 
 
-def draw_picture(found: dict[str, Any]) -> Any:
-    """True error in units of <x_s> against run time in s, hollow marks for the errors that are claimed."""
-    from matplotlib.figure import Figure
+def _climb(
+    method: str,
+    work: Callable[[float], Answer],
+    notes: list[str],
+    warm_up: dict[str, float],
+    needed: bool = False,
+) -> list[Run]:
+    """The runs of a method, rung by rung while time is left. One that refuses the scene has none, and is noted; where
+    it is `needed` its InputError is raised."""
+    runs, spent = list[Run](), 0.0
+    began = time.perf_counter()
+    try:
+        work(RUNGS[method][0])  # so that nothing is imported or compiled while timed
+        warm_up[method] = time.perf_counter() - began
+        for setting in RUNGS[method]:
+            last = [run.run_time for run in runs[-2:]]
+            # the next run is as much longer again, and half as long once more to be safe
+            foreseen = 1.5 * last[-1] * max(last[-1] / last[0], 1.0) if last else 0.0
+            if spent + foreseen > _SECONDS:
+                notes.append(f"{method}: no further than {runs[-1].setting:.3g}, for want of time")
+                break
+            times: list[float] = []
+            while len(times) < 5 and sum(times) < _REPEATED:
+                began = time.perf_counter()
+                answer = work(setting)
+                times.append(time.perf_counter() - began)
+            spent += sum(times)
+            if times[-1] >= _SECONDS or not np.isfinite(answer.force).all():
+                notes.append(f"{method}: no answer at {setting:.3g} in {_SECONDS:.0f} s")
+                break
+            runs.append(Run(setting, answer, median(times), len(times)))
+            if method == "master" and answer.found.force_error > setting:
+                notes.append(f"{method}: no finer than {setting:.3g}; {answer.found.message}")
+                break
+    except InputError as error:
+        if needed and not runs:
+            raise
+        notes.append(f"{method}: {f'no further; {error}' if runs else f'left out; {error}'}")
+    return runs
 
-    figure = Figure(figsize=(9, 6), layout="constrained")
-    axes, colours = figure.subplots(), ("#1f4e79", "#5dade2", "#c0392b", "#e59866")
-    for method, marker, colour in zip(RUNGS, "os^v", colours, strict=True):
-        points = [point for point in found["points"] if point["method"] == method]
-        run_time = [point["run_time"] for point in points]
-        # an error of 0 has no place on a logarithmic axis
-        error = [max(point["error"], 1e-17) for point in points]
-        claimed = [point["claimed_error"] or np.nan for point in points]
-        if points:
-            axes.plot(run_time, error, marker + "-", color=colour, lw=1, label=method)
-        if np.isfinite(claimed).any():
-            label = f"{method}: its claim"
-            axes.plot(run_time, claimed, marker, mfc="none", mec=colour, label=label)
-    axes.set(xscale="log", yscale="log", xlabel="run time (s)")
-    axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
-    axes.set_title(f"against the closed form, good to {found['reference_error']:.0e}")
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
-    return figure
+
+def _exact(scene: Scene) -> Reference | None:
+    """The closed form of the scene's force; None where there is none."""
+    if scene.drive.spring is not None or not scene.drive.forward:
+        return None
+    try:
+        check_contacts(scene.contacts, "the closed form")
+        force, error = closed_form(scene.contacts, scene.path)
+    except InputError:
+        return None
+    words = "the closed form for Gaussian thresholds"
+    return Reference(force, error, words, np.ones(force.size, bool))
+
+
+def _best(solved: list[Run]) -> Run:
+    """The run that claims the smallest error, of several the one with the tightest setting."""
+    return min(reversed(solved), key=lambda run: run.answer.claimed or 0.0)
+
+
+def _finest(scene: Scene, solved: list[Run]) -> Reference:
+    """The run of the master equation that claims the smallest error. On a spring the points of the path next to a slip
+    tell nothing, as there a slip that comes a little early is an error as large as its drop."""
+    if not solved:
+        raise InputError(f"precision: the master equation gave no answer within {_SECONDS:.0f} s")
+    best = _best(solved)
+    found, told = best.answer.found, np.ones(best.answer.force.size, bool)
+    words = f"the master equation at {best.setting:.0e} ({best.run_time:.2g} s)"
+    if found.slips is not None:
+        near, far = found.path[:-1, None], found.path[1:, None]
+        slip = (np.minimum(near, far) <= found.slips.drive) & (
+            found.slips.drive <= np.maximum(near, far)
+        )
+        told[:-1] &= ~slip.any(axis=1)
+        told[1:] &= ~slip.any(axis=1)
+        words += ", its own finest run, away from slips"
+    return Reference(best.answer.force, float(found.force_error), words, told)
+
+
+def _error(force: Array, reference: Reference, unit: float) -> float | None:
+    """The largest difference in mean thresholds where both are known, as the paper's closure of ageing may end before
+    the path does; None for the reference's own bits, of which it tells nothing."""
+    if np.array_equal(force, reference.force):
+        return None
+    both = min(force.size, reference.force.size)
+    off = np.abs(force[:both] - reference.force[:both])[reference.told[:both]]
+    return float(off.max(initial=0.0)) / unit
+
+
+def _witness(sampled: Run, solved: list[Run], unit: float) -> dict[str, Any]:
+    """The ensemble's largest run beside the master equation's finest: `contacts`, its largest `standard_error` in mean
+    thresholds, and the `worst_deviation` of both in standard errors, None where too few contacts broke to compare."""
+    best, found = _best(solved), sampled.answer.found
+    error = float(found.force_standard_error.max()) / unit
+    worst = apart(best.answer.found, found, unit).worst
+    return {"contacts": found.contacts, "standard_error": error, "worst_deviation": worst}
+
+
+def _of_witness(witness: dict[str, Any] | None, own: bool) -> list[str]:
+    """In words what an independent road says of a reference that is the master equation's `own` finest run."""
+    if witness is None:
+        only = "no independent road: master is held against its own finest run alone"
+        return [only] if own else []
+    worst, contacts = witness["worst_deviation"], witness["contacts"]
+    beside = "of which too few broke to compare, or all at once"
+    if worst is not None:
+        beside = (
+            f"which differs from it by at most {worst:.1f} standard errors; chance makes about 3"
+        )
+    return [
+        f"independent of the master equation is the ensemble of {contacts:,} contacts, {beside}; it tells no error "
+        f"below its standard error, {witness['standard_error']:.1e}"
+    ]

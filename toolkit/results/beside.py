@@ -33,11 +33,16 @@ def deviation(result: Result) -> Deviation:
     if solved is None or eq is None or is_coupled(eq):
         # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
         return Deviation(np.empty(0, np.intp), np.empty(0))
-    of_one_contact = np.minimum(np.abs(eq.path), result.mean_threshold) / eq.contacts
+    return apart(solved, eq, result.mean_threshold)
+
+
+def apart(solved: Any, eq: Any, mean_threshold: float) -> Deviation:
+    """The same of a solution and an ensemble of independent contacts, records or the solvers' own."""
+    of_one_contact = np.minimum(np.abs(eq.path), mean_threshold) / eq.contacts
     enough = eq.force_standard_error > np.sqrt(_FEWEST) * of_one_contact
     enough[solved.path.size :] = False  # the paper's closure of ageing may end before the path does
     tell = np.flatnonzero(np.isfinite(eq.force_standard_error) & enough)
-    own = solved.force_error * result.mean_threshold
+    own = solved.force_error * mean_threshold
     allowed = eq.force_standard_error[tell] + eq.step_error[tell] + own
     return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
 

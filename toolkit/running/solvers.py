@@ -73,14 +73,19 @@ def within(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
 
 
 def solve_master(
-    scene: Scene, tolerance: float, refined: Callable[[float], None] | None = None
+    scene: Scene,
+    tolerance: float,
+    refined: Callable[[float], None] | None = None,
+    wall_time: float | None = None,
 ) -> SolvedRecord:
-    """The master equation's answer along the scene's drive; `refined` is called with each error on the way. Raises
-    InputError where there is none; the message says so if the scene's ensemble would run without [master]."""
+    """The master equation's answer along the scene's drive; `refined` is called with each error on the way, and after
+    `wall_time` s the path is cut. Raises InputError where there is none; the message says so if the scene's ensemble
+    would run without [master]."""
     import master
 
     drive, contacts = scene.drive, scene.contacts
     asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
+    asked |= {} if wall_time is None else {"wall_time": wall_time}
     asked |= {"progress": refined} if refined is not None else {}
     if drive.spring is not None:
         asked |= {name: getattr(drive, name) for name in ("spring", "slip", "mass", "damping")}

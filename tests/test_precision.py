@@ -1,0 +1,137 @@
+"""What precision and a scene cost: true errors against run time, fronts and crossings, imports."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scenes import refused, said, write
+
+from toolkit.judge import frontier
+from toolkit.running.cost import cost
+
+EQ = {"contacts": 200, "replicas": 4, "seed": 7}
+WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def read(path: str) -> Any:
+    return json.loads(Path(path).read_text())
+
+
+SHORT = {"master": (1e-2, 1e-6, 1e-10), "explicit": (25.0, 50.0, 100.0, 200.0)}
+SHORT |= {"ensemble": (100.0, 1000.0, 10_000.0), "closest": (100.0, 1000.0)}
+
+
+def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
+    start = {"kind": "gaussian", "mean": 0.1, "std": 0.05}
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "start": start}
+    file = write(contacts=contacts, drive={"to": 6.0, "points": 61}, eq=EQ)
+    assert said(capsys, "precision", file)[0] == 0
+    ends = ("csv", "json", "png", "txt")
+    assert sorted(os.listdir("mine-output")) == [f"precision.{end}" for end in ends]
+    head, first, *_ = Path("mine-output/precision.csv").read_text().splitlines()
+    assert head == "method,setting,error [<x_s>],claimed_error [<x_s>],run_time [s],runs"
+    assert first.startswith("master,0.01,")
+    written = read("mine-output/precision.json")
+    assert written["reference"] == "the closed form for Gaussian thresholds"
+    points: dict[str, Any] = {}
+    for point in written["points"]:
+        points.setdefault(point["method"], []).append(point)
+    assert [len(of) for of in points.values()] == [3, 4, 3, 2]
+    for p in points["master"]:
+        assert p["error"] <= p["claimed_error"] + 1e-13 and p["claimed_error"] <= p["setting"]
+    # the worst of many positions: 1 to 4.4 largest standard errors in each of 400 trials
+    assert all(0.5 < p["error"] / p["claimed_error"] < 5.0 for p in points["ensemble"])
+
+
+def measured(capsys: Any, **tables: Any) -> Any:
+    """precision.json of a scene."""
+    status, out, err = said(capsys, "precision", write(**tables))
+    assert status == 0 and out[-1] == "written to mine-output", err
+    return read("mine-output/precision.json")
+
+
+def test_precision_of_a_law_on_a_path_that_turns_has_the_other_solver_as_witness(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
+    contacts = {"thresholds": WIDE, "delay": {"time": 0.2}}
+    drive = {"turns": [1.5, -1.0], "points": 51}
+    found = measured(capsys, contacts=contacts, drive=drive)
+    methods = {point["method"] for point in found["points"]}
+    assert methods == {"master", "ensemble"} == set(found["warm_up"])
+    notes = "\n".join(found["notes"])
+    assert "explicit, closest: left out; they take a path that does not turn round" in notes
+    assert found["reference"].startswith("the master equation at 1e-10")
+    witness = found["witness"]
+    assert witness["contacts"] == 10_000 and 0.0 < witness["worst_deviation"] < 5.0
+    errors = {p["setting"]: p["error"] for p in found["points"] if p["method"] == "master"}
+    assert errors[1e-10] is None  # the reference's own bits
+    assert 0.0 < errors[1e-2] < 1e-2 and errors[1e-6] < 1e-6
+
+
+def test_precision_of_a_spring_is_the_master_equation_beside_its_own_finest_run(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
+    drive = {"to": 3.0, "points": 61, "spring": 0.5}
+    found = measured(capsys, thresholds=WIDE | {"std": 0.05}, drive=drive)
+    assert {point["method"] for point in found["points"]} == {"master"}
+    assert "its own finest run" in found["reference"] and found["witness"] is None
+    assert "no independent road" in "\n".join(found["notes"])
+    errors = [p["error"] or 0.0 for p in found["points"]]
+    assert all(e < 2.0 * s for e, s in zip(errors, SHORT["master"], strict=True))
+
+
+def test_precision_refuses_sweeps_and_mass(capsys: Any) -> None:
+    swept = write(thresholds=WIDE, drive=None, master=None, sweep={"velocity": [1.0, 2.0]})
+    line = refused(capsys, "precision", swept)
+    assert "sweep: precision takes a path with [master] or [eq]" in line
+    heavy = {"to": 3.0, "points": 9, "spring": 0.5, "mass": 1.0}
+    line = refused(capsys, "precision", write(thresholds=WIDE, drive=heavy))
+    assert "drive.mass = 1.0: precision takes a slider without mass" in line
+    assert not Path("mine-output").exists()
+
+
+def test_the_front_of_a_method_its_slope_and_the_crossings() -> None:
+    """Errors 0.1 t^(-1/2) from t = 0.01 on, with a run that is beaten, and a method that takes 1 s at any error: they
+    cross at an error of 0.1."""
+    slow = [(10.0**k, 0.1 * 10.0 ** (-k / 2)) for k in range(-2, 3)] + [(50.0, 0.5)]
+    points = [{"method": "slow", "run_time": t, "error": e} for t, e in slow]
+    points += [{"method": "flat", "run_time": 1.0, "error": e} for e in (1e-2, 1e-9, None)]
+    found = frontier.front(points, "slow", 1e-12)
+    assert (np.diff(found.run_time) > 0.0).all() and (np.diff(found.error) < 0.0).all()
+    assert found.error.size == 5 and frontier.slope(points, "slow", 1e-12) == pytest.approx(-0.5)
+    assert frontier.slope(points, "flat", 1e-12) is None
+    first, second = frontier.cheapest(points, 1e-12)
+    assert (first["method"], second["method"]) == ("slow", "flat") and first["below"] is None
+    assert first["above"] == second["below"] == pytest.approx(0.1, rel=0.15)
+    assert second["above"] == pytest.approx(1e-12)
+    words = frontier.as_words({"slow": -0.5, "flat": None}, [first, second])
+    assert words[0] == "error falls: slow as time^-0.5" and "flat below 1e-01" in words[1]
+
+
+def test_cost_tells_what_a_scene_imports_and_leaves_out(capsys: Any) -> None:
+    """Each solver alone: the other room, its libraries and the laws are told as left out."""
+    law = {"thresholds": WIDE, "delay": {"time": 0.1}}
+    found = cost(write(contacts=law, drive={"to": 2.0, "points": 21}))
+    packages = {name for stage in found["stages"] for name in stage["packages"]}
+    assert found["rooms"]["eq_model"][0] == 0 < found["rooms"]["master"][0]
+    assert "numpy" in packages and not {"numba", "matplotlib", "h5py", "mpi4py"} & packages
+    assert found["no_solvers"] == ["[eq]"] and set(found["runs"]) == {"master"}
+    assert {"numba", "matplotlib"} <= set(found["no_packages"])
+    assert "delay" not in found["no_laws"] and {"thermal", "ageing"} <= set(found["no_laws"])
+    drawn = write(thresholds=WIDE, master=None, eq=EQ, drive={"to": 2.0, "points": 21})
+    status, out, _ = said(capsys, "cost", drawn)
+    left = next(line for line in out if line.startswith("left out "))
+    assert status == 0 and "[master]" in left and "numba" not in left and "matplotlib" in left
+    assert "master 0 of " in "".join(out) and not Path("mine-output").exists()
+    assert "no shipped scene" in refused(capsys, "cost", "gausian")

@@ -1,0 +1,128 @@
+"""Runs of methods by error and run time: which are worth their time, how steep, what is cheapest when; all drawn."""
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from origins.thresholds.law import Array
+
+LEAST = 1e-17  # mean thresholds, below round-off: an error of 0 has no place on a logarithmic axis
+_STYLES = {"master": ("o", "#1f4e79"), "explicit": ("s", "#5dade2")}
+_STYLES |= {"ensemble": ("^", "#c0392b"), "closest": ("v", "#e59866")}
+_STEPS = 20  # for each decade of the error, of the places where methods are compared
+
+
+class Front(NamedTuple):
+    """Run times in s, rising, and errors in mean thresholds, falling, of the runs that no cheaper one beats."""
+
+    run_time: Array
+    error: Array
+
+
+def front(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> Front:
+    """The front of a method, in which errors that are not known, or are below the `floor`, count as that much."""
+    own = [point for point in points if point["method"] == method]
+    kept, best = list[tuple[float, float]](), np.inf
+    for point in sorted(own, key=lambda point: point["run_time"]):
+        error = max(point["error"] or 0.0, floor, LEAST)
+        if error < best:
+            kept.append((point["run_time"], error))
+            best = error
+    return Front(*np.array(kept).reshape(-1, 2).T)
+
+
+def slope(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> float | None:
+    """The power of its run time by which a method's error changes, fitted to its front above the floor where runs take
+    over twice the time of the cheapest, which is spent on getting ready; None where they do not span a factor of 3."""
+    found = front(points, method, floor)
+    some = found.error > max(floor, LEAST)
+    some &= found.run_time > 2.0 * found.run_time.min(initial=np.inf)
+    run_time, error = found.run_time[some], found.error[some]
+    if run_time.size < 2 or run_time[-1] < 3.0 * run_time[0]:
+        return None
+    return float(np.polyfit(np.log(run_time), np.log(error), 1)[0])
+
+
+def cheapest(points: Sequence[Mapping[str, Any]], floor: float) -> list[dict[str, Any]]:
+    """Which method reaches an error in the shortest time, between its runs by straight lines on logarithmic axes: spans
+    of errors from the largest to the smallest, each with `method`, `above` and `below` (None: any larger error)."""
+    fronts = {name: front(points, name, floor) for name in {p["method"]: None for p in points}}
+    fronts = {name: found for name, found in fronts.items() if found.error.size}
+    if not fronts:
+        return []
+    ends = [bound for found in fronts.values() for bound in (found.error[0], found.error[-1])]
+    # no place falls on a run itself, which would be within reach or not by round-off
+    places = _STEPS * max(1, int(np.log10(max(ends) / min(ends)) + 1.0))
+    errors = np.geomspace(max(ends), min(ends) * (1.0 + 1e-9), places)
+
+    def cost(found: Front) -> Array:
+        """The logarithm of the run time at each of the errors; inf where the method does not get there."""
+        at, known = np.log(found.error[::-1]), np.log(found.run_time[::-1])
+        return np.interp(np.log(errors), at, known, left=np.inf, right=known[-1])
+
+    names = list(fronts)
+    best = np.argmin([cost(found) for found in fronts.values()], axis=0)
+    spans, below = list[dict[str, Any]](), None
+    for which, group in groupby(range(errors.size), key=lambda place: int(best[place])):
+        above = float(errors[list(group)[-1]])
+        spans.append({"method": names[which], "above": above, "below": below})
+        below = above
+    return spans
+
+
+def as_words(slopes: Mapping[str, float | None], spans: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The slopes and the crossings in words."""
+    powers = [
+        f"{method} as time^{power:.2g}" for method, power in slopes.items() if power is not None
+    ]
+    lines = [f"error falls: {', '.join(powers)}"] if powers else []
+    if len(spans) > 1:
+        told = []
+        for span in spans:
+            low, high = f"{span['above']:.0e}", f"{span['below'] or 0.0:.0e}"
+            last = span is spans[-1]
+            where = f"below {high}" if last else f"from {high} to {low}"
+            where = (
+                ("at every error" if last else f"above {low}") if span["below"] is None else where
+            )
+            told.append(f"{span['method']} {where}")
+        reach = f"; no run was below {spans[-1]['above']:.0e}"
+        lines.append(f"cheapest: {', '.join(told)}{reach}")
+    return lines
+
+
+def draw_picture(found: dict[str, Any]) -> Any:
+    """True error in units of <x_s> against run time in s, hollow marks for the errors that are claimed; a line joins
+    the runs that no cheaper one beats."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 6), layout="constrained")
+    axes = figure.subplots()
+    floor = max(found["reference_error"], LEAST)
+    for method, (marker, colour) in _STYLES.items():
+        points = [point for point in found["points"] if point["method"] == method]
+        if not points:
+            continue
+        run_time = [point["run_time"] for point in points]
+        error = [max(point["error"] or 0.0, floor) for point in points]
+        claimed = [point["claimed_error"] or np.nan for point in points]
+        axes.plot(run_time, error, marker, color=colour, label=method)
+        line = front(points, method, floor)
+        axes.plot(line.run_time, line.error, "-", color=colour, lw=1)
+        if np.isfinite(claimed).any():
+            label = f"{method}: its claim"
+            axes.plot(run_time, claimed, marker, mfc="none", mec=colour, label=label)
+    axes.set(xscale="log", yscale="log", xlabel="run time (s)")
+    axes.axhline(floor, color="0.4", lw=0.8, label="the reference's own error")
+    if found["witness"] is not None:
+        least = max(found["witness"]["standard_error"], LEAST)
+        axes.axhline(least, color="0.4", lw=0.8, ls=":", label="no independent road tells below")
+    axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
+    axes.set_title(
+        f"{found['title']}: against {found['reference']}".replace("$", r"\$"), fontsize="medium"
+    )
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="small")
+    return figure

@@ -1,0 +1,119 @@
+"""What a scene costs beside its answer: imports, memory and time of each stage, told by a fresh process, and what the
+scene left out. `python -m toolkit.running.cost SCENE CHANGES` is that process; it prints a Cost as JSON."""
+
+import json
+import re
+import resource
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Mapping
+from importlib import import_module, metadata
+from pathlib import Path
+from typing import Any
+
+ROOMS = ("origins", "master", "eq_model", "toolkit")
+_EXTRAS = re.compile(r"extra == .(?!mpi|topography|xarray)")  # what tests, lint and pages need
+_IN_MB = 1e3 if sys.platform != "darwin" else 1e6  # units of the system's peak memory in a MB
+
+Cost = dict[str, Any]
+
+
+def cost(scene: str, changes: Mapping[str, Any] | None = None) -> Cost:
+    """Run the scene once in a process of its own, writing nothing.
+
+    Returns `title`; `stages`, each with its `name`, `seconds`, peak `memory` in MB at its end, and the third-party
+    `packages` that it imported; `rooms`, of each the numbers of its files that were imported and of all; what it
+    `builds` and `runs`, the latter by its run time in s; and, left out, `no_laws`, `no_solvers`, `no_packages`.
+    Raises InputError as a run does.
+    """
+    from origins.errors import InputError
+
+    words = [sys.executable, "-m", "toolkit.running.cost", scene, json.dumps(changes or {})]
+    done = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True)
+    found: Cost = json.loads(done.stdout.splitlines()[-1])
+    if "refused" in found:
+        raise InputError(found["refused"])
+    return found
+
+
+def cost_lines(found: Cost) -> list[str]:
+    """The cost as lines of text."""
+    lines = [found["title"]]
+    for stage in found["stages"]:
+        packages = ", ".join(stage["packages"]) or "no further package"
+        memory = f"{stage['memory']:.0f} MB at most"
+        lines.append(f"{stage['name']:9}{stage['seconds']:.2f} s, {memory}; imports {packages}")
+    rooms = [f"{room} {some} of {all_} files" for room, (some, all_) in found["rooms"].items()]
+    runs = [f"{name} {seconds:.2g} s" for name, seconds in found["runs"].items()]
+    left = [*found["no_solvers"], *found["no_laws"], *found["no_packages"]]
+    lines += [f"rooms    {', '.join(rooms)}", f"builds   {', '.join(found['builds'])}"]
+    lines += [f"runs     {', '.join(runs)}", f"left out {', '.join(left) or 'nothing'}"]
+    return [*lines, "the scene ran once in a process of its own; nothing was written"]
+
+
+def _measured(scene: str, changes: Mapping[str, Any]) -> Cost:
+    """Run the scene here; see `cost`."""
+    homes, stages, seen = metadata.packages_distributions(), list[Any](), set[str]()
+    wanted = [line for line in metadata.requires("mesofriction") or [] if not _EXTRAS.search(line)]
+    names = {match[0] for line in wanted if (match := re.match(r"[\w.-]+", line))}
+    known = {name.lower() for name in names}
+    # modules of the distributions that are asked for; such as mpich have none
+    wanted_by = {name: of[0] for name, of in homes.items() if of[0].lower() in known}
+    began = time.perf_counter()
+
+    def done(name: str) -> None:
+        nonlocal began
+        stage: dict[str, Any] = {"name": name, "seconds": time.perf_counter() - began}
+        stage["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / _IN_MB
+        there = {of for name, of in wanted_by.items() if name in sys.modules}
+        stages.append(stage | {"packages": sorted(there - seen)})
+        seen.update(there)
+        began = time.perf_counter()
+
+    import_module("toolkit.commands")  # as `mesofriction run` does
+    from toolkit.running.runner import solve
+    from toolkit.scene.laws import CONTACTS
+    from toolkit.scene.scene import load_scene
+
+    done("start-up")
+    loaded = load_scene(scene, changes=changes)
+    done("scene")
+    result, _ = solve(loaded, None)
+    done("run")
+    tables = tomllib.loads(loaded.text)["contacts"]
+    builds = [f"{name} {_kind(table)}".strip() for name, table in tables.items()]
+    answers = {name: getattr(result, name) for name in ("master", "eq", "sweep")}
+    return {
+        "title": loaded.title or loaded.name,
+        "stages": stages,
+        "rooms": {room: _files_of(room) for room in ROOMS},
+        "builds": builds,
+        "runs": {name: one.run_time for name, one in answers.items() if one is not None},
+        "no_solvers": [f"[{name}]" for name in ("master", "eq") if answers[name] is None],
+        "no_laws": [law for law in CONTACTS if law not in ("start", *loaded.contacts.laws)],
+        "no_packages": sorted({*wanted_by.values()} - seen),
+    }
+
+
+def _kind(table: Any) -> str:
+    """What a table of the contacts names: its kind or its law; or the value of a key."""
+    return str(table.get("kind", table.get("law", "")) if isinstance(table, dict) else table)
+
+
+def _files_of(room: str) -> tuple[int, int]:
+    """How many files of a room are imported, and how many it has."""
+    here = Path(__file__).parents[2] / room
+    some = sum(name.partition(".")[0] == room for name in sys.modules)
+    return some, sum(1 for _ in here.rglob("*.py"))
+
+
+if __name__ == "__main__":
+    from origins.errors import InputError
+
+    try:
+        told = _measured(sys.argv[1], json.loads(sys.argv[2]))
+    except InputError as error:
+        told = {"refused": str(error)}
+    print(json.dumps(told))
