@@ -62,7 +62,7 @@ def test_run_prints_a_line_per_solver_and_writes(capsys: Any) -> None:
 
 
 def test_a_run_whose_solvers_are_far_apart_is_status_1(capsys: Any, monkeypatch: Any) -> None:
-    monkeypatch.setattr("toolkit.commands.deviation", lambda _: SimpleNamespace(worst=7.0))
+    monkeypatch.setattr("toolkit.results.report.deviation", lambda _: SimpleNamespace(worst=7.0))
     status, out, _ = said(
         capsys, "run", write(thresholds=WIDE, drive={"to": 1.0, "points": 5}, eq=EQ)
     )
@@ -98,9 +98,9 @@ def test_what_is_to_be_minded_is_told_once_and_before(capsys: Any) -> None:
 def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:
     pulled = {"to": 1.0, "points": 11, "spring": 0.5}
     result: Any = toolkit.run(scene(WIDE | {"std": 0.1}, drive=pulled))
-    (note,) = result.notes
+    reason = result.master.regime.reason
     assert not result.master.slips.drive.size
-    far = float(note.partition("X_T = ")[2].partition(";")[0])
+    far = float(reason.partition("before X_T = ")[2].partition(";")[0])
     result = toolkit.run(scene(WIDE | {"std": 0.1}, drive=pulled | {"to": far}))
     assert result.master.slips.drive.size and result.notes == ()
 

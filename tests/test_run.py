@@ -19,9 +19,9 @@ import eq_model
 import master
 import toolkit
 from origins.errors import InputError
-from toolkit.commands import report
 from toolkit.processes.ranks import cores_of
 from toolkit.results.records import MotionEnergy
+from toolkit.results.report import report
 from toolkit.running.checkpoint import identity
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 

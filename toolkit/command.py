@@ -18,6 +18,7 @@ COMMANDS = {
     "verdict": "does this interface, on this machine, stick and slip? one page, one picture, in SI units",
     "precision": "what precision costs: true error against run time of each method, of a scene",
     "cost": "what a scene imports, builds and runs, its start-up and memory, and what it leaves out",
+    "stability": "stiff and extreme cases through both solvers, or each number of a scene pushed by decades: a table",
     "scenes": "list the scenes that are shipped",
     "figures": "draw the paper's figures, each with a number beside an exact one; all take some 30 s",
     "show": "print a scene with all its defaults, as TOML that runs",
@@ -87,8 +88,13 @@ def _parse(words: list[str]) -> "argparse.Namespace":
             explained = "folder for what is written (default: ./paper-figures)"
             own.add_argument("--out", metavar="DIR", help=explained)
             continue
-        many, folder = ("+", "compare-output") if name == "compare" else (None, "NAME-output")
+        many, folder = {
+            "compare": ("+", "compare-output"),
+            "stability": ("?", "NAME-output, or stability-output"),
+        }.get(name, (None, "NAME-output"))
         scene = "a scene file, or the name of a shipped scene"
+        if name == "stability":
+            scene += "; left out, the shipped table of extreme cases"
         own.add_argument("scene", metavar="SCENE", nargs=many, help=scene)
         if name == "copy":
             explained = "the file to write, or a folder for it (default: ./SCENE.toml)"

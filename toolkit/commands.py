@@ -24,13 +24,10 @@ from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
 from toolkit.judge.frontier import draw_picture as draw_precision
 from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
 from toolkit.processes.ranks import on_root
-from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
-from toolkit.results.kinds import is_coupled
-from toolkit.results.numbers import in_words
-from toolkit.results.points import PointsRecord
 from toolkit.results.records import sample_curve
+from toolkit.results.report import APART, agreeing, report
 from toolkit.results.verdicts import contradiction
 from toolkit.running import cost as costs
 from toolkit.running import forecast, runner
@@ -40,10 +37,10 @@ from toolkit.running.solvers import within
 from toolkit.saving import pictures as picture
 from toolkit.saving import read_formats, stale
 from toolkit.scene.changes import read_changes
-from toolkit.scene.interfaces import foreseen, in_a_line, with_error
+from toolkit.scene.interfaces import foreseen
 from toolkit.scene.laws import inside
 from toolkit.scene.paper import numbers_in_paper
-from toolkit.scene.scale import SHARED, spoken
+from toolkit.scene.scale import SHARED
 from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes
 from toolkit.scene.tables import did_you_mean
 from toolkit.scene.writing import written_out
@@ -55,9 +52,9 @@ ON_ONE_RANK = (
     "precision",
     "scenes",
     "show",
+    "stability",
     "verdict",
 )  # the other ranks wait
-_APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
 
 def scenes(arguments: argparse.Namespace) -> int:
@@ -133,70 +130,7 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
         answer = getattr(result, name)
         if answer is not None and not answer.success and first:
             say(f"{name}: {answer.message}")
-    agree = result.papers_closure or (deviation(result).worst or 0.0) < _APART
-    return 0 if result.success and agree and not contradiction(result) else 1
-
-
-def report(result: Any) -> list[str]:
-    """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    lines, solved, eq, sweep = [result.title or result.name], result.master, result.eq, result.sweep
-    if apart := contradiction(result):
-        lines.append(f"verdict {apart}")
-    if result.interface is not None:
-        lines.append(f"surface {in_a_line(result.interface)}")
-        lines += in_words(result)
-    if solved is not None:
-        error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
-        lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
-    if solved is not None and solved.slips is not None:
-        period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
-        period_text = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
-        lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
-        if solved.slip_duration is not None and solved.slip_duration.size:
-            lasts = spoken(solved.slip_duration.mean(), result.scale.time_unit)
-            fastest = spoken(abs(solved.slip_top_speed).max(), result.scale.speed_unit)
-            lines.append(f"motion  slips last {lasts} on average, top speed {fastest}")
-    if solved is not None and solved.outrun is not None:
-        where = f"from X = {solved.outrun:.4g} on" if solved.outrun < float("inf") else "nowhere"
-        lines.append(
-            f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
-            f"{solved.positivity_defect.max():.1e}; contacts outrun it {where}"
-        )
-    if isinstance(sweep, PointsRecord):
-        at = f"{len(sweep)} points along {' and '.join(sweep.along)}"
-        lines.append(f"sweep   {at}, {sweep.run_time:.4g} s of work; their table is sweep.csv")
-    elif sweep is not None:
-        error = f"error {sweep.force_error.max():.1e} of <x_s>"
-        if sweep.critical_spring_error is not None:
-            error += f", K* error {sweep.critical_spring_error.max():.1e}"
-        points = f"{sweep.force.size} points along {' and '.join(sweep.along)}"
-        lines.append(f"sweep   {error}  run time {sweep.run_time:.4f} s  {points}")
-    if eq is not None:
-        error = eq.force_standard_error.max() / result.mean_threshold
-        steps = eq.step_error.max() / result.mean_threshold
-        besides = f"; of the time steps of ageing {steps:.1e}" if steps else ""
-        lines.append(
-            f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
-            f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
-        )
-    if is_coupled(eq):
-        lines.append(slip_line(result))
-    elif solved is not None and eq is not None:
-        lines.append(f"eq less master: {_agreement(result)}")
-    return [*lines, *(f"note    {note}" for note in result.notes)]
-
-
-def _agreement(result: Any) -> str:
-    """The difference of both solvers in words."""
-    apart = deviation(result).worst
-    if apart is None:
-        return f"not compared: {NOT_COMPARED}"
-    chance = "chance makes about 3"
-    if result.papers_closure:
-        chance += ", the rest is the paper's closure, which single contacts do not follow"
-    elif apart >= _APART:
-        chance += ": they do not agree, please report it"
-    return f"at most {apart:.1f} standard errors over the path; {chance}"
+    return 0 if result.success and agreeing(result) and not contradiction(result) else 1
 
 
 def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
@@ -295,4 +229,20 @@ def precision(arguments: argparse.Namespace) -> int:
     save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows)
     print("\n".join([*found["notes"], f"written to {folder}"]))
     worst = (found["witness"] or {}).get("worst_deviation")
-    return 0 if (worst or 0.0) < _APART else 1
+    return 0 if (worst or 0.0) < APART else 1
+
+
+def stability(arguments: argparse.Namespace) -> int:
+    """Extreme cases, or those around a scene, through both solvers; returns 1 where an answer is wrong."""
+    from toolkit.stability.report import report_stability
+
+    if arguments.scene is None and arguments.changes:
+        refuse(
+            "--set", arguments.changes[0], "changes a scene; name one: mesofriction stability SCENE"
+        )
+    changes = read_changes(arguments.changes)
+    scene = None if arguments.scene is None else load_scene(arguments.scene, changes=changes)
+    folder = arguments.out or ("stability-output" if scene is None else f"{scene.name}-output")
+    found = report_stability(scene, folder, lambda line: print(line, flush=True))
+    print(f"written to {folder}")
+    return int(any(row.verdict == "wrong" for row in found))

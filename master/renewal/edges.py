@@ -5,6 +5,7 @@ an exact threshold), and where contacts born at an earlier kink do.
 """
 
 import heapq
+import time as clock
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
@@ -127,12 +128,12 @@ class _Kinks:
         """All kinks, in the order of time, of a size above the least: the first ones, and those that follow.
 
         Kinks still to come wait in a heap. The next one is taken out, together with all at the same time; if it is
-        large enough, what follows from it is put in.
+        large enough, what follows from it is put in. After `births.until` none is looked for: the march has ended.
         """
         end, delay = float(self.motion.times[-1]), self.births.delay
         coming = list(first)
         heapq.heapify(coming)
-        while coming:
+        while coming and clock.monotonic() <= self.births.until:
             time, size = heapq.heappop(coming)
             close = self.close(time)
             while coming and coming[0].time <= time + close:

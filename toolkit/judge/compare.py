@@ -51,9 +51,12 @@ class Verdict:
 
     def spring(self, unit: str) -> Number:
         """K* in "N/m" of the area, in "N/m³", per area, or in "N_c<k>"."""
-        factors = {"N/m": self.scale.spring, "N/m³": self.per_area or 1.0, SHARED: 1.0}
-        own, factor = self.numbers["critical_spring"], factors[unit]
+        own, factor = self.numbers["critical_spring"], self.spring_unit(unit)
         return Number(own.value * factor, (own.error or 0.0) * factor, unit)
+
+    def spring_unit(self, unit: str) -> float:
+        """N_c<k> in "N/m" of the area, or in "N/m³", per area; 1 where it is the unit."""
+        return {"N/m": self.scale.spring, "N/m³": self.per_area or 1.0, SHARED: 1.0}[unit]
 
     def plain(self) -> dict[str, Any]:
         """The content of a file; times in s."""

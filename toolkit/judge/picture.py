@@ -26,11 +26,8 @@ class _Styled:
         self.line = {key: own for key, own in self.style.items() if key not in ("marker", "ms")}
         self.mean = verdict.result.mean_threshold
         self.length = self.mean if unit == SHARED else 1.0
-        factor = verdict.spring(unit).value / verdict.value("critical_spring")
-        if not np.isfinite(factor):
-            factor = verdict.scale.spring if unit == "N/m" else (verdict.per_area or 1.0)
         self.kinetic = verdict.value("kinetic_force") * self.mean
-        self.force = 1.0 / self.kinetic if unit == SHARED else factor
+        self.force = 1.0 / self.kinetic if unit == SHARED else verdict.spring_unit(unit)
 
 
 def draw_comparison(verdicts: Sequence[Verdict]) -> Any:

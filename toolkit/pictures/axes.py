@@ -1,6 +1,7 @@
 """Readable axes: names with units and SI prefixes, colours and marks that colour-blind readers distinguish, legends
 beside the data."""
 
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -102,6 +103,11 @@ def _set_ticks(axis: Any, power: int) -> None:
         axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
 
 
+def in_lines(title: str, letters: int = 110) -> str:
+    """A title in lines of so many letters. (matplotlib's own `wrap` takes any $ of a title for a formula.)"""
+    return "\n".join(textwrap.wrap(title, letters))
+
+
 def legend_above(axes: Any, title: str = "", letters: int = 90) -> None:
     """A legend between the axes and their title, where it covers no data; above the axes fit so many letters."""
     handles, labels = axes.get_legend_handles_labels()
@@ -109,7 +115,7 @@ def legend_above(axes: Any, title: str = "", letters: int = 90) -> None:
     columns = int(np.clip(letters // longest, 1, max(len(labels), 1)))
     rows = -(-len(labels) // columns)
     if title:
-        axes.set_title(title, pad=6.0 + _ROW * rows, parse_math=False, wrap=True)
+        axes.set_title(in_lines(title, letters), pad=6.0 + _ROW * rows, parse_math=False)
     if handles:
         place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
         axes.legend(

@@ -13,6 +13,7 @@ from toolkit.pictures.axes import (
     INK,
     MARKERS,
     force_name,
+    in_lines,
     legend_above,
     name_axis,
     some_of,
@@ -243,7 +244,7 @@ def draw_run(result: Result, figure: Any) -> Any:
     for draw, above in zip(below, ["F", *(draw.__name__ for draw in below)], strict=False):
         places[draw.__name__].sharex(places["F"])
         places[above].set_xlabel("")
-    figure.suptitle(result.title or result.name, parse_math=False, wrap=True)
+    figure.suptitle(in_lines(result.title or result.name), parse_math=False)
     return figure
 
 

@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 
 from origins.contacts import Contacts
-from toolkit.pictures.axes import DASHES, OKABE_ITO, force_name, legend_above, name_axis, style_of
+from toolkit.pictures.axes import (
+    DASHES,
+    OKABE_ITO,
+    force_name,
+    in_lines,
+    legend_above,
+    name_axis,
+    style_of,
+)
 from toolkit.scene.scale import SHARED
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.words import NAMED, disagreeing, sentence
@@ -37,9 +45,8 @@ def draw_verdict(verdict: Verdict) -> Any:
     if len(verdict.answers) > 1:
         handles, labels = places["thresholds"].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
-    figure.suptitle(
-        f"{verdict.title}\n{sentence(verdict)}", fontsize="medium", parse_math=False, wrap=True
-    )
+    title = f"{in_lines(verdict.title)}\n{in_lines(sentence(verdict))}"
+    figure.suptitle(title, fontsize="medium", parse_math=False)
     return figure
 
 

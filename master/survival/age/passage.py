@@ -189,7 +189,13 @@ class Passage:
         new = _Panel(len(self._segments) - 1, low, width, 0.0, 0.0, np.zeros(polynomials.DEGREE))
         felt = [panel for panel in self._panels if abs(panel.breaks) > _FEWEST]
         own, earlier = self._met([new], rho, level, True), self._met([*felt, new], rho, level)
-        series = np.linalg.solve(own.value.T, below - earlier.value[0])
+        try:
+            series = np.linalg.solve(own.value.T, below - earlier.value[0])
+        except np.linalg.LinAlgError:  # thresholds that all lie far from the stretch, or on it
+            hint = "fresh and final thresholds lie too far apart for their widths to be followed in master"
+            raise InputError(
+                f"ageing: {hint}; the ensemble, eq_model.simulate, takes them"
+            ) from None
         missed = earlier.missed[0] + np.abs(series) @ own.missed
         self._missed = max(self._missed, MARGIN * float(missed.max()))
         return np.asarray(series, dtype=float)

@@ -1,0 +1,133 @@
+"""The table of extreme cases, and the map of a scene: no answer is wrong, and a wrong one would be found."""
+
+import csv
+import json
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import origins
+from origins.contacts import Contacts
+from toolkit.command import main
+from toolkit.scene.scene import load_scene
+from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
+from toolkit.stability.scene_map import numbers, scene_map, times
+from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
+
+QUICK = {"near-merged peaks", "ends of the origins", "heavy tails", "delay", "starts"}
+
+
+@pytest.mark.parametrize(
+    ("answer", "verdict"),
+    [
+        (Answer([1.0, 2.0], 0.0), "exact"),
+        (Answer([1.0, 2.0 + 1e-7], 2e-7, True, 1e-6), "within tolerance"),
+        (Answer([1.0, 2.1], 0.2, False, 1e-6), "short, and says so"),
+        (Answer([1.0], 1e-9, False, 1e-6), "short, and says so"),
+        (Answer([1.0, np.nan], np.inf, False, 1e-6), "short, and says so"),
+        (Answer([1.0, 7.0], 3.0, False, 1e-6), "short, and says so"),
+        (Answer([1.0, 2.1], 0.05, False, 1e-6), "wrong"),
+        (Answer([1.0, 2.1], 0.2, True, 1e-6), "wrong"),
+        (Answer([1.0, np.nan], 1e-9, True, 1e-6), "wrong"),
+        (Answer([1.0], 1e-9, True, 1e-6), "wrong"),
+        (Answer([1.0, 2.0], 0.0, faults=("more than all contacts hold",)), "wrong"),
+    ],
+)
+def test_the_judge_tells_what_is_wrong_from_what_is_short(answer: Answer, verdict: str) -> None:
+    assert judged(answer, Truth([1.0, 2.0], 0.0, "by hand")).verdict == verdict
+
+
+def test_a_wrong_answer_is_found_by_the_other_solver() -> None:
+    """Both solvers are asked of contacts beside which the exact answer is that of others."""
+
+    def of_others(contacts: Contacts, path: np.ndarray) -> Truth:
+        return Truth(path + 0.1, 1e-9, "of a start that is 0.1 farther")
+
+    case = Case(
+        "", "", partial(Contacts, origins.gaussian(1.0, 0.05)), np.array([0.2, 0.4]), of_others
+    )
+    found = rows(case)
+    assert [row.solver for row in found] == ["master", "ensemble"]
+    assert {row.verdict for row in found} == {"wrong"}
+    assert all(row.error == pytest.approx(0.1) for row in found)
+
+
+def _checked(found: list[Row]) -> None:
+    wrong = [row for row in found if row.verdict == "wrong"]
+    assert not wrong, wrong
+    assert {row.verdict for row in found} <= set(VERDICTS)
+    for row in found:
+        assert row.said if row.verdict == "refused" else row.road
+
+
+def test_quick_extreme_cases() -> None:
+    cases = [case for case in extreme_cases() if case.group in QUICK]
+    assert len(cases) > 20
+    found = stability(cases, lambda line: None)
+    _checked(found)
+    assert sum(row.verdict == "exact" for row in found) > 3
+    assert sum(row.verdict == "refused" for row in found) < 0.4 * len(found)
+
+
+@pytest.mark.slow
+def test_all_other_extreme_cases() -> None:
+    found = stability(
+        [case for case in extreme_cases() if case.group not in QUICK], lambda line: None
+    )
+    _checked(found)
+    assert "wrong" not in summary(found)
+
+
+def test_every_case_has_a_name_of_its_own() -> None:
+    names = [(case.group, case.name) for case in extreme_cases()]
+    assert len(set(names)) == len(names)
+    solvers = {case.solver for case in extreme_cases() if isinstance(case, Question)}
+    assert {"master", "ensemble", "steady_state", "propensity"} <= solvers
+
+
+def test_numbers_of_a_scene() -> None:
+    scene = {
+        "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "seed": 3}, "start": 0.0},
+        "drive": {"spring": "50 N/m", "to": 3.0, "points": 10, "turns": [1.0, 2.0]},
+        "eq": {"contacts": 100},
+    }
+    assert list(numbers(scene)) == [("contacts.thresholds.mean", 1.0), ("drive.spring", "50 N/m")]
+    assert times("50 N/m", 1e-3) == "0.05 N/m"
+    assert times(0.2, 10.0) == 2.0
+
+
+def test_a_map_ends_where_a_number_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "narrow.toml"
+    file.write_text(
+        '[contacts]\nthresholds = { kind = "rectangular", lower = 0.5, upper = 1.5 }\n'
+        "[drive]\nto = 1.2\npoints = 5\n[master]\n"
+    )
+    assert main(["stability", str(file), "--out", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().out
+    # above 1.5 the rectangle's lower end is beyond its upper one
+    assert ("contacts.thresholds.lower = 0.5" in said and "must lie" in said) or "refused" in said
+    found = json.loads((tmp_path / "out" / "stability.json").read_text())["rows"]
+    pushed = [row["case"] for row in found if row["group"] == "contacts.thresholds.lower"]
+    assert sum(case.startswith("x 1e+") for case in pushed) == 1
+    with (tmp_path / "out" / "stability.csv").open() as stream:
+        table = list(csv.DictReader(stream))
+    assert len(table) == len(found)
+    assert table[0]["verdict"] == found[0]["verdict"] and "run_time (s)" in table[0]
+    assert (tmp_path / "out" / "stability.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_is_no_scene_with_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stability", "--set", "drive.to=2.0"]) == 2
+    assert "name one" in capsys.readouterr().err
+    assert main(["stability", "kinetic-force"]) == 2
+    assert "drive" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["gaussian", "delay", "stick-slip"])
+def test_nothing_is_wrong_around_shipped_scenes(name: str) -> None:
+    _checked(scene_map(load_scene(name), lambda line: None))

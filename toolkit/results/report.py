@@ -1,0 +1,80 @@
+"""What a run prints of its result: a line for each solver with its error and its run time."""
+
+from typing import Any
+
+from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
+from toolkit.results.kinds import is_coupled
+from toolkit.results.numbers import in_words
+from toolkit.results.points import PointsRecord
+from toolkit.results.verdicts import contradiction
+from toolkit.scene.interfaces import in_a_line, with_error
+from toolkit.scene.scale import spoken
+
+APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
+
+
+def report(result: Any) -> list[str]:
+    """A line for a rough surface, one per solver with its error and its run time, then the notes."""
+    lines, solved, eq, sweep = [result.title or result.name], result.master, result.eq, result.sweep
+    if apart := contradiction(result):
+        lines.append(f"verdict {apart}")
+    if result.interface is not None:
+        lines.append(f"surface {in_a_line(result.interface)}")
+        lines += in_words(result)
+    if solved is not None:
+        error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
+        lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
+    if solved is not None and solved.slips is not None:
+        period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
+        period_text = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
+        lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
+        if solved.slip_duration is not None and solved.slip_duration.size:
+            lasts = spoken(solved.slip_duration.mean(), result.scale.time_unit)
+            fastest = spoken(abs(solved.slip_top_speed).max(), result.scale.speed_unit)
+            lines.append(f"motion  slips last {lasts} on average, top speed {fastest}")
+    if solved is not None and solved.outrun is not None:
+        where = f"from X = {solved.outrun:.4g} on" if solved.outrun < float("inf") else "nowhere"
+        lines.append(
+            f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
+            f"{solved.positivity_defect.max():.1e}; contacts outrun it {where}"
+        )
+    if isinstance(sweep, PointsRecord):
+        at = f"{len(sweep)} points along {' and '.join(sweep.along)}"
+        lines.append(f"sweep   {at}, {sweep.run_time:.4g} s of work; their table is sweep.csv")
+    elif sweep is not None:
+        error = f"error {sweep.force_error.max():.1e} of <x_s>"
+        if sweep.critical_spring_error is not None:
+            error += f", K* error {sweep.critical_spring_error.max():.1e}"
+        points = f"{sweep.force.size} points along {' and '.join(sweep.along)}"
+        lines.append(f"sweep   {error}  run time {sweep.run_time:.4f} s  {points}")
+    if eq is not None:
+        error = eq.force_standard_error.max() / result.mean_threshold
+        steps = eq.step_error.max() / result.mean_threshold
+        besides = f"; of the time steps of ageing {steps:.1e}" if steps else ""
+        lines.append(
+            f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
+            f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
+        )
+    if is_coupled(eq):
+        lines.append(slip_line(result))
+    elif solved is not None and eq is not None:
+        lines.append(f"eq less master: {_agreement(result)}")
+    return [*lines, *(f"note    {note}" for note in result.notes)]
+
+
+def agreeing(result: Any) -> bool:
+    """Whether both solvers agree, as far as chance lets tell; the paper's closures need not."""
+    return result.papers_closure or (deviation(result).worst or 0.0) < APART
+
+
+def _agreement(result: Any) -> str:
+    """The difference of both solvers in words."""
+    apart = deviation(result).worst
+    if apart is None:
+        return f"not compared: {NOT_COMPARED}"
+    chance = "chance makes about 3"
+    if result.papers_closure:
+        chance += ", the rest is the paper's closure, which single contacts do not follow"
+    elif apart >= APART:
+        chance += ": they do not agree, please report it"
+    return f"at most {apart:.1f} standard errors over the path; {chance}"

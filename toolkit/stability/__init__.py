@@ -1,0 +1,1 @@
+"""Numerical stability: stiff and extreme cases through both solvers, each judged by a second road."""

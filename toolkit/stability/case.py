@@ -1,0 +1,278 @@
+"""One extreme case, what is asked of it, and the verdict on what a solver answers."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from scipy import special
+
+from origins.contacts import Contacts
+from origins.errors import InputError
+from origins.thresholds.law import Array
+
+Verdict = Literal["exact", "within tolerance", "short, and says so", "refused", "wrong"]
+ROUND_OFF = 1e-13  # mean thresholds: an answer nearer to the truth is exact
+WITNESSES = {"master": "the master equation", "ensemble": "the ensemble"}
+REPLICAS = 24  # of soft sliders, whose contacts are coupled
+SIGMAS = 5.0  # standard errors that bound the ensemble: chance passes them once in two million
+UNKNOWN = 1.0  # mean thresholds: an answer without success that claims no better says that it knows nothing
+LONGEST = (
+    10.0  # s that the master equation may take for a case; it then gives what it has, and says so
+)
+GRANTED = 3.0  # tolerances by which an answer that claims success may be off, as docs promise
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What holds, by a road of its own.
+
+    values : (n,), in mean thresholds (or in the unit that the case names)
+    error : bound of the error of these values, a number or (n,)
+    road : which road it is, in words
+    """
+
+    values: Any
+    error: Any
+    road: str
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the toolkit says.
+
+    values : (n,); error : a bound of their error, a number or (n,)
+    success : whether it claims to have reached its `tolerance`, None where it has none
+    message : what it says of that; faults : invariants that do not hold, in words
+    """
+
+    values: Any
+    error: Any
+    success: bool = True
+    tolerance: float | None = None
+    message: str = ""
+    faults: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table.
+
+    error : largest difference from the truth, in mean thresholds (or the unit of the case's name); nan where refused
+    floor : what the truth itself is good for there, below which `error` says nothing
+    claim : what the solver says of its error there; run_time : in s; road : of the truth; said : the solver's message
+    """
+
+    group: str
+    case: str
+    solver: str
+    verdict: Verdict
+    error: float
+    floor: float
+    claim: float
+    run_time: float
+    road: str
+    said: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """Contacts on a path, both in the case's own unit of length.
+
+    contacts : makes them, so that a refusal is a row of the table
+    path : positions (n,), in mean thresholds
+    exact : the truth for forces in mean thresholds, None where only the other solver knows
+    drive : keywords of both solvers
+    tolerance : of the master equation
+    n_contacts : of the ensemble; 0 leaves it out
+    """
+
+    group: str
+    name: str
+    contacts: Callable[[], Contacts]
+    path: Any
+    exact: Callable[[Contacts, Array], Truth] | None = None
+    drive: Mapping[str, Any] = field(default_factory=dict)
+    tolerance: float = 1e-6
+    n_contacts: int = 100_000
+
+
+@dataclass(frozen=True)
+class Question:
+    """A number of the toolkit (K*, F_k, <x_s> of an origin, the regime) with its truth."""
+
+    group: str
+    name: str
+    solver: str
+    ask: Callable[[], Answer]
+    truth: Callable[[], Truth]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The verdict on an answer, with the numbers of a `Row`."""
+
+    verdict: Verdict
+    error: float
+    floor: float
+    claim: float
+    said: str
+
+
+def judged(answer: Answer, truth: Truth) -> Judgement:
+    """The verdict on an answer, with the numbers at its largest error, or where that is farthest beyond the claim.
+
+    Wrong is: an error above the claim and the truth's own error together, a claim of success beside an error above
+    `GRANTED` tolerances, an invariant that does not hold, or a value that is no number beside a claim that is one.
+    """
+    values, known = np.atleast_1d(answer.values), np.atleast_1d(truth.values)
+    claims = np.broadcast_to(np.asarray(answer.error, float), values.shape)
+    floors = np.broadcast_to(np.asarray(truth.error, float), known.shape)
+    if not values.size:
+        return Judgement(_short(answer), np.nan, np.nan, np.inf, answer.message)
+    both, cut = min(values.size, known.size), values.size < known.size  # a path may be cut
+    values, claims, known, floors = values[:both], claims[:both], known[:both], floors[:both]
+    off = np.where(values == known, 0.0, np.abs(values - known))
+    if (unknown := ~np.isfinite(off)).any():
+        honest = not answer.success and np.isinf(claims[unknown]).all()
+        verdict: Verdict = "short, and says so" if honest else "wrong"
+        return Judgement(verdict, np.nan, np.nan, np.inf, answer.message or "no number")
+    worst = int(np.argmax(off))
+    beyond = off - floors - ROUND_OFF
+    said = answer.message
+    if answer.faults:
+        verdict, said = "wrong", "; ".join(answer.faults)
+    elif (beyond > claims).any() and (answer.success or claims.min() < UNKNOWN):
+        worst = int(np.argmax(beyond - claims))
+        verdict, said = "wrong", "off by more than it claims"
+    elif answer.success and answer.tolerance and (beyond > GRANTED * answer.tolerance).any():
+        verdict, said = "wrong", "claims success beside a larger error than its tolerance"
+    elif not answer.success or cut:
+        verdict = _short(answer)
+    else:
+        verdict = "exact" if off.max() <= ROUND_OFF else "within tolerance"
+    return Judgement(verdict, float(off[worst]), float(floors[worst]), float(claims[worst]), said)
+
+
+def _short(answer: Answer) -> Verdict:
+    """An answer that lacks something must say so."""
+    return "wrong" if answer.success else "short, and says so"
+
+
+def rows(case: Case | Question) -> list[Row]:
+    """The rows of a case: one for each solver, each against the exact answer or else against the other solver."""
+    if isinstance(case, Question):
+        found = _timed(case.ask)
+        return [_row(case, case.solver, found, None if isinstance(found[0], str) else case.truth())]
+    try:
+        contacts = case.contacts()
+    except InputError as refusal:
+        return [_row(case, "origins", (str(refusal), 0.0), None)]
+    path = np.asarray(case.path, float) * contacts.mean_threshold
+    asked = {"master": solved} | ({"ensemble": simulated} if case.n_contacts else {})
+    laws = (contacts.thermal, contacts.ageing)
+    if any(getattr(law, "closure", "exact") == "paper" for law in laws):
+        asked.pop("ensemble", None)  # single contacts do not follow the paper's closures
+    answers = {name: _timed(partial(ask, case, contacts, path)) for name, ask in asked.items()}
+    exact = None if case.exact is None else case.exact(contacts, path)
+    out = list[Row]()
+    for name, found in answers.items():
+        other = "ensemble" if name == "master" else "master"
+        truth = (
+            exact or _witness(other, answers.get(other, ("", 0.0))[0]) or _nothing_known(found[0])
+        )
+        out.append(_row(case, name, found, truth))
+    return out
+
+
+def _timed(ask: Callable[[], Answer]) -> tuple[Answer | str, float]:
+    """An answer, or the text of its refusal, and the run time in s."""
+    began = time.perf_counter()
+    try:
+        answer: Answer | str = ask()
+    except InputError as refusal:
+        answer = str(refusal)
+    return answer, time.perf_counter() - began
+
+
+def _row(
+    case: Case | Question, solver: str, found: tuple[Answer | str, float], truth: Truth | None
+) -> Row:
+    answer, took = found
+    if isinstance(answer, str) or truth is None:
+        nothing = (np.nan, np.nan, np.nan)
+        return Row(case.group, case.name, solver, "refused", *nothing, took, "", str(answer))
+    one = judged(answer, truth)
+    return Row(
+        *(case.group, case.name, solver, one.verdict, one.error, one.floor, one.claim, took),
+        *(truth.road, one.said),
+    )
+
+
+def _witness(name: str, answer: Answer | str) -> Truth | None:
+    """What the other solver says, if it says anything; where its path is cut nothing is known of the rest."""
+    if isinstance(answer, str) or not answer.values.size or not np.isfinite(answer.error).all():
+        return None
+    return Truth(answer.values, answer.error, WITNESSES[name])
+
+
+def _nothing_known(answer: Answer | str) -> Truth | None:
+    """No second road: invariants alone are checked."""
+    return None if isinstance(answer, str) else Truth(answer.values, 0.0, "invariants alone")
+
+
+def solved(case: Case, contacts: Contacts, path: Array) -> Answer:
+    """The master equation's forces, in mean thresholds."""
+    import master
+
+    found: Any = master.solve(contacts, path, case.tolerance, wall_time=LONGEST, **case.drive)
+    unit = contacts.mean_threshold
+    faults = invariants(found.holding, found.force / unit, float(found.force_error), contacts, path)
+    return Answer(
+        found.force / unit,
+        float(found.force_error),
+        bool(found.success),
+        case.tolerance,
+        found.message,
+        faults,
+    )
+
+
+def simulated(case: Case, contacts: Contacts, path: Array) -> Answer:
+    """The ensemble's forces, in mean thresholds; of soft sliders from so many replicas that their scatter is known."""
+    import eq_model
+
+    replicas = REPLICAS if "spring" in case.drive else 1
+    found: Any = eq_model.simulate(
+        contacts, path, n_contacts=case.n_contacts, n_replicas=replicas, seed=1, **case.drive
+    )
+    unit = contacts.mean_threshold
+    error = (bounding_factor(replicas) * found.force_standard_error + found.step_error) / unit
+    faults = invariants(found.holding, found.force / unit, 0.0, contacts, path)
+    return Answer(found.force / unit, error, bool(found.success), None, found.message, faults)
+
+
+def bounding_factor(replicas: int) -> float:
+    """Standard errors that bound the ensemble with the probability of SIGMAS normal ones, for an error that is known
+    from a scatter of so many replicas (Student's t); 1 replica: from the variance between many contacts."""
+    if replicas == 1:
+        return SIGMAS
+    return float(special.stdtrit(replicas - 1, 1.0 - special.ndtr(-SIGMAS)))
+
+
+def invariants(
+    holding: Array, force: Array, error: float, contacts: Contacts, path: Array
+) -> tuple[str, ...]:
+    """What cannot be, in words: shares of contacts outside 0 to 1, forces beyond the largest stretch there is."""
+    if not np.isfinite(error):
+        return ()
+    faults, unit = list[str](), contacts.mean_threshold
+    if (holding < -error - 1e-12).any() or (holding > 1.0 + error + 1e-12).any():
+        faults.append(f"between {holding.min():.3g} and {holding.max():.3g} of the contacts hold")
+    way = np.abs(np.diff(path, prepend=0.0)).sum() + max(map(abs, contacts.start.span))
+    largest = float(np.abs(force).max()) if force.size else 0.0
+    if contacts.stiffness == "independent" and largest > way / unit + error + 1e-9:
+        faults.append(f"a force of {largest:.3g} mean thresholds is beyond the whole way")
+    return tuple(faults)

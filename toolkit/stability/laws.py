@@ -1,0 +1,179 @@
+"""Stiff and extreme laws of contacts: heat, ageing, delays, grains that grow."""
+
+import math
+from functools import partial
+
+import numpy as np
+
+import origins
+from origins.contacts import Contacts
+from toolkit.stability import truths
+from toolkit.stability.case import Case, Question
+from toolkit.stability.thresholds import FORWARD, LATE, kinetic
+
+PEAK = origins.gaussian(1.0, 0.1)  # so far from 0 that F has a closed form at T = 0
+BOLTZMANN = 1.380649e-23  # J/K
+
+
+def cases() -> list[Case | Question]:
+    return [*heat(), *room(), *speeds(), *ageing(), *delays(), *grains()]
+
+
+def warm(law: str, temperature: float, attempts: float = 1.0) -> Contacts:
+    """Contacts at a temperature in <x_s>², which attempt `attempts` times a mean threshold of the way."""
+    return Contacts(PEAK, thermal=origins.Thermal(law, temperature, attempts))
+
+
+def heat() -> list[Case | Question]:
+    """Temperatures from far below all barriers to far above them, and attempts that are rare or all but continuous."""
+    group, found = "heat", list[Case | Question]()
+    for law in ("soft", "stiff"):
+        # heat breaks contacts within some T/x_s of their threshold (stiff: T^(2/3)), which moves F by as much
+        unmoved = truths.without_laws(3e-6, "T = 0, in closed form")
+        boiling = truths.constant_rate(2.0) if law == "soft" else truths.stiff_attempts(2.0)
+        found += [
+            Case(group, f"{law}, T = 1e-9", partial(warm, law, 1e-9, 1e-3), FORWARD, unmoved),
+            Case(group, f"{law}, T = 1e-3", partial(warm, law, 1e-3, 10.0), FORWARD),
+            Case(group, f"{law}, T = 1e9", partial(warm, law, 1e9, 2.0), LATE, boiling),
+        ]
+    for power in (3, 6, 12):
+        found.append(
+            Case(
+                group,
+                f"ω<x_s>/v = 1e{power}, T = 0.02",
+                partial(warm, "soft", 0.02, 10.0**power),
+                FORWARD,
+                n_contacts=20_000,
+            )
+        )
+    return found
+
+
+def room() -> list[Case | Question]:
+    """Contacts of real size at 300 K, attempts at 1e12/s, 1 µm/s: k <x_s>² of 2e11 and of 24 k_BT."""
+
+    def contacts(length: float, stiffness: float) -> Contacts:
+        law, warmth = origins.gaussian(length, 0.1 * length), BOLTZMANN * 300.0 / stiffness
+        return Contacts(law, thermal=origins.Thermal("soft", warmth, 1e12))
+
+    group, drive = "300 K in SI units", {"velocity": 1e-6}
+    # attempts break contacts where their barrier is ln(ω x_s/v) = 28 k_BT: 1e-9 of a threshold earlier
+    unmoved = truths.without_laws(1e-6, "T = 0, in closed form")
+    return [
+        Case(
+            group,
+            "contacts of a micrometre, 1e3 N/m each",
+            lambda: contacts(1e-6, 1e3),
+            FORWARD,
+            unmoved,
+            drive,
+            tolerance=1e-5,
+        ),
+        Case(
+            group,
+            "contacts of a nanometre, 0.1 N/m each",
+            lambda: contacts(1e-9, 0.1),
+            FORWARD,
+            drive=drive,
+            tolerance=1e-5,
+            n_contacts=20_000,
+        ),
+    ]
+
+
+def speeds() -> list[Case | Question]:
+    """Speeds to 0 and to infinity at one temperature, T = 0.05 <x_s>²; v in ω<x_s>."""
+    group, found = "speed", list[Case | Question]()
+    for speed in (1e-30, 1e-6, 1e6, 1e30):
+        # a contact attempts 1/v times in its life
+        fast = truths.without_laws(2.0 / speed, "T = 0, in closed form") if speed > 1.0 else None
+        drive = {"velocity": speed}
+        found.append(
+            Case(
+                group,
+                f"v = {speed:g}",
+                lambda: warm("soft", 0.05),
+                FORWARD,
+                fast,
+                drive,
+                n_contacts=20_000,
+            )
+        )
+    return found
+
+
+def ageing() -> list[Case | Question]:
+    """D/v from 1e-8 to 1e4 <x_s>, from gaussian(0.5, 0.05) to gaussian(0.8, 0.2)."""
+    group, found = "ageing", list[Case | Question]()
+    young, old = origins.gaussian(0.5, 0.05), origins.gaussian(0.8, 0.2)
+    # thresholds move by (2 D t)^(1/2) = 1e-4 in a life
+    unaged = truths.without_laws(1e-3, "without ageing, to 1e-3")
+    for rate in (1e-8, 1e-4, 1e-2, 1.0, 1e4):
+        found.append(
+            Case(
+                group,
+                f"D = {rate:g}",
+                partial(Contacts, young, ageing=origins.Ageing(old, rate)),
+                FORWARD[:6],
+                unaged if rate == 1e-8 else None,
+                tolerance=1e-4,
+                n_contacts=2_000
+                if rate < 1e3
+                else 20,  # each breaks and forms many times a threshold
+            )
+        )
+    return found
+
+
+def delays() -> list[Case | Question]:
+    """Contacts that wait for 1e-9 to 100 <x_s> of the way before they form again."""
+    group, found = "delay", list[Case | Question]()
+    for delay in (1e-9, 1e-3, 1.0, 100.0):
+        contacts = Contacts(PEAK, delay=origins.Delay(delay))
+        found += [
+            Case(
+                group,
+                f"of {delay:g}, the first breaks",
+                partial(Contacts, PEAK, delay=origins.Delay(delay)),
+                FORWARD,
+            ),
+            Question(
+                group,
+                f"of {delay:g}: F_k",
+                "steady_state",
+                partial(kinetic, contacts),
+                partial(truths.waiting(delay), contacts, np.zeros(1)),
+            ),
+        ]
+    return found
+
+
+def grains() -> list[Case | Question]:
+    """Grains that grow as contacts slide, slowly and fast, from half as old again as those that just pin."""
+    group, found = "growing grains", list[Case | Question]()
+    for alpha in (0.1, 1.0):
+        first = (2.0 / (3.0 * alpha)) ** 3
+        found.append(
+            Case(
+                group,
+                f"alpha = {alpha:g}",
+                partial(Contacts, origins.growing_grains(alpha=alpha, B=1.0, age=1.5 * first)),
+                FORWARD[:8],
+                tolerance=1e-5,
+                n_contacts=20_000,
+            )
+        )
+    return found
+
+
+def rest() -> Case:
+    """A rest of 1e9 lives of warm contacts."""
+    life = math.exp(1.0 / (2.0 * 0.05))  # of a contact that is not stretched
+    return Case(
+        "turns and rests",
+        "a rest of 1e9 lives at T = 0.05",
+        lambda: warm("soft", 0.05),
+        [0.5, 0.5],
+        truths.all_gone_at_last,
+        {"time": [0.5, 1e9 * life]},
+    )

@@ -1,0 +1,167 @@
+"""Where a scene may be trusted: each of its numbers, pushed up and down by decades, through both solvers."""
+
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from origins.errors import InputError
+from toolkit.scene.scene import Scene, load_scene
+from toolkit.stability.case import Case, Row
+from toolkit.stability.table import VERDICTS, answered
+
+LETTERS = dict(zip(VERDICTS, "etsrw", strict=True))  # of verdicts in the picture
+DECADES = 6  # how far a number is pushed, each way
+# what says how a scene is computed, not what it is; a seed or a number of points has no decades
+_COMPUTED = {"points", "seed", "number", "step", "area", "to", "histograms", "degree", "resamples"}
+_TABLES = ("contacts", "drive")
+_QUANTITY = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(\s+\S.*)")  # such as "50 N/m"
+_POINTS = 24  # of the path, at which both solvers are compared
+_BEFORE = 0.9  # of the drive up to the first slip: beyond, ensembles of another size slip elsewhere
+
+
+def scene_map(scene: Scene, say: Callable[[str], None]) -> list[Row]:
+    """The rows of the scene as it is, then of each of its numbers times 0.1, 0.01, ... and 10, 100, ..., which end at
+    the first that is not answered within the tolerance; each is said as soon as it is known.
+
+    A row's group is the key, its case the factor and the value. Raises InputError for a scene without a path.
+    """
+    scene = scene.one("stability")
+    _ = scene.drive  # which says what is missing
+    found = list[Row]()
+
+    def asked(group: str, name: str, changes: Mapping[str, Any]) -> bool:
+        """Whether both solvers answer the scene with these changes."""
+        own = answered(_case(scene, group, name, changes), say)
+        found.extend(own)
+        return all(
+            row.verdict in ("exact", "within tolerance") for row in own if row.solver != "ensemble"
+        )
+
+    say("as it is")
+    asked("as it is", "x 1", {})
+    for key, value in numbers(tomllib.loads(scene.text)):
+        say(f"{key} = {value}")
+        for sign in (-1, 1):
+            for decade in range(1, DECADES + 1):
+                factor = 10.0 ** (sign * decade)
+                other = times(value, factor)
+                if not asked(key, f"x 1e{sign * decade:+d}: {other}", {key: other}):
+                    break
+    return found
+
+
+def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Case:
+    """The scene with these changes as a case of the table; soft sliders are compared up to their first slip."""
+    try:
+        other = load_scene(scene, changes=changes)
+        drive, unit = other.drive, other.contacts.mean_threshold
+    except InputError as refusal:
+        return Case(group, name, _refused(refusal), np.zeros(1))
+    path = np.interp(
+        np.linspace(0.0, 1.0, _POINTS), np.linspace(0.0, 1.0, drive.path.size), drive.path
+    )
+    keywords: dict[str, Any] = {"velocity": drive.velocity}
+    if drive.time is not None or not drive.forward:  # the turns and rests are points of the path
+        path = drive.path
+    if drive.time is not None:
+        keywords["time"] = drive.time
+    if drive.spring is not None:
+        names = ("spring", "slip", "mass", "damping")
+        keywords |= {one: getattr(drive, one) for one in names if getattr(drive, one) is not None}
+        path = path[path <= _BEFORE * first_slip(other, path, keywords)]
+    if not path.size:
+        path = drive.path[:1]
+    tolerance = 1e-4 if other.master is None else other.master.tolerance
+    return Case(
+        group,
+        name,
+        lambda: other.contacts,
+        path / unit,
+        None,
+        keywords,
+        tolerance,
+        n_contacts=5_000,
+    )
+
+
+def _refused(refusal: InputError) -> Callable[[], Any]:
+    """In place of contacts that cannot be made."""
+
+    def fail() -> Any:
+        raise refusal
+
+    return fail
+
+
+def first_slip(scene: Scene, path: Any, keywords: Mapping[str, Any]) -> float:
+    """The drive's position at the first slip by the master equation, infinite where there is none or none is known."""
+    import master
+
+    try:
+        found: Any = master.solve(scene.contacts, path, 1e-4, wall_time=5.0, **keywords)
+    except InputError:
+        return np.inf
+    return (
+        float(found.slips.drive[0])
+        if found.slips is not None and found.slips.drive.size
+        else np.inf
+    )
+
+
+def numbers(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Keys of [contacts] and [drive], such as "contacts.thresholds.std", with their numbers, or texts of a number with
+    its unit."""
+    for table in _TABLES:
+        yield from _numbers_in(table, tables.get(table, {}))
+
+
+def _numbers_in(key: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if key.rsplit(".", 1)[-1] in _COMPUTED or isinstance(value, bool):
+        return
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from _numbers_in(f"{key}.{name}", inner)
+    elif isinstance(value, list):
+        if value and all(isinstance(inner, Mapping) for inner in value):
+            for place, inner in enumerate(value):
+                yield from _numbers_in(f"{key}[{place}]", inner)
+    elif (isinstance(value, int | float) and value) or (
+        isinstance(value, str) and _QUANTITY.fullmatch(value)
+    ):
+        yield key, value
+
+
+def times(value: Any, factor: float) -> Any:
+    """A number, or the number of a text with its unit, times the factor."""
+    if isinstance(value, str):
+        number, unit = _QUANTITY.fullmatch(value).groups()  # type: ignore[union-attr]
+        return f"{float(number) * factor:.12g}{unit}"
+    return float(f"{value * factor:.12g}")
+
+
+def draw_map(found: list[Row]) -> Any:
+    """Keys down the side, decades along, the master equation's verdict as colour and letter."""
+    from matplotlib.figure import Figure
+
+    keys = [key for key in dict.fromkeys(row.group for row in found) if key != "as it is"]
+    figure = Figure(figsize=(9, 2.0 + 0.32 * len(keys)), layout="constrained")
+    axes = figure.subplots()
+    for row in found:
+        if row.solver == "ensemble":
+            continue
+        name = row.case.split(":")[0].removeprefix("x ")
+        decade = round(np.log10(float(name)))
+        places = range(len(keys)) if row.group == "as it is" else [keys.index(row.group)]
+        for place in places:
+            axes.barh(place, 0.92, left=decade - 0.46, height=0.86, color=VERDICTS[row.verdict])
+            axes.text(decade, place, LETTERS[row.verdict], ha="center", va="center", color="white")
+    axes.set_yticks(range(len(keys)), keys)
+    axes.invert_yaxis()
+    axes.set(xlabel="decades by which the number is pushed", xlim=(-DECADES - 0.6, DECADES + 0.6))
+    for verdict, colour in VERDICTS.items():
+        axes.bar(0.0, 0.0, color=colour, label=f"{LETTERS[verdict]}: {verdict}")
+    figure.legend(loc="outside lower center", ncols=3, fontsize="small")
+    return figure

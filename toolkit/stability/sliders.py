@@ -1,0 +1,150 @@
+"""Extremes of the motion and of the slider: springs, periods, turns, rests, starts, numbers of contacts."""
+
+from functools import partial
+from typing import Any, get_args
+
+import numpy as np
+
+import origins
+from origins.contacts import Contacts
+from origins.drive import SlipRule
+from toolkit.stability import truths
+from toolkit.stability.case import SIGMAS, Answer, Case, Question, Truth
+from toolkit.stability.laws import rest
+from toolkit.stability.thresholds import FORWARD, critical
+
+NARROW, WIDE = origins.gaussian(1.0, 0.05), origins.gaussian(1.0, 0.2)
+BEFORE = np.array([0.5, 0.95])  # mean thresholds: before and within the first breaks
+
+
+def cases() -> list[Case | Question]:
+    return [*springs(), *motions(), *starts(), *numbers()]
+
+
+def springs() -> list[Case | Question]:
+    """K from 1e-9 to 1e9 N<k>, and a millionth on either side of K*."""
+    group, contacts = "springs", Contacts(NARROW)
+    found: list[Case | Question] = [
+        Question(
+            group, "K*", "propensity", lambda: critical(contacts), lambda: truths.critical(NARROW)
+        )
+    ]
+    for side in (-1e-6, 1e-6):
+        stiffness = (1.0 + side) * truths.critical(NARROW).values
+        found.append(
+            Question(
+                group,
+                f"K = K* (1 {'+' if side > 0.0 else '-'} 1e-6): does it slip?",
+                "master",
+                partial(does_it_slip, contacts, stiffness),
+                partial(
+                    Truth, float(side < 0.0), 0.0, "below K* alone F falls faster than the spring"
+                ),
+            )
+        )
+    # a stiff spring takes the slider along with the drive, but for F/K
+    rigid = truths.without_laws(1e-7, "the rigid slider, in closed form")
+    for rule in get_args(SlipRule):
+        drive = {"spring": 1e9, "slip": rule}
+        found += [
+            Question(
+                group,
+                f"K = 1e-9, {rule}: F of the first slip",
+                "master",
+                partial(first_slip, contacts, rule),
+                lambda: truths.first_maximum(contacts),
+            ),
+            Case(group, f"K = 1e9, {rule}", lambda: contacts, FORWARD, rigid, drive, n_contacts=0),
+        ]
+    return found
+
+
+def does_it_slip(contacts: Contacts, spring: float) -> Answer:
+    """1 if the slider slips as it moves by its first 1.6 thresholds, else 0."""
+    import master
+
+    path = np.linspace(0.0, 1.6 + 1.6 / spring, 400)
+    found: Any = master.solve(contacts, path, 1e-8, spring=spring, slip="reset")
+    return Answer(float(found.slips.drive.size > 0), 0.0, found.success, None, found.message)
+
+
+def first_slip(contacts: Contacts, rule: SlipRule) -> Answer:
+    """F as the softest slider lets go, in mean thresholds."""
+    import master
+
+    found: Any = master.solve(contacts, np.linspace(0.0, 1.2e9, 50), 1e-6, spring=1e-9, slip=rule)
+    before = found.slips.force_before[:1] / contacts.mean_threshold
+    return Answer(before, max(found.force_error, 1e-9), found.success, 1e-6, found.message)
+
+
+def motions() -> list[Case | Question]:
+    """A million periods, ten thousand turns, a long rest."""
+    long, turns = "long paths", "turns and rests"
+    swing, breaking = np.tile([0.4, -0.4], 5_000), np.tile([2.0, -2.0], 500)
+    return [
+        Case(
+            long,
+            "1e6 periods",
+            lambda: Contacts(NARROW),
+            [0.5, 1e6],
+            truths.steady_at_last,
+            n_contacts=0,
+        ),
+        Case(long, "1e4 periods", lambda: Contacts(WIDE), [0.5, 1e4], n_contacts=1_000),
+        Case(
+            turns,
+            "1e4 turns, no break",
+            lambda: Contacts(NARROW),
+            swing,
+            truths.no_break,
+            n_contacts=1_000,
+        ),
+        Case(turns, "1e3 turns with breaks", lambda: Contacts(WIDE), breaking, n_contacts=2_000),
+        rest(),
+    ]
+
+
+def starts() -> list[Case | Question]:
+    """Contacts that are about to break as the motion begins."""
+    group, box = "starts", origins.rectangular(0.5, 1.0)
+    near = 1.0 - 1e-12
+    return [
+        Case(group, "at the thresholds' mean", lambda: Contacts(NARROW, 0.999), FORWARD),
+        Case(group, "just below the end of a rectangle", lambda: Contacts(box, near), FORWARD),
+        Case(group, "beyond every threshold", lambda: Contacts(box, 1.5), FORWARD),
+    ]
+
+
+def numbers() -> list[Case | Question]:
+    """One contact, and a thousand million."""
+    group, contacts = "numbers of contacts", Contacts(NARROW)
+    by_hand = Truth(np.array([0.3, 0.999, 0.001, 0.25]), 1e-13, "by hand")
+    return [
+        Question(group, "one", "ensemble", one_contact, lambda: by_hand),
+        Question(
+            group,
+            "1e9",
+            "ensemble",
+            lambda: crowd(contacts),
+            lambda: truths.gaussian(contacts, BEFORE),
+        ),
+    ]
+
+
+def one_contact() -> Answer:
+    """The sawtooth of one contact with an exact threshold."""
+    import eq_model
+
+    path = np.array([0.3, 0.999, 1.001, 7.25])
+    found = eq_model.simulate(Contacts(origins.identical(1.0)), path, n_contacts=1)
+    return Answer(found.force, 1e-12, found.success, None, found.message)
+
+
+def crowd(contacts: Contacts) -> Answer:
+    """F of 1e9 contacts."""
+    import eq_model
+
+    found = eq_model.simulate(contacts, BEFORE, n_contacts=1_000_000_000, seed=1)
+    return Answer(
+        found.force, SIGMAS * found.force_standard_error, found.success, None, found.message
+    )

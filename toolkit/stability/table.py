@@ -1,0 +1,134 @@
+"""The stability table: all cases through both solvers, as lines, files and a picture."""
+
+import csv
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origins.contacts import TooHot
+from toolkit.stability.case import Case, Question, Row, Verdict, rows
+
+VERDICTS: dict[
+    Verdict, str
+] = {  # with the colours of Okabe and Ito, which colour-blind readers tell apart
+    "exact": "#0072B2",
+    "within tolerance": "#009E73",
+    "short, and says so": "#E69F00",
+    "refused": "#999999",
+    "wrong": "#D55E00",
+}
+_WIDE = 46  # letters of a case's name in a line
+
+
+def extreme_cases() -> list[Case | Question]:
+    """All cases that are shipped."""
+    from toolkit.stability import laws, sliders, thresholds
+
+    return [*thresholds.cases(), *laws.cases(), *sliders.cases()]
+
+
+def stability(cases: Iterable[Case | Question], say: Callable[[str], None]) -> list[Row]:
+    """The rows of all cases, each said as soon as it is known, under the name of its group."""
+    found, group = list[Row](), ""
+    for case in cases:
+        if case.group != group:
+            say(group := case.group)
+        found += answered(case, say)
+    return found
+
+
+def answered(case: Case | Question, say: Callable[[str], None]) -> list[Row]:
+    """The rows of a case, each said. A RuntimeWarning within is raised as an error, since it tells of a number that is
+    none; the note on temperatures far above all barriers is left out, as these are asked on purpose."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        warnings.simplefilter("ignore", TooHot)
+        found = rows(case)
+    for row in found:
+        say(line(row))
+    return found
+
+
+def line(row: Row) -> str:
+    """A row as a line of text."""
+    numbers = [
+        f"{value:8.1e}" if np.isfinite(value) else f"{'-':>8}" for value in (row.error, row.claim)
+    ]
+    against = row.road if row.verdict != "refused" else row.said
+    head = f"  {row.case:{_WIDE}}{row.solver:14}{row.verdict:20}{'  '.join(numbers)}"
+    return f"{head}{row.run_time:9.2g} s  {against}"
+
+
+def summary(found: Iterable[Row]) -> str:
+    """How many rows have which verdict, in a line."""
+    counts = Counter(row.verdict for row in found)
+    return ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
+
+
+def plain(found: Iterable[Row]) -> list[dict[str, Any]]:
+    """Rows for JSON, in which what is no number is null."""
+    return [
+        {
+            key: None if isinstance(value, float) and not np.isfinite(value) else value
+            for key, value in asdict(row).items()
+        }
+        for row in found
+    ]
+
+
+def write_table(found: Iterable[Row], path: Path) -> None:
+    """stability.csv: a row a line; lengths in mean thresholds, times in s."""
+    units = {"error": "mean thresholds", "floor": "mean thresholds", "claim": "mean thresholds"}
+    units["run_time"] = "s"
+    names = [field.name for field in fields(Row)]
+    heads = [f"{name} ({units[name]})" if name in units else name for name in names]
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        out = csv.writer(stream, lineterminator="\n")
+        out.writerow(heads)
+        out.writerows([getattr(row, name) for name in names] for row in found)
+
+
+def draw_table(found: list[Row]) -> Any:
+    """True error against the claim at the same point, a mark for each answer in the colour of its verdict: what lies
+    above the diagonal by more than the truth's own error is wrong. Refusals have no place there and are counted."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 7), layout="constrained")
+    axes = figure.subplots()
+    least = 1e-16  # an error of 0 has no place on a logarithmic axis
+    counts = Counter(row.verdict for row in found)
+    marks = dict(zip(VERDICTS, "osD^X", strict=True))
+    for verdict, colour in VERDICTS.items():
+        own = [
+            row
+            for row in found
+            if row.verdict == verdict and np.isfinite([row.error, row.claim]).all()
+        ]
+        label = f"{verdict} ({counts[verdict]})"
+        axes.loglog(
+            [max(row.claim, least) for row in own],
+            [max(row.error, least) for row in own],
+            marks[verdict],
+            color=colour,
+            mfc="none",
+            label=label,
+        )
+        for row in own:  # what the truth is good for
+            if np.isfinite(row.floor) and row.floor > 0.0:
+                ends = [max(row.error - row.floor, least), max(row.error, least)]
+                axes.plot([max(row.claim, least)] * 2, ends, "-", color=colour, lw=0.5, alpha=0.6)
+    axes.plot([least, 10.0], [least, 10.0], "-", color="black", lw=0.8)
+    axes.set(
+        xlabel="error that is claimed (mean thresholds; of the ensemble 5 standard errors)",
+        ylabel="largest difference from the second road (mean thresholds)",
+        title="Extreme cases: below the diagonal a claim holds; thin lines: the second road's own error",
+    )
+    axes.title.set_fontsize("medium")
+    axes.grid(alpha=0.3)
+    figure.legend(loc="outside lower center", ncols=3, fontsize="small")
+    return figure

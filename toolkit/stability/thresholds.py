@@ -1,0 +1,270 @@
+"""Extreme laws of thresholds: narrow and wide, nearly merged, diverging, heavy-tailed; extremes of the origins."""
+
+import math
+from functools import partial
+
+import numpy as np
+import scipy.stats
+
+import origins
+from origins.contacts import Contacts
+from toolkit.stability import truths
+from toolkit.stability.case import Answer, Case, Question, Truth
+
+FORWARD = np.linspace(0.3, 4.0, 12)  # mean thresholds: three cycles of breaking
+BETWEEN = np.array([0.3, 0.9, 1.5, 2.4, 3.3])  # away from where narrow laws break
+LATE = np.array([60.0, 80.0])  # where laws as wide as their mean have settled
+
+
+def cases() -> list[Case | Question]:
+    return [*widths(), *peaks(), *poles(), *tails(), *edges()]
+
+
+def widths() -> list[Case | Question]:
+    """std/mean from 1e-6 to 10."""
+    group, found = "narrow and wide", list[Case | Question]()
+    for width in (1e-6, 1e-4, 1e-2):
+        near = 1.0 + width * np.array([-3.0, -1.0, 0.0, 1.0, 3.0])
+        path = np.concatenate([[0.5], near, [1.5], 2.0 * near, [2.5]])
+        found.append(
+            Case(
+                group,
+                f"gaussian, std/mean = {width:g}",
+                partial(Contacts, origins.gaussian(1.0, width)),
+                path,
+                truths.gaussian,
+            )
+        )
+    for width in (1.0, 3.0, 10.0):
+        spread = math.sqrt(math.log1p(width**2))
+        law = scipy.stats.lognorm(spread, scale=math.exp(-0.5 * spread**2))
+        found += [
+            Case(
+                group,
+                f"lognormal, std/mean = {width:g}",
+                partial(Contacts, law),
+                FORWARD,
+                n_contacts=300_000,
+            ),
+            Question(
+                group,
+                f"lognormal, std/mean = {width:g}: F_k",
+                "steady_state",
+                partial(kinetic, Contacts(law)),
+                partial(Truth, 0.5 * (1.0 + width**2), 1e-13 * width**2, "F_k from two moments"),
+            ),
+        ]
+    found.append(
+        Case(
+            group,
+            "one exact value",
+            lambda: Contacts(origins.identical(1.0)),
+            FORWARD + 0.01,
+            truths.sawtooth,
+        )
+    )
+    return found
+
+
+def kinetic(contacts: Contacts, velocity: float = 1.0) -> Answer:
+    """F_k by the toolkit, in mean thresholds."""
+    import master
+
+    found = master.steady_state(contacts, velocity=velocity)
+    unit = contacts.mean_threshold
+    return Answer(found.force / unit, found.force_error, found.success, 1e-6, found.message)
+
+
+def critical(contacts: Contacts, tolerance: float = 1e-8) -> Answer:
+    """K*/N<k> by the toolkit."""
+    import master
+
+    found = master.propensity(contacts, tolerance)
+    return Answer(
+        found.critical_spring, found.critical_spring_error, found.success, tolerance, found.message
+    )
+
+
+def peaks() -> list[Case | Question]:
+    """Two peaks that all but merge, and one that holds all but nothing."""
+    group = "near-merged peaks"
+
+    def two(apart: float) -> Contacts:
+        return Contacts(
+            origins.mixture(
+                [origins.gaussian(1.0 - apart, 0.05), origins.gaussian(1.0 + apart, 0.05)],
+                [0.5, 0.5],
+            )
+        )
+
+    def one(contacts: Contacts, path: np.ndarray) -> Truth:
+        # two equal peaks of width s at 1 ± d are one of width (s² + d²)^(1/2), but for the fourth order of d/s
+        merged = truths.gaussian(Contacts(origins.gaussian(1.0, math.hypot(0.05, 1e-6))), path)
+        return Truth(merged.values, 1e-12, "the merged peak")
+
+    found: list[Case | Question] = [
+        Case(group, "gaussians 1e-6 apart", lambda: two(1e-6), FORWARD, one),
+        Case(group, "gaussians 0.05 apart", lambda: two(0.05), FORWARD),
+        Case(
+            group,
+            "a millionth of the contacts at a tenth of the stretch",
+            lambda: Contacts(
+                origins.mixture(
+                    [origins.gaussian(0.1, 0.001), origins.gaussian(1.0, 0.1)], [1e-6, 1.0 - 1e-6]
+                )
+            ),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "two exact values 1e-9 apart",
+            lambda: Contacts(
+                origins.mixture([origins.identical(1.0), origins.identical(1.0 + 1e-9)], [0.5, 0.5])
+            ),
+            FORWARD + 0.01,
+            lambda contacts, path: Truth(np.mod(path, 1.0), 1e-8, "the merged value"),
+        ),
+    ]
+    return found
+
+
+def poles() -> list[Case | Question]:
+    """Densities that diverge."""
+    group = "diverging densities"
+    arcsine, steep = scipy.stats.beta(0.5, 0.5), origins.lubricated(1.0, power=-0.9)
+    return [
+        Case(group, "arcsine", lambda: Contacts(arcsine), FORWARD, tolerance=1e-4),
+        Question(
+            group,
+            "arcsine: F_k",
+            "steady_state",
+            lambda: kinetic(Contacts(arcsine)),
+            lambda: Truth(0.75, 1e-14, "F_k from two moments"),
+        ),
+        Case(group, "x^-0.9 at 0", lambda: Contacts(steep), FORWARD, tolerance=1e-4),
+        Question(
+            group,
+            "x^-0.9 at 0: F_k",
+            "steady_state",
+            lambda: kinetic(Contacts(steep)),
+            lambda: Truth(0.5 * steep.moment(2) / steep.mean() ** 2, 1e-10, "F_k from two moments"),
+        ),
+    ]
+
+
+def tails() -> list[Case | Question]:
+    """Tails without a variance, without a mean."""
+    group = "heavy tails"
+    return [
+        Case(
+            group,
+            "no variance: x^-2.5",
+            lambda: Contacts(scipy.stats.pareto(1.5)),
+            FORWARD,
+            tolerance=1e-4,
+        ),
+        Question(
+            group,
+            "no variance: F_k does not exist",
+            "steady_state",
+            lambda: kinetic(Contacts(scipy.stats.pareto(1.5))),
+            lambda: Truth(np.inf, 0.0, "the second moment diverges"),
+        ),
+        Case(group, "no mean: x^-1.9", lambda: Contacts(scipy.stats.pareto(0.9)), FORWARD),
+    ]
+
+
+def edges() -> list[Case | Question]:
+    """Origins at the ends of their range."""
+    group = "ends of the origins"
+
+    def mean(law: origins.Thresholds) -> Answer:
+        return Answer(law.mean(), 1e-8 * law.mean())
+
+    return [
+        Question(
+            group,
+            "grains a millionth above the pinning edge: <x_s>",
+            "grains",
+            lambda: mean(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
+            lambda: Truth(math.sqrt(math.pi / 2.0) * 1e-6, 2e-12, "first order above the edge"),
+        ),
+        Case(
+            group,
+            "grains a millionth above the pinning edge",
+            lambda: Contacts(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "grains at the pinning edge",
+            lambda: Contacts(origins.grains(2.0 / 3.0, B=1.0)),
+            FORWARD,
+        ),
+        Question(
+            group,
+            "Persson, centre/width = 1e-3: <x_s>",
+            "persson",
+            lambda: mean(origins.persson(1e-3, 1.0)),
+            lambda: Truth(math.gamma(1.25), 1e-6, "a Weibull law of shape 4"),
+        ),
+        Case(
+            group,
+            "Persson, centre/width = 1e-3",
+            lambda: Contacts(origins.persson(1e-3, 1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "Persson, centre/width = 100",
+            lambda: Contacts(origins.persson(100.0, 1.0)),
+            BETWEEN,
+            # normal to the first order of width/centre, whose square is the rest
+            nearly_normal,
+        ),
+        Case(
+            group,
+            "Persson, centre/width = 1e9",
+            lambda: Contacts(origins.persson(1e9, 1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "summits almost out of reach, h_0 = 40 sigma_h",
+            lambda: Contacts(origins.gw_gaussian(40.0, 1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "summits pressed in, h_0 = -3 sigma_h",
+            lambda: Contacts(origins.gw_gaussian(-3.0, 1.0)),
+            FORWARD,
+        ),
+        Question(
+            group,
+            "islands of ten million atoms, unrotated: the barrier",
+            "triangular_barrier",
+            lambda: Answer(float(origins.triangular_barrier(1.0, 10_000, 1_000, 0.0)), 1e-8),
+            island,
+        ),
+    ]
+
+
+def island() -> Truth:
+    """2 min(|S_x|, |S_y|) with the sums over atoms taken one by one."""
+    i, j = np.arange(10_000), np.arange(1_000)
+    rows = np.array(
+        [0.5 * (k % 2) for k in j]
+    )  # rows of a triangular lattice are shifted by half a constant
+    along = np.exp(1j * i).sum()
+    s_x = abs(along * np.exp(1j * rows).sum())
+    s_y = abs(np.exp(1j * math.sqrt(0.75) * j).sum()) * i.size
+    return Truth(2.0 * min(s_x, s_y), 1e-7, "the sum over all atoms")
+
+
+def nearly_normal(contacts: Contacts, path: np.ndarray) -> Truth:
+    """F of Persson's law at 100 widths: normal, to the square of width/centre, of the width²/(2 sqrt 2 centre)."""
+    normal = Contacts(origins.gaussian(1.0, 1e-4 / math.sqrt(8.0)))
+    return Truth(
+        truths.gaussian(normal, path / contacts.mean_threshold).values, 1e-4, "a normal law"
+    )

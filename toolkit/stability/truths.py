@@ -1,0 +1,126 @@
+"""Closed forms and quadratures that extreme cases are held against; none of them uses a solver."""
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy
+
+from origins.contacts import Contacts
+from origins.thresholds.law import Array, Thresholds
+from toolkit.stability.case import Truth
+
+
+def gaussian(contacts: Contacts, path: Array) -> Truth:
+    """F of Gaussian thresholds from one stretch, which toolkit.judge.precision derives."""
+    from toolkit.judge.precision import closed_form
+
+    force, error = closed_form(contacts, path)
+    return Truth(force / contacts.mean_threshold, error, "closed form")
+
+
+def sawtooth(contacts: Contacts, path: Array) -> Truth:
+    """F of one exact value from relaxed contacts: X less the thresholds that have broken."""
+    unit = contacts.mean_threshold
+    return Truth(np.mod(path / unit, 1.0), 4e-16 * np.abs(path / unit) + 1e-15, "closed form")
+
+
+def steady(contacts: Contacts, path: Array) -> Truth:
+    """F_k = <x_s²>/(2<x_s>) of thresholds at T = 0, for paths so long that F has settled."""
+    law = contacts.thresholds
+    value = 0.5 * law.moment(2) / law.mean() ** 2
+    return Truth(np.full(path.shape, value), 1e-10 * value, "F_k from two moments")
+
+
+def constant_rate(rate: float) -> Callable[[Contacts, Array], Truth]:
+    """Contacts that break at `rate` per mean threshold of the way, whatever their stretch, or at their threshold: the
+    force of steady sliding is the mean of x over exp(-rate x) S(x)."""
+
+    def truth(contacts: Contacts, path: Array) -> Truth:
+        law, unit = contacts.thresholds, contacts.mean_threshold
+        x, weight = np.polynomial.legendre.leggauss(2000)
+        end = min(60.0 / rate, float(law.isf(1e-20)) / unit)
+        x, weight = 0.5 * end * (x + 1.0), 0.5 * end * weight
+        held = weight * np.exp(-rate * x) * law.sf(x * unit)
+        value = float((x * held).sum() / held.sum())
+        return Truth(np.full(path.shape, value), 1e-9 * value, "F_k by quadrature")
+
+    return truth
+
+
+def waiting(delay: float) -> Callable[[Contacts, Array], Truth]:
+    """F_k at T = 0 where contacts wait for `delay` mean thresholds of the way: F_k <x_s>/(<x_s> + the wait)."""
+
+    def truth(contacts: Contacts, path: Array) -> Truth:
+        still = steady(contacts, path)
+        return Truth(still.values / (1.0 + delay), still.error, "F_k and the share that waits")
+
+    return truth
+
+
+def without_laws(error: float, road: str) -> Callable[[Contacts, Array], Truth]:
+    """F of the same Gaussian thresholds at T = 0 without any law, where laws move it by less than `error`."""
+    return lambda contacts, path: Truth(
+        gaussian(Contacts(contacts.thresholds), path).values, error, road
+    )
+
+
+def stiff_attempts(attempts: float) -> Callable[[Contacts, Array], Truth]:
+    """F_k of stiff contacts at an infinite temperature, where h = attempts (1 - x/x_s)^(1/2) per mean threshold, by
+    quadrature over stretches and thresholds."""
+
+    def truth(contacts: Contacts, path: Array) -> Truth:
+        law, unit = contacts.thresholds, contacts.mean_threshold
+        first, last = float(law.ppf(1e-12)) / unit, float(law.isf(1e-12)) / unit
+        node, weight = np.polynomial.legendre.leggauss(400)
+        threshold, density = _stretched(node, weight, first, last)
+        density = density * law.pdf(threshold * unit)
+        # for each threshold stretches from 0 up to it, as survivals end there
+        x, w = 0.5 * threshold[:, None] * (node + 1.0), 0.5 * threshold[:, None] * weight
+        passed = attempts * threshold[:, None] * (1.0 - (1.0 - x / threshold[:, None]) ** 1.5) / 1.5
+        held = density[:, None] * w * np.exp(-passed)
+        value = float((x * held).sum() / held.sum())
+        return Truth(np.full(path.shape, value), 1e-9 * value, "F_k by quadrature")
+
+    return truth
+
+
+def _stretched(node: Array, weight: Array, first: float, last: float) -> tuple[Array, Array]:
+    """Nodes and weights of [-1, 1] on [first, last]."""
+    half = 0.5 * (last - first)
+    return first + half * (node + 1.0), half * weight
+
+
+def steady_at_last(contacts: Contacts, path: Array) -> Truth:
+    """F = X before any break, and F_k at the last point."""
+    last = steady(contacts, path[-1:]).values[0]
+    return Truth(np.append(path[:-1] / contacts.mean_threshold, last), 1e-9, "F_k from two moments")
+
+
+def all_gone_at_last(contacts: Contacts, path: Array) -> Truth:
+    """Relaxed contacts that form at rest bear nothing: F = 0 at the last point; nothing is said of those before."""
+    values = np.append(np.zeros(path.size - 1), 0.0)
+    errors = np.append(np.full(path.size - 1, np.inf), 1e-9)
+    return Truth(values, errors, "no stretched contact holds for so long")
+
+
+def no_break(contacts: Contacts, path: Array) -> Truth:
+    """F where no contact breaks: the mean start and the way."""
+    return Truth(
+        (contacts.start.mean() + path) / contacts.mean_threshold, 1e-14, "no contact breaks: F is X"
+    )
+
+
+def critical(law: Thresholds) -> Truth:
+    """K*/N<k> of relaxed contacts at T = 0, max(x P_c(x)) - 1, where F falls most before any contact breaks twice."""
+    ends = (float(law.ppf(0.01)), float(law.ppf(0.99)))
+    found = scipy.optimize.minimize_scalar(
+        lambda x: -x * float(law.pdf(x)), bounds=ends, options={"xatol": 1e-12}
+    )
+    return Truth(-float(found.fun) - 1.0, 1e-9, "max x P_c(x) - 1")
+
+
+def first_maximum(contacts: Contacts) -> Truth:
+    """The first maximum of F, at which a slider on a soft spring lets go."""
+    path = np.linspace(0.7, 1.1, 400_001) * contacts.mean_threshold
+    highest = gaussian(contacts, path).values.max()
+    return Truth(np.array([highest]), 2e-9, "the first maximum of F, in closed form")
