@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from scenes import refused, said, write
 
+import master
+import origins
 from toolkit.judge import frontier
 from toolkit.running.cost import cost
+from toolkit.scene.scene import load_scene
 
 EQ = {"contacts": 200, "replicas": 4, "seed": 7}
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
@@ -74,8 +77,37 @@ def test_precision_of_a_law_on_a_path_that_turns_has_the_other_solver_as_witness
     witness = found["witness"]
     assert witness["contacts"] == 10_000 and 0.0 < witness["worst_deviation"] < 5.0
     errors = {p["setting"]: p["error"] for p in found["points"] if p["method"] == "master"}
+    contacts, path = (own := load_scene("mine.toml")).contacts, own.path
+    rough, fine = (master.solve(contacts, path, tolerance).force for tolerance in (1e-2, 1e-10))
+    assert errors[1e-2] == pytest.approx(np.abs(rough - fine).max() / contacts.mean_threshold)
     assert errors[1e-10] is None  # the reference's own bits
     assert 0.0 < errors[1e-2] < 1e-2 and errors[1e-6] < 1e-6
+
+
+def test_precision_tells_where_the_witness_contradicts_the_reference(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    """A master equation whose delay is too long is found out, though it agrees with itself, and the status is 1."""
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
+    solve = master.solve
+
+    def wrong(contacts: Any, *arguments: Any, **named: Any) -> Any:
+        return solve(contacts.replace(delay=origins.Delay(0.4)), *arguments, **named)
+
+    monkeypatch.setattr(master, "solve", wrong)
+    contacts = {"thresholds": WIDE, "delay": {"time": 0.2}}
+    file = write(contacts=contacts, drive={"to": 3.0, "points": 31})
+    assert said(capsys, "precision", file)[0] == 1
+    assert read("mine-output/precision.json")["witness"]["worst_deviation"] > 6.0
+
+
+def test_precision_leaves_the_papers_methods_out_where_they_would_take_hours(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT | {"ensemble": (100.0,)})
+    found = measured(capsys, thresholds=WIDE, drive={"to": 3e4, "points": 11})
+    assert {point["method"] for point in found["points"]} == {"master", "ensemble"}
+    assert "a path of over 1000 mean thresholds" in "\n".join(found["notes"])
 
 
 def test_precision_of_a_spring_is_the_master_equation_beside_its_own_finest_run(
