@@ -30,7 +30,8 @@ def cost(scene: str, changes: Mapping[str, Any] | None = None) -> Cost:
     """
     from origins.errors import InputError
 
-    words = [sys.executable, "-m", "toolkit.running.cost", scene, json.dumps(changes or {})]
+    # -P: no folder named as one of the rooms in the current folder takes its place
+    words = [sys.executable, "-P", "-m", "toolkit.running.cost", scene, json.dumps(changes or {})]
     done = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True)
     found: Cost = json.loads(done.stdout.splitlines()[-1])
     if "refused" in found:
@@ -57,8 +58,7 @@ def _measured(scene: str, changes: Mapping[str, Any]) -> Cost:
     """Run the scene here; see `cost`."""
     homes, stages, seen = metadata.packages_distributions(), list[Any](), set[str]()
     wanted = [line for line in metadata.requires("mesofriction") or [] if not _EXTRAS.search(line)]
-    names = {match[0] for line in wanted if (match := re.match(r"[\w.-]+", line))}
-    known = {name.lower() for name in names}
+    known = {match[0].lower() for line in wanted if (match := re.match(r"[\w.-]+", line))}
     # modules of the distributions that are asked for; such as mpich have none
     wanted_by = {name: of[0] for name, of in homes.items() if of[0].lower() in known}
     began = time.perf_counter()
