@@ -26,10 +26,18 @@ FIRST_WAY = 50.0
 class ColdSlider:
     """A soft slider at T = 0 pulled by a drive along its path (paper, Eq. Q16x2); see ColdContacts."""
 
-    def __init__(self, contacts: Contacts, drive: Drive, tolerance: float, until: float) -> None:
-        """Balance the spring with the force of the start, at X = 0."""
+    def __init__(
+        self,
+        contacts: Contacts,
+        drive: Drive,
+        tolerance: float,
+        until: float,
+        unknown: float = 0.0,
+    ) -> None:
+        """Balance the spring with the force of the start, at X = 0; for `unknown` see ColdContacts."""
         self.slip, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
         self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until)
+        cold.unknown = unknown
         self._start_force = cold.force_of(contacts.start)
         self._force_after_reset = cold.force_of(cold.formed_again)
         # F at points of the path, one array from each slip to the next; and a row for each slip
@@ -123,6 +131,8 @@ class ColdSlider:
                 stop = move.travel_of_state(at[-1])
                 self._base += direction * (at[-1] - stop)
                 self._loaded = move.stopped(stop, float(curve.error_at(at[-1]) + jump * off[-1]))
+                if self.contacts.unknown and self._may_have_slipped(move, slip, loads[-1]):
+                    self.error = max(self.error, abs(float(curve.force(at[-1]))))
                 return
             drives = drives[count:]
             if self.slip == "instant":
@@ -131,6 +141,11 @@ class ColdSlider:
             else:
                 renew = self._reset if self.slip == "reset" else self._reform_after
                 self._loaded, y = renew(move, slip, begin), 0.0
+
+    def _may_have_slipped(self, move: Move, last: SlipBegin, load: float) -> bool:
+        """Whether laws that are left out may bring about a slip before this last load, as one without them is near."""
+        missed = 2.0 * (last.error + self.spring * self._base_error)
+        return bool(np.isfinite(move.next_slip(last.travel, load + missed).load))
 
     def _keep(
         self, curve: LoadCurve, loads: Array, low: float, high: float, direction: int

@@ -207,4 +207,10 @@ class SlipBegin(NamedTuple):
         inside = max((y - begin) * (begin + width - y), (0.5 * width / polynomials.DEGREE) ** 2)
         steep = self.error * polynomials.DEGREE / np.sqrt(inside)
         jumps = (curve.drops == y).any() or curve.load_slope(y) > 10.0 * steep
-        return 0.0 if jumps else float(steep / curve.curvature(y))
+        # an error of the force, however steep, leaves the largest load within this way
+        curvature = curve.curvature(y)
+        return (
+            0.0
+            if jumps
+            else float(np.minimum(steep, 2.0 * np.sqrt(self.error * curvature)) / curvature)
+        )

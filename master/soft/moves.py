@@ -36,6 +36,7 @@ class ColdContacts:
     unit, spring : mean threshold (a length), and K/(N_c <k>)
     tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
+    unknown : bound on what laws that are left out change in the force at a given X (a length)
     nodes : instants at which number conservation was solved
     """
 
@@ -50,7 +51,7 @@ class ColdContacts:
         )
         # what is left of the changes of F has to be below the tolerance, and its slope below K
         self.steady_rates = max(STEADY_RATES, 1e-2 * min(tolerance, spring))
-        self.spring, self.until, self.nodes = spring, until, 0
+        self.spring, self.until, self.unknown, self.nodes = spring, until, 0.0, 0
 
     def force_of(self, start: Start) -> float:
         """F/(N_c <k>) of contacts with these stretches (a length)."""
@@ -162,7 +163,8 @@ class Move:
         times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.unseen_error * largest
-        error = loaded.error + np.maximum.accumulate(missed) * largest + rounding
+        error = loaded.error + self.contacts.unknown
+        error = error + np.maximum.accumulate(missed) * largest + rounding
         drops, series = (
             np.array(times) - loaded.end,
             self.direction * force @ polynomials.TO_LEGENDRE.T,
@@ -223,14 +225,7 @@ class Move:
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
         births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
         if march is None:
-            march = March(
-                births,
-                start,
-                np.empty(0),
-                tolerance,
-                self._guess,
-                life.largest_stretch,
-            )
+            march = March(births, start, np.empty(0), tolerance, self._guess, life.largest_stretch)
         else:
             march = march.cut(cut_at, births)
             march.tolerance = tolerance

@@ -6,11 +6,11 @@ starting force, X_T = F(0)/K at X = 0, and moves from there straight to its path
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
-from master.soft.in_time.idle_heat import without_idle_heat
+from master.soft.in_time.idle_heat import Idle, without_idle_heat
 from master.soft.in_time.refining import balance_of, refined
 from master.soft.regime import Regime, Slips, regime
 from origins import Contacts
@@ -73,9 +73,10 @@ def solve_soft(
     if contacts.thermal is not None:
         balance = balance_of(contacts, drive)
         duration = float(drive.arrival_times(balance)[-1])
-        contacts, idle_heat, note = without_idle_heat(contacts, drive, duration, tolerance)
+        idle = without_idle_heat(contacts, drive, duration, tolerance)
+        contacts = idle.contacts
     else:
-        idle_heat, note = 0.0, ""
+        idle = Idle(contacts)
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
         if contacts.thresholds.atoms[0].size and not contacts.start.is_single:
@@ -84,11 +85,16 @@ def solve_soft(
                 f"contacts.start: stretches {fault}; give the exact values a width, too"
             )
         found = refined(contacts, drive, balance_of(contacts, drive), tolerance, progress, until)
+        error = idle.effect * idle.loads
+        later = error * contacts.mean_threshold / float(drive.spring or 0.0)
+        slips = replace(found.slips, drive_error=found.slips.drive_error + later)
+        found = found._replace(error=found.error + error, slips=slips)
     else:
-        found = ColdSlider(contacts, drive, tolerance, until).follow()
+        unknown = idle.effect * contacts.mean_threshold
+        found = ColdSlider(contacts, drive, tolerance, until, unknown).follow()
         progress(found.error)
-    found = found._replace(error=found.error + idle_heat)
     success, message = found.outcome(given, drive, tolerance, "X_T")
+    left_out = f"; {idle.message} {found.error:.1e} mean thresholds" if idle.message else ""
     path = drive.path[: found.force.size]
     return SoftSolution(
         path=path,
@@ -103,5 +109,5 @@ def solve_soft(
         run_time=time.perf_counter() - began,
         nodes=found.nodes,
         success=success,
-        message=message + note,
+        message=message + left_out,
     )
