@@ -163,8 +163,8 @@ class Move:
         times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.unseen_error * largest
-        error = loaded.error + self.contacts.unknown
-        error = error + np.maximum.accumulate(missed) * largest + rounding
+        unknown = loaded.error + self.contacts.unknown
+        error = unknown + np.maximum.accumulate(missed) * largest + rounding
         drops, series = (
             np.array(times) - loaded.end,
             self.direction * force @ polynomials.TO_LEGENDRE.T,

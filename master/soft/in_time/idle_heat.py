@@ -20,6 +20,9 @@ IDLE = 0.1
 # Heat that steps do not resolve is left out, too, where it changes the force by less than this, in mean thresholds:
 # slips without it still tell the regime. Steps would not know the force any better.
 WEAK = 0.03
+# Spring, in N_c <k>, on which hardly any contact holds on after a slip. On stiffer ones it matters under "reform-after"
+# which contacts break in a slip, and that hangs on where it begins, which such a bound hardly tells.
+NONE_HOLDS_ON = 0.03
 # Fraction of the contacts that heat breaks before their stretch is near the threshold, in tolerances, which is allowed
 # for beside those that it breaks near there.
 EARLY = 1e-3
@@ -62,6 +65,8 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
     effect = largest_effect(contacts, duration, WHOLE_EARLY)
     # without heat such contacts are followed without steps
     stepless = not {"delay", "reforming"}.intersection(contacts.laws)
+    if drive.slip == "reform-after":
+        stepless &= float(drive.spring or 0.0) < NONE_HOLDS_ON
     if stepless and effect * often < WEAK and not Memory(contacts, MOST_HALVINGS).resolves_heat:
         missed = "heat is left out, as steps in time miss it: it may change the force by up to"
         return Idle(cold, effect, often, missed)
