@@ -351,3 +351,12 @@ def test_weak_heat_is_left_out_with_its_whole_effect_as_the_error(
     )
     assert before.success and before.force_error < 1e-3 * told.force_error
     assert not nearer.success and nearer.regime.verdict == "undecided"
+
+
+def test_a_slide_with_the_drive_that_takes_too_many_steps_is_refused_before_the_work() -> None:
+    """F is at most <x_s^2>/<x_s> = 1.04, so that the slider goes with its drive from X_T = 1.04e6 on."""
+    warm = Contacts(WIDE, thermal=Thermal("soft", 0.01))
+    told = r"^path\[-1\] = 1[45]00000\.0: the slider goes by \S+e\+05 or more with its drive"
+    for end in (1.4e6, 1.5e6):
+        with pytest.raises(origins.InputError, match=told):
+            master.solve(warm, [3e5, end], 1e-3, spring=SOFTEST, slip="instant", wall_time=1e-9)

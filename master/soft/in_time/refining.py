@@ -22,6 +22,7 @@ from master.soft.in_time.memory import MeanRateMemory, Memory
 from master.soft.in_time.near_slip import slip_undecided
 from master.soft.in_time.reading import read
 from master.soft.in_time.slider import Slider
+from master.soft.in_time.steps import CONTROL
 from master.soft.regime import Followed, slips_of
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -85,6 +86,7 @@ def refined(
 
     Raises InputError where the coarsest steps take too long.
     """
+    refuse_long_slides(contacts, drive)
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     sliders, best, halvings = list[Slider](), None, 0
@@ -113,6 +115,26 @@ def refined(
         if best.largest_error <= tolerance or as_good_as_memory or too_many:
             return best
         halvings += 1
+
+
+def refuse_long_slides(contacts: Contacts, drive: Drive) -> None:
+    """InputError where a slider under "instant" goes with its drive for longer than the coarsest steps may take.
+
+    Only the way of a slip takes no steps. Heat lets F fall less at higher speeds, so that there is one long slip at
+    most, before X_T = F/K; from relaxed contacts F is at most <x_s^2>/<x_s>, by Lorden's inequality of renewal theory.
+    """
+    relaxed = contacts.start.span == (0.0, 0.0) and contacts.stiffness == "independent"
+    if drive.slip != "instant" or not (relaxed and contacts.laws == ("thermal",) and drive.forward):
+        return
+    law, memory = contacts.thresholds, memory_of(contacts, 0, 1.0)
+    latest = law.moment(2) / law.mean() / float(drive.spring or 0.0)
+    way = float(drive.path[-1]) - latest
+    steps = way / (CONTROL.coarsest * memory.scales.length)
+    most = MOST_STEPS * 0.5 ** (COMPARED - 1)
+    if steps > most:
+        goes = f'by {way:.3g} or more with its drive under "instant", in {steps:.2g} steps'
+        hint = f"end the path before {latest + way * most / steps:.4g}"
+        refuse("path[-1]", drive.path[-1], f"the slider goes {goes}, above {most:.2g}; {hint}")
 
 
 def extrapolated(
