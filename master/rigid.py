@@ -4,6 +4,7 @@ import time as clock
 from copy import copy
 
 import numpy as np
+import numpy.typing as npt
 
 from master.motion import Motion
 from master.numerics import polynomials
@@ -62,7 +63,7 @@ def solve_rigid(
     success, message = outcome(contacts, error, tolerance, reason)
     if march.unfinished:
         end = f"X = {motion.at(np.array(march.reached)):.6g}"
-        success, message = False, f"stopped at {end} by wall_time; the path is cut there"
+        success, message = False, f"stopped at {end} by wall_time, the path is cut there; {message}"
     t = np.minimum(arrivals[kept], march.steady_since)
     # contacts that broke within the last delay are out
     broken = breaks_until(march, t) - breaks_until(march, t - march.births.delay)
@@ -183,10 +184,20 @@ def breaks_until(march: March, t: Array) -> Array:
 def _read(march: March, values: Array, t: Array) -> Array:
     """Values at times t, shape (n,), from those at the panels' beginnings and nodes; at a jump the value after it."""
     begin, since, width, knots = march.begin, march.since, march.width, march.motion.times
-    # a time that rounding puts just before a panel is read on it
-    read_from = begin * (1.0 - ROUNDED) - SAME_TIME * (since + width.min(initial=np.inf))
+    # at a jump, a time that rounding puts just before it is read after it; elsewhere values are continuous
+    rounded = ROUNDED * begin + SAME_TIME * (since + width.min(initial=np.inf))
+    read_from = begin - np.where(_begin_at_jumps(march, rounded), rounded, 0.0)
     panel = np.clip(np.searchsorted(read_from, t, "right") - 1, 0, begin.size - 1)
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
     leg_begin = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
     place = np.clip((t - leg_begin - since[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", polynomials.values(place), values[panel]))
+
+
+def _begin_at_jumps(march: March, rounded: Array) -> npt.NDArray[np.bool_]:
+    """Which panels begin where the number of breaks or the force jumps, to so much: where contacts break together,
+    and where they form again, one delay later."""
+    born = np.array([lump.time for lump in march.lumps[1:]])
+    jumps = np.sort(np.concatenate([born, born - march.births.delay, [np.inf]]))
+    after = jumps[np.searchsorted(jumps, march.begin - rounded)]
+    return after <= march.begin + rounded

@@ -18,6 +18,7 @@ from master.survival.life import ColdLife, Survivors
 from master.survival.make import steady_life
 from origins import Ageing, Contacts, Drive, gaussian, gaussian_start, rectangular
 from origins.start import Start
+from toolkit.judge.closed_form import closed_form
 
 LOOP = np.concatenate([np.linspace(0.0, 1.3, 27), np.linspace(1.28, -0.6, 40)])
 BOX = rectangular(0.5, 1.5)
@@ -123,3 +124,27 @@ def test_ageing_contacts_born_at_many_stretches_are_interpolated_to_the_error_th
     ]
     off = np.abs(found.survival[::4] - np.concatenate(exact)).max()
     assert off <= found.error <= 1e-6
+
+
+@pytest.mark.parametrize("std", [0.0004, 0.001, 0.004])
+@pytest.mark.parametrize("tolerance", [0.2, 1e-2])
+def test_loose_tolerances_of_narrow_thresholds(std: float, tolerance: float) -> None:
+    """Panels as wide as a loose tolerance allows would step over the peak of breaks, and claim a third of the error."""
+    peaks = [n + std * np.linspace(-8.0, 8.0, 401) for n in (1, 2, 3, 4)]
+    path = np.unique(np.concatenate([np.linspace(0.0, 5.0, 2001), *peaks]))
+    contacts = Contacts(gaussian(1.0, std))
+    found = master.solve(contacts, path, tolerance)
+    exact, _ = closed_form(contacts, path)
+    assert found.success
+    assert np.abs(found.force - exact).max() < found.force_error
+
+
+def test_points_just_before_a_panel_are_read_on_the_one_before() -> None:
+    """F of narrow thresholds falls by 1e-9 within 1e-11 of the way."""
+    contacts = Contacts(gaussian(1.0, 0.003))
+    rough = np.linspace(0.0, 30.0, 301)
+    panels = master.solve(contacts, rough, 1e-10)._march.begin[1:]
+    path = np.sort(np.concatenate([rough, panels * (1.0 - 8e-13)]))
+    found = master.solve(contacts, path, 1e-10)
+    exact, rounded = closed_form(contacts, path)
+    assert np.abs(found.force - exact).max() < found.force_error + rounded

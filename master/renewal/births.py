@@ -130,3 +130,8 @@ def legendre_births(ends: Array, slopes: Array, left: Array, right: Array, size:
     z = np.clip((2.0 * nodes.time - middle) / width, -1.0, 1.0)
     weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]
     return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))
+
+
+def panel_at(begins: Array, t: float) -> int:
+    """The panel on which the time t lies, the last that begins at t or before it; the first for earlier times."""
+    return max(int(np.searchsorted(begins, t, "right")) - 1, 0)

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 from master.survival.life import Life
 
+# Loosest tolerance of a solution, in mean thresholds. Panels to a looser one may be so wide that their check points
+# step over the peak of breaks of narrow thresholds, and estimate a third of the true error (measured at 1e-2).
+LOOSEST = 1e-3
 # Part of the tolerance that panels keep where survivals and round-off take more. The tolerance is missed there, which
 # force_error says; panels without any part would only be halved for nothing.
 LEAST_FOR_PANELS = 0.4
@@ -50,7 +53,8 @@ class ErrorBudget:
         cls, tolerance: float, life: Life, round_off: float, per_number: float
     ) -> "ErrorBudget":
         """Divide a tolerance of the force, in mean thresholds; per_number: the force, in mean thresholds, of a number
-        1 of contacts, the longest stretch."""
+        1 of contacts, the longest stretch. A tolerance looser than LOOSEST counts as that."""
+        tolerance = min(tolerance, LOOSEST)
         known = round_off + life.error * per_number
         part = max(tolerance - known, LEAST_FOR_PANELS * tolerance)
         if not life.quick:

@@ -17,7 +17,7 @@ import numpy as np
 
 from master.numerics import polynomials
 from master.outcome import StoppedError, stop_after
-from master.renewal.births import MOST_WORK, Births, Lump, Panels
+from master.renewal.births import MOST_WORK, Births, Lump, Panels, panel_at
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
 from master.renewal.present import TARGETS, Present, Run, solve_run
@@ -163,7 +163,7 @@ class March:
         after_last_lump, ahead = self.reached - self.lumps[-1].time, self.edges[-1] - self.reached
         if not speed or after_last_lump < memory or ahead < MEMORIES_AHEAD * memory:
             return False
-        first = max(int(np.searchsorted(self.begin, self.reached - memory, "right")) - 1, 0)
+        first = panel_at(self.begin, self.reached - memory)
         slopes = self.breaks[first:] @ polynomials.SLOPES.T / self.width[first:, None]
         rates = (
             slopes @ polynomials.legendre_values(polynomials.gauss(polynomials.PANEL_NODES).nodes).T
@@ -219,7 +219,7 @@ class March:
             out += self.present.look_up(float(self.motion.speeds[leg]), grid)
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         oldest = leg_begin + t.min() - self._memory(leg)
-        first = max(int(np.searchsorted(self.begin, oldest, "right")) - 1, 0)
+        first = panel_at(self.begin, oldest)
         on_it = self.panels(max(first, self._past.first), last)
         out += self.births_on_leg(t, leg, on_it).reshape(out.shape)
         if delay > 0.0 and first < last:

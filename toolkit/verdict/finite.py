@@ -10,7 +10,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
-from toolkit.verdict.follow import Machine, trace_of
+from toolkit.verdict.follow import NOT_SLID, Machine, has_slid, trace_of
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
@@ -89,6 +89,8 @@ def follow_finite(
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
+    if not counts.any() and not has_slid(found, mean):
+        return Finite(rule, held, "unknown", message=NOT_SLID)
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else transient)
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"

@@ -25,6 +25,11 @@ TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
 CONTACTS, SLIDERS, LONG_DELAY = 20_000, 4, 3.0
 
 
+# mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
+SLID = 10.0
+NOT_SLID = "its path ended before it slid or slipped"
+
+
 @dataclass(frozen=True)
 class Machine:
     """What pulls the slider, in the units of the solvers: spring K/(N_c <k>), mass M/(N_c <k>) (time²; None: none),
@@ -149,6 +154,8 @@ def follow_by_contacts(
     before, scatter = slips.mean("force_before", common - 1) if slipped else (force[-1], np.inf)
     after = slips.mean("force_after", common - 1)[0] if slipped else force[-1]
     error = scatter if slipped else float(found.force_standard_error[-1])
+    if not common and not has_slid(found, unit):
+        return _refused(rule, NOT_SLID)
     return Behaviour(
         rule=rule,
         kind="stick-slip" if slipped else "smooth",
@@ -165,6 +172,11 @@ def follow_by_contacts(
         drive=drive,
         force=force,
     )
+
+
+def has_slid(found: Any, mean: float) -> bool:
+    """Whether each slider of an ensemble has moved by so many thresholds that its contacts have formed anew."""
+    return bool((found.positions[:, -1] - found.positions[:, 0]).min() >= SLID * mean)
 
 
 def _refused(rule: str, why: str) -> Behaviour:

@@ -11,6 +11,7 @@ from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.table import numerical_errors, share_of, table
 
+NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 # how the slip rules are named where a user reads of them
 NAMED = {
     "reset": "a slip renews all contacts",
@@ -166,8 +167,13 @@ def dependence(verdict: Verdict) -> list[str]:
                 f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
                 "give drive.mass, drive.damping and [contacts.delay]"
             )
-        else:
+        elif "undecided" not in kinds.values():
             lines.append("not the slip rule, for infinitely many contacts: all rules agree")
+    elif own.machine is not None and own.machine.mass and not own.contacts.waiting_time:
+        lines.append(
+            "the contacts' delay: none is given, so that they re-form at once; one far above the time of a slip makes "
+            "full stick-slip of most smooth sliders: give [contacts.delay]"
+        )
     answers = verdict.answers
     if len(answers) > 1:
         springs = [one.critical_spring.value * one.scale.spring for one in answers]
@@ -178,8 +184,10 @@ def dependence(verdict: Verdict) -> list[str]:
         )
         for kind, names in _others(verdict).items():
             lines.append(f"of these, {kind}: {', '.join(names)}")
-    if own.scale.contacts is not None and own.machine is not None:
-        crowd = own.scale.contacts * own.machine.spring**3
+    number, machine = own.scale.contacts, own.machine
+    soft = machine is None or machine.spring < NEAR * own.critical_spring.value
+    if number is not None and machine is not None and not soft:
+        crowd = number * machine.spring**3
         lines.append(
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
             "only where it is above some 50"
