@@ -205,7 +205,11 @@ def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
     ("text", "more", "message"),
     [
         ("1.0\ntwo\n", {}, r"file = 'own\.txt': line 2: x_s must be a number > 0"),
-        ("1,5\n1,7\n", {}, "a decimal comma. write 1.0238; two columns"),  # it is not guessed
+        (
+            "1,5\n1,7\n",
+            {},
+            'a decimal comma. write decimal = ","; two columns',
+        ),  # it is not guessed
         ("1 2\n", {"column": 3}, "there is no column 3 of 2"),
         ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2: weights must be a number > 0"),
         ("# nothing\n", {}, "holds no numbers"),

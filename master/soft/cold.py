@@ -10,7 +10,7 @@ from master.renewal.births import Births
 from master.renewal.edges import edges
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths, SlipEnd
-from master.soft.regime import Followed, slips_of
+from master.soft.regime import SLIP_SHARE, Followed, slips_of
 from origins import Contacts
 from origins.drive import Drive
 from origins.errors import refuse
@@ -169,7 +169,10 @@ class ColdSlider:
         return LoadingHistory(self.contacts.formed_again)
 
     def _share_broken(self, move: Move, slip: SlipBegin) -> float:
-        """The share of the contacts that break before a reset renews the others; nan where that takes too much work."""
+        """The share of the contacts that break before a reset renews the others; nan where that takes too much work
+        and, as finding it takes as long as another slip, once a slip is known in which enough contacts break."""
+        if any(share >= SLIP_SHARE for share in self._broken.values()):
+            return self._broken.get((move, slip.travel), np.nan)
         key = move, slip.travel
         if key not in self._broken:
             try:
