@@ -86,7 +86,8 @@ def refined(
 
     Raises InputError where the coarsest steps take too long.
     """
-    refuse_long_slides(contacts, drive)
+    if time.monotonic() <= until:
+        refuse_long_slides(contacts, drive)
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     sliders, best, halvings = list[Slider](), None, 0
