@@ -47,11 +47,12 @@ class SlipsInTime(Slips):
     time : when the slider begins to be faster than the drive; duration : until it is slower again, shape (n,)
     top_speed : largest dX/dt on the way (length per time), shape (n,)
 
-    Any fall counts in which F falls by three tolerances or more, whether the slider has stuck before it or not: breaks are
-    counted from its begin on. The ensemble's slips, see eq_model.simulate, need a stick before them, a fall by 0.02
-    mean thresholds and a speed of 1.5 times the drive's, and count breaks from the stick on. So the two agree on slips
-    that end a stick; but swings back of the slider, and speeds that vary in smooth sliding, may be slips here only,
-    and a fall of a heavy slider before which most contacts broke while it gathered speed, there only.
+    Any fall counts in which F falls by three tolerances or more, whether the slider has stuck before it or not:
+    breaks are counted from its begin on. The ensemble's slips, see eq_model.simulate, need a stick before them, a
+    fall by 0.02 mean thresholds and a speed of 1.5 times the drive's, and count breaks from the stick on. So the
+    two agree on slips that end a stick; but swings back of the slider, and speeds that vary in smooth sliding, may
+    be slips here only, and a fall of a heavy slider before which most contacts broke while it gathered speed, there
+    only.
     """
 
     time: Array
