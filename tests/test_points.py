@@ -180,3 +180,14 @@ def test_a_sweep_over_keys_of_a_surface_is_reported(capsys: Any) -> None:
     file = write(thresholds=ROUGH, drive=None, master=None, sweep=over)
     status, out, _ = said(capsys, "run", file)
     assert status == 0 and any(line.startswith("sweep   2 points") for line in out)
+
+
+def test_a_sweep_of_a_drive_without_a_path_is_written(tmp_path: Path) -> None:
+    bare = {
+        "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}},
+        "drive": {"velocity": 1.0},
+        "sweep": {"contacts.thresholds.std": [0.1, 0.2], "critical_spring": True},
+    }
+    toolkit.save(toolkit.run(bare), tmp_path / "out")
+    assert (tmp_path / "out" / "sweep.csv").read_text().count("\n") == 3
+    assert toolkit.load(tmp_path / "out").time.size == 0

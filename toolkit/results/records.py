@@ -15,7 +15,7 @@ from origins.thresholds.quadrature import panel_edges
 from toolkit.results.dataset import as_dataset
 from toolkit.results.html import as_html
 from toolkit.results.points import PointsRecord
-from toolkit.scene.drive import make_drive
+from toolkit.scene.drive import has_path, make_drive
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import Scale, of_surface
 from toolkit.scene.sweep import SweepRecord
@@ -183,7 +183,7 @@ class Result:
     @property
     def time(self) -> Array:
         """Time of each point of the path, in s for a surface, else in the scene's unit; empty without a drive."""
-        if self.asked.drive is None:
+        if self.asked.drive is None or not has_path(self.asked.drive):
             return np.empty(0)
         begin = getattr(self.master or self.eq, "balance", None) or 0.0
         return make_drive(self.asked.drive).arrival_times(begin)
