@@ -98,7 +98,8 @@ class History:
     """The slider's displacement X(t) - X(s) since contacts were born at s, and in between.
 
     Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
-    another leg begins. So the middle column determines on which side of such a point the whole row lies.
+    another leg begins. So the middle column determines on which side of such a point the whole row lies. The caller has
+    to see to that: a row that crosses such a point gives a wrong survival, which nothing here notices.
 
     t, s : instants and births, which broadcast to shape (rows, columns)
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)

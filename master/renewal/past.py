@@ -157,7 +157,10 @@ class Past:
         return found.both
 
     def _hold(self, law: Start, history: History) -> npt.NDArray[np.bool_]:
-        """Whether any contacts born at stretches of a law, with the moves of a row, hold; shape (rows,)."""
+        """Whether any contacts born at stretches of a law, with the moves of a row, hold; shape (rows,).
+
+        The births of a row stand for all in between: the smallest of their largest displacements, and the largest of
+        their smallest, are those of the contact that was stretched least. None is left out that may hold."""
         low, high = law.span
         highs, lows = history.high.min(axis=1), history.low.max(axis=1)
         return np.maximum(low + highs, -(high + lows)) <= self._life.largest_stretch
@@ -221,7 +224,14 @@ class Past:
         return polynomials.CLOSE * durations + ROUNDED_TIME * np.abs(pieces.low)
 
     def _pieces(self, t: Array) -> Pieces:
-        """Pieces of the births on each leg, for each target, with ends where the survival bends."""
+        """Pieces of the births on each leg, for each target, with ends where the survival bends.
+
+        Contacts born at s, at the one stretch r, have had stretches from r + low - X(s) to r + high - X(s), low
+        and high being the ends of the way since then, and have r + now - X(s). Survival bends, or its force
+        does, at births where X(s) - r is one of `goals`: the largest stretch is a mark (high - mark) or the
+        smallest is minus a mark (low + mark), a mark being a bend of P_c, |r| or the end of P_c; both are
+        equally far from 0 (middle); or one of the three is 0 (now, high, low).
+        """
         motion, law, life = self._motion, self._births.law, self._life
         # arrays of shape (targets, legs, ends of pieces)
         ends = motion.times[self._legs], motion.times[self._legs + 1]
@@ -243,6 +253,7 @@ class Past:
         edges = np.concatenate(cuts, axis=2).reshape(t.size * self._legs.size, -1)
         owner, begin, end = Pieces.between(edges)
         target = owner // self._legs.size
+        # with one stretch pieces end where contacts have met the end of P_c: all on a piece hold, or none
         places = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
         place = begin[:, None] + (end - begin)[:, None] * places
         held = self._hold(law, motion.history(t[target, None], place))

@@ -49,6 +49,11 @@ QUIET, LAST_PART = 0.8, 0.7
 # Steps in frequency by which a root may lie left of the line and be kept, and the least ln |w| = -BESIDE from which
 # Newton's method starts: between frequencies w is interpolated, so that a counted root may seem to lie just left.
 BESIDE = 0.02
+# Deeper waves vanish within a mean life: e^-40 is below the rounding of F.
+VANISHED = 40.0
+# The search goes deeper while it is not this near to the deepest line, and gives up where a line that failed cannot be
+# replaced by one deeper than those before by so much, or by a share of the deepest.
+AT_THE_DEEPEST, LEAST_DEEPER, SHALLOWEST = 0.99, 1.05, 1e-3
 # Newton's method: most steps, and in steps of frequency the last one, whose square is about the error.
 MOST_NEWTON, LAST_NEWTON = 20, 1e-8
 # Relative last step of a root that is kept; and steps of frequency within which two are one.
@@ -219,7 +224,7 @@ def decoherence_length(cycle: Cycle) -> tuple[float, float]:
 
 def deepest_wave(cycle: Cycle, rate: float) -> float:
     """Decay rate to which roots are searched (per length): deeper waves vanish within a mean life."""
-    return min(NEAR * rate, 40.0 / cycle.birth_to_birth)
+    return min(NEAR * rate, VANISHED / cycle.birth_to_birth)
 
 
 def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
@@ -227,12 +232,12 @@ def leading_roots(transform: Transform, count: int) -> tuple[Complex, float]:
     at least `count`, or as deep as the transform; fewer where one is missed or D is too inaccurate (0: everywhere)."""
     roots, searched, deepest = np.empty(0, dtype=complex), 0.0, transform.deepest
     decay = min(0.5 / transform.cycle.birth_to_birth, deepest)
-    while roots.size < count and searched <= 0.99 * deepest:
+    while roots.size < count and searched <= AT_THE_DEEPEST * deepest:
         found, number = _right(transform, decay, roots)
         if found.size >= number:
             roots, searched = found[found.real > -decay], decay
             decay = min(2.0 * decay, deepest)
-        elif decay < max(1.05 * searched, 1e-3 * transform.deepest):
+        elif decay < max(LEAST_DEEPER * searched, SHALLOWEST * transform.deepest):
             break
         else:
             deepest, decay = decay, float(np.sqrt(searched * decay)) or 0.5 * decay
