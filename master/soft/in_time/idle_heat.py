@@ -19,7 +19,7 @@ from origins.thresholds.law import Array
 IDLE = 0.1
 # Heat that steps do not resolve is left out, too, where it changes the force by less than this, in mean thresholds:
 # slips without it still tell the regime. Steps would not know the force any better.
-WEAK = 0.03
+WEAK = 0.1
 # Spring, in N_c <k>, on which hardly any contact holds on after a slip. On stiffer ones it matters under "reform-after"
 # which contacts break in a slip, and that hangs on where it begins, which such a bound hardly tells.
 NONE_HOLDS_ON = 0.03
