@@ -14,6 +14,8 @@ from origins import Contacts, InputError, gaussian
 from tests.scenes import CONSTANTS, ROUGH, said, write
 from toolkit.scene.scale import scale_of, written
 from toolkit.scene.scene import load_scene
+from toolkit.verdict.finite import follow_finite
+from toolkit.verdict.follow import Machine
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
@@ -106,6 +108,26 @@ def test_mass_and_delay_decide_in_place_of_a_slip_rule(capsys: Any) -> None:
     assert status == 0 and slips["kind"] == "stick-slip" and page.count("stick-slip") >= 1
     assert slips["slip_time"] == pytest.approx(np.pi, rel=0.05)
     assert -1.0 < slips["after"] / slips["before"] < -0.6
+
+
+def test_a_mass_beside_heat_is_told_in_words(capsys: Any) -> None:
+    heat = {"law": "soft", "temperature": 0.01}
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "thermal": heat}
+    drive = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-4}
+    status, page, found = judged(capsys, contacts=contacts, drive=drive)
+    (alone,) = found["readings"][0]["behaviours"]
+    assert status == 1 and alone["kind"] == "undecided"
+    assert "no solver takes a mass beside [contacts.thermal]: leave one of them out" in page
+    assert "np." not in page and "master.solve" not in page and "simulate" not in page
+
+
+def test_a_slider_that_has_not_slid_is_not_called_smooth() -> None:
+    """The ensemble's path ends while its contacts are only stretched."""
+    machine = Machine(spring=1e-3, mass=None, damping=0.0, velocity=1.0)
+    contacts = Contacts(gaussian(1.0, 0.2))
+    # of an F_s of 0.1, where it is 0.8: the drive stops before the first slip
+    found = follow_finite(machine, contacts, 500.0, "reset", 0.1, False, 0)
+    assert found.kind == "unknown" and "before it slid" in found.message
 
 
 def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(

@@ -81,6 +81,9 @@ def follow_finite(
             "unknown",
             message=f"some {breaks:.1g} breaks are more than are followed here",
         )
+    if {"thermal", "ageing", "grains"}.intersection(contacts.laws):
+        why = "single contacts are followed on a spring without heat and age only"
+        return Finite(rule, held, "unknown", message=why)
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, end, POINTS)
     given: dict[str, Any] = {"n_contacts": held, "n_replicas": SLIDERS, "seed": SEED}
     given |= {"threads": cores_of(None)}

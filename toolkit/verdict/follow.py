@@ -108,6 +108,9 @@ def follow(
     begin = contacts.start.mean() / machine.spring
     in_time = {"thermal", "ageing", "grains", "delay"}.intersection(contacts.laws)
     tolerance = TOLERANCE_IN_TIME if in_time else TOLERANCE
+    if rule == "mass" and in_time - {"delay"}:
+        held = " and ".join(f"[contacts.{law}]" for law in sorted(in_time - {"delay"}))
+        return _refused(rule, f"no solver takes a mass beside {held}: leave one of them out")
     alone = not _by_contacts(machine, contacts, rule)
     found, until = _refused(rule, "no time was left"), time.monotonic()
     until += wall_time if alone else 0.5 * wall_time
