@@ -184,6 +184,12 @@ def dependence(verdict: Verdict) -> list[str]:
         )
         for kind, names in _others(verdict).items():
             lines.append(f"of these, {kind}: {', '.join(names)}")
+    in_time = {"thermal", "ageing", "grains", "delay"}.intersection(own.contacts.laws)
+    if own.machine is not None and in_time:
+        lines.append(
+            "F_s, F_k and K* of the table are those of a slider as fast as the drive; one that sticks is slower, and "
+            "contacts that wait, break by heat or age bear another force: before a slip it is that of the sentence"
+        )
     number, machine = own.scale.contacts, own.machine
     soft = machine is None or machine.spring < NEAR * own.critical_spring.value
     if number is not None and machine is not None and not soft:
