@@ -97,6 +97,7 @@ def test_few_contacts_slip_where_infinitely_many_slide(capsys: Any) -> None:
     assert status == 1 and page.splitlines()[2].startswith("disagree: 500 contacts stick and slip")
 
 
+@pytest.mark.slow
 def test_mass_and_delay_decide_in_place_of_a_slip_rule(capsys: Any) -> None:
     """With a long delay nothing holds in a slip of half a period of mass and spring, and the spring's force falls to
     about minus itself."""
