@@ -294,3 +294,13 @@ def test_points_closer_than_the_unit_of_whole_lengths() -> None:
     found = eq_model.simulate(Contacts(origins.identical(1e30)), path, n_contacts=10)
     np.testing.assert_allclose(found.force, path, rtol=1e-12)
     assert found.breaks == 0
+
+
+@pytest.mark.parametrize("std", [2.5e-6, 2.5e-7, 1e-12])
+def test_starts_whose_width_is_lost_in_rounding_have_an_error_nevertheless(std: float) -> None:
+    contacts = Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, std))
+    path = np.linspace(0.0, 0.5, 4)
+    found = eq_model.simulate(contacts, path, n_contacts=5000, seed=1)
+    assert found.breaks == 0  # so that F - X is the mean start
+    assert (np.abs(found.force - path) < 5.0 * found.force_standard_error + 1e-15).all()
+    assert (found.force_standard_error < max(std, 1e-7)).all()
