@@ -27,7 +27,7 @@ QUICK = {"near-merged peaks", "heavy tails", "delay", "starts"}
         (Answer([1.0, 2.1], 0.2, False, 1e-6), "short, and says so"),
         (Answer([1.0], 1e-9, False, 1e-6), "short, and says so"),
         (Answer([1.0, np.nan], np.inf, False, 1e-6), "short, and says so"),
-        (Answer([1.0, 7.0], 3.0, False, 1e-6), "short, and says so"),
+        (Answer([1.0, 7.0], 3.0, False, 1e-6), "wrong"),
         (Answer([1.0, 2.1], 0.05, False, 1e-6), "wrong"),
         (Answer([1.0, 2.1], 0.2, True, 1e-6), "wrong"),
         (Answer([1.0, np.nan], 1e-9, True, 1e-6), "wrong"),

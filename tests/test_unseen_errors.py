@@ -13,7 +13,7 @@ from solving import gauss
 import master
 from master.motion import Motion
 from master.outcome import unheard
-from master.rigid import solve_rigid
+from master.rigid import march_of, motion_of, solve_rigid
 from master.survival.life import ColdLife, Survivors
 from master.survival.make import steady_life
 from origins import Ageing, Contacts, Drive, gaussian, gaussian_start, rectangular
@@ -143,8 +143,18 @@ def test_points_just_before_a_panel_are_read_on_the_one_before() -> None:
     """F of narrow thresholds falls by 1e-9 within 1e-11 of the way."""
     contacts = Contacts(gaussian(1.0, 0.003))
     rough = np.linspace(0.0, 30.0, 301)
-    panels = master.solve(contacts, rough, 1e-10)._march.begin[1:]
+    motion, _ = motion_of(Drive(rough), contacts.mean_threshold, True)
+    panels = march_of(contacts, motion, ColdLife(contacts), 1e-10).run().begin[1:]
     path = np.sort(np.concatenate([rough, panels * (1.0 - 8e-13)]))
     found = master.solve(contacts, path, 1e-10)
     exact, rounded = closed_form(contacts, path)
     assert np.abs(found.force - exact).max() < found.force_error + rounded
+
+
+def test_a_residual_of_many_contacts_is_no_estimate() -> None:
+    """Contacts of a start that one in 1e23 survives: 1.7 mean thresholds were told where 2.0 were true."""
+    ageing = Ageing(gaussian(1.0, 0.02), 5e-4)
+    contacts = Contacts(gaussian(0.5, 0.05), gaussian_start(1.0, 0.025), ageing=ageing)
+    found = master.solve(contacts, np.linspace(0.0, 3.0, 24), 1e-6)
+    assert not found.success and found.force_error == np.inf
+    assert "nothing is known of the force" in found.message

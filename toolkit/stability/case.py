@@ -18,7 +18,6 @@ ROUND_OFF = 1e-13  # mean thresholds: an answer nearer to the truth is exact
 WITNESSES = {"master": "the master equation", "ensemble": "the ensemble"}
 REPLICAS = 24  # of soft sliders, whose contacts are coupled
 SIGMAS = 5.0  # standard errors that bound the ensemble: chance passes them once in two million
-UNKNOWN = 1.0  # mean thresholds: an answer without success that claims no better says that it knows nothing
 LONGEST = (
     10.0  # s that the master equation may take for a case; it then gives what it has, and says so
 )
@@ -144,7 +143,7 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     said = answer.message
     if answer.faults:
         verdict, said = "wrong", "; ".join(answer.faults)
-    elif (beyond > claims).any() and (answer.success or claims.min() < UNKNOWN):
+    elif (beyond > claims).any():
         worst = int(np.argmax(beyond - claims))
         verdict, said = "wrong", "off by more than it claims"
     elif answer.success and answer.tolerance and (beyond > GRANTED * answer.tolerance).any():
