@@ -2,10 +2,12 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from oracle.calls import VERDICTS
 from oracle.judge import give, judge, load
 from oracle.write import write
 
@@ -34,6 +36,11 @@ REFUSED = {
     *(f"table {what} grains, {law}" for what in PATHS for law in ("soft", "stiff")),
 }
 KEPT = {name: given for name, given in ALL.items() if name not in {WRONG_BEFORE, *REFUSED}}
+# the older version left it undecided after two slips; the first leaves all contacts as at the start, and decides, as a
+# longer path with slips that are all alike confirms (test_soft_laws.py)
+DECIDED = "slips reform-after, delay"
+KEPT[DECIDED] = replace(KEPT[DECIDED], values=KEPT[DECIDED].values.copy())
+KEPT[DECIDED].values[-2] = VERDICTS.index("stick-slip")
 KINDS = sorted({given.kind for given in KEPT.values()})
 QUICK = sorted({given.kind for given in KEPT.values() if given.seconds < FAST})
 

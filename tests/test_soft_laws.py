@@ -275,6 +275,21 @@ def test_on_the_softest_spring_a_law_that_does_nothing_changes_nothing(rule: Sli
     assert np.abs(solved.slips.force_after).max() <= solved.force_error
 
 
+def test_a_first_slip_that_leaves_contacts_as_they_began_decides_and_a_longer_path_confirms_it() -> (
+    None
+):
+    contacts = Contacts(gaussian(1.0, 0.05), delay=Delay(0.2))
+    drive = {"spring": 1.0, "slip": "reform-after"}
+    short, long = (
+        master.solve(contacts, np.linspace(0.0, far, int(10 * far) + 1), 1e-3, **drive)
+        for far in (5.0, 16.0)
+    )
+    assert short.regime.verdict == long.regime.verdict == "stick-slip"
+    assert short.slips.drive.size == 2 and long.slips.drive.size == 8
+    assert np.ptp(np.diff(long.slips.drive)[1:]) < 1e-3
+    assert np.ptp((long.slips.force_before - long.slips.force_after)[1:]) < 1e-2
+
+
 def test_on_the_softest_spring_contacts_re_form_a_delay_after_the_slip() -> None:
     """Until then the slider goes with its drive, so that each slip is later by one delay more."""
     exact = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST).slips.drive
