@@ -7,12 +7,13 @@ starting force, X_T = F(0)/K at X = 0, and moves from there straight to its path
 
 import time
 from dataclasses import dataclass, replace
+from typing import Any
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
 from master.soft.in_time.idle_heat import Idle, without_idle_heat
 from master.soft.in_time.refining import balance_of, refined
-from master.soft.regime import Regime, Slips, regime
+from master.soft.regime import Followed, Regime, Slips, regime
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
@@ -93,21 +94,34 @@ def solve_soft(
         unknown = idle.effect * contacts.mean_threshold
         found = ColdSlider(contacts, drive, tolerance, until, unknown).follow()
         progress(found.error)
-    success, message = found.outcome(given, drive, tolerance, "X_T")
     left_out = f"; {idle.message} {found.error:.1e} mean thresholds" if idle.message else ""
-    path = drive.path[: found.force.size]
-    return SoftSolution(
-        path=path,
-        balance=found.balance,
-        position=path - found.force / float(drive.spring or 0.0),
-        force=found.force,
-        force_error=found.error,
-        holding=found.holding,
-        slips=found.slips,
-        period=found.slips.period,
-        regime=regime(contacts, drive, found, tolerance, until),
-        run_time=time.perf_counter() - began,
-        nodes=found.nodes,
-        success=success,
-        message=message + left_out,
-    )
+    position = drive.path[: found.force.size] - found.force / float(drive.spring or 0.0)
+    common = common_fields((given, contacts), drive, found, tolerance, until)
+    common["message"] += left_out
+    return SoftSolution(position=position, run_time=time.perf_counter() - began, **common)
+
+
+def common_fields(
+    contacts: tuple[Contacts, Contacts],
+    drive: Drive,
+    found: Followed,
+    tolerance: float,
+    until: float,
+) -> dict[str, Any]:
+    """Fields of a SoftSolution that do not depend on whether the slider has a mass. `contacts`: those of the caller, of
+    which weights beyond every threshold are told, and those that were followed, without laws that are left out."""
+    given, followed = contacts
+    success, message = found.outcome(given, drive, tolerance, "X_T")
+    return {
+        "path": drive.path[: found.force.size],
+        "balance": found.balance,
+        "force": found.force,
+        "force_error": found.error,
+        "holding": found.holding,
+        "slips": found.slips,
+        "period": found.slips.period,
+        "regime": regime(followed, drive, found, tolerance, until),
+        "nodes": found.nodes,
+        "success": success,
+        "message": message,
+    }

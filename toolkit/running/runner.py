@@ -1,6 +1,6 @@
 """Run a scene: each solver it names, and no other."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from os import PathLike
 from typing import Any
@@ -97,7 +97,7 @@ def solve(
     """Run the scene's solvers, showing progress on stderr if asked; returns the result and whether it is finished."""
     if scene.grid is not None:
         return _solve_points(scene, comm, progress, kept, show_progress), True
-    interface, law, deadline = scene.contacts.interface, scene.contacts.thresholds, scene.deadline()
+    law, deadline = scene.contacts.thresholds, scene.deadline()
 
     def shown(what: str) -> Any:
         return closing(Progress(what)) if show_progress else nullcontext()
@@ -133,20 +133,8 @@ def solve(
             f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, "
             "and breaks_per_rank counts the earlier ones' on rank 0"
         )
-    result = Result(
-        name=scene.name,
-        title=scene.title,
-        text=scene.text,
-        version=__version__,
-        mean_threshold=scene.contacts.mean_threshold,
-        thresholds=sample_curve(law),
-        master=master,
-        eq=eq,
-        interface=None if interface is None else of_interface(interface),
-        sweep=sweep,
-        domains=law.domains,
-        notes=tuple(notes),
-    )
+    answers = {"master": master, "eq": eq, "sweep": sweep, "domains": law.domains}
+    result = _result(scene, notes, **answers)
     finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
     if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):
         say(f"stopped by the wall time; run it again with --out {kept.folder} to go on")
@@ -161,17 +149,20 @@ def _solve_points(
     shown: Any = closing(Progress("sweep", "points")) if show_progress else nullcontext()
     with shown as bar, within(scene.deadline(), scene, "[sweep]"):
         record = solve_points(scene, comm, home, bar.count if bar else progress)
-    law, interface = scene.contacts.thresholds, scene.contacts.interface
+    return _result(scene, remarks(scene.contacts.thresholds), sweep=record)
+
+
+def _result(scene: Scene, notes: Iterable[str], **answers: Any) -> Result:
+    """The answers of a scene, beside its thresholds and its surface."""
+    interface = scene.contacts.interface
     return Result(
         name=scene.name,
         title=scene.title,
         text=scene.text,
         version=__version__,
         mean_threshold=scene.contacts.mean_threshold,
-        thresholds=sample_curve(law),
-        master=None,
-        eq=None,
-        notes=tuple(remarks(law)),
+        thresholds=sample_curve(scene.contacts.thresholds),
         interface=None if interface is None else of_interface(interface),
-        sweep=record,
+        notes=tuple(notes),
+        **({"master": None, "eq": None} | answers),
     )

@@ -16,8 +16,8 @@ from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
 from master.soft.moves import ColdContacts
-from master.soft.regime import Followed, Slips, regime
-from master.soft.solution import SoftSolution
+from master.soft.regime import Followed, Slips
+from master.soft.solution import SoftSolution, common_fields
 from master.survival.life import ALL_ATOMS
 from origins import Contacts
 from origins.brief import brief
@@ -137,25 +137,14 @@ def solve_inertial(
         nodes=nodes,
         stopped_because=stopped,
     )
-    success, message = found.outcome(contacts, drive, tolerance, "X_T")
-    path = drive.path[: found.force.size]
     record = best.record
     record.finish()
-    solved = slice(0, path.size)
+    solved = slice(0, found.force.size)
+    common = common_fields((contacts, contacts), drive, found, tolerance, until)
     return InertialSolution(
-        path=path,
-        balance=found.balance,
+        **common,
         position=record.place[solved],
-        force=found.force,
-        force_error=found.error,
-        holding=found.holding,
-        slips=found.slips,
-        period=found.slips.period,
-        regime=regime(contacts, drive, found, tolerance, until),
         run_time=time.perf_counter() - began,
-        nodes=nodes,
-        success=success,
-        message=message,
         velocity=record.speed[solved],
         contact_force=record.contact_force[solved],
         contact_force_error=of_contacts + rounding,

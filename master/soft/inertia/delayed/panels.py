@@ -101,6 +101,8 @@ class OnPanels(DelayedBody):
         return float(width) if width < min(self._past.delay, 0.5 * swing) else 0.0
 
     def _try(self, width: float) -> Solved | None:
+        """The motion on the next panel of this width, or None where that is too long to be found. The search begins at
+        the speeds with which the last panel would go on, where the new one is less than twice as wide."""
         state = self._state
         times = state.t + width * NODES
         last, guess = self._last, np.full(NODES.size, state.w)
