@@ -202,8 +202,8 @@ def _read(march: March, values: Array, t: Array) -> Array:
 
 
 def _begin_at_jumps(march: March, rounded: Array) -> npt.NDArray[np.bool_]:
-    """Which panels begin where the number of breaks or the force jumps, to so much: where contacts break together,
-    and where they form again, one delay later."""
+    """Which panels begin within `rounded` (a time each) of a jump of the number of breaks or of the force, which is
+    where contacts break together, and where they form again one delay later."""
     born = np.array([lump.time for lump in march.lumps[1:]])
     jumps = np.sort(np.concatenate([born, born - march.births.delay, [np.inf]]))
     after = jumps[np.searchsorted(jumps, march.begin - rounded)]

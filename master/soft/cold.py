@@ -143,7 +143,8 @@ class ColdSlider:
                 self._loaded, y = renew(move, slip, begin), 0.0
 
     def _may_have_slipped(self, move: Move, last: SlipBegin, load: float) -> bool:
-        """Whether laws that are left out may bring about a slip before this last load, as one without them is near."""
+        """Whether a slip may come before the path ends at this load, although none was found: without the laws that are
+        left out the next one is so near that their effect on the force may bring it about."""
         missed = 2.0 * (last.error + self.spring * self._base_error)
         return bool(np.isfinite(move.next_slip(last.travel, load + missed).load))
 

@@ -256,7 +256,7 @@ def _lacking(
     far += 0.0 if ages else speed * contacts.waiting_time
     if slid <= far:
         told = f", but one may come until the slider has gone on by {far:.3g}"
-        # the slider follows its drive by what the spring lacks of the largest force
+        # the slider is behind its drive by F/K: once F is largest, it goes as far as the drive
         ahead = max(latest + far, float(abs(drive.path[-1])) + far - slid)
         return (
             f"{told}; drive to X_T = {ahead:.3g}"

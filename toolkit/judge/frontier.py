@@ -34,8 +34,10 @@ def front(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> Fro
 
 
 def slope(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> float | None:
-    """The power of its run time by which a method's error changes, fitted to its front above the floor where runs take
-    over twice the time of the cheapest, which is spent on getting ready; None where they do not span a factor of 3."""
+    """The exponent of error ~ (run time)^exponent, fitted to the front of a method.
+
+    Left out are errors below the floor, which the reference cannot tell, and runs below twice the time of the cheapest
+    one, which mostly get ready. None where the run times that remain do not span a factor of 3."""
     found = front(points, method, floor)
     some = found.error > max(floor, LEAST)
     some &= found.run_time > 2.0 * found.run_time.min(initial=np.inf)

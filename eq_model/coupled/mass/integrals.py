@@ -33,7 +33,7 @@ def motion_integrals(m, t, there):  # type: ignore[no-untyped-def]
         return t * t * way, t * squares
     if not m.rings and m.beat * m.beat >= CRITICAL * m.own * m.own:
         return _of_exponentials(m, t)
-    # the way from the equation of motion of u
+    # the equation of motion, integrated over the time, gives the integral of the displacement u by its ends alone
     lag = -(there.change - m.speed + 2.0 * m.decay * there.gone) / (m.own * m.own)
     squares = m.drift * (m.drift * t + 2.0 * there.gone)
     if m.beat * m.beat >= CRITICAL * m.own * m.own:

@@ -20,8 +20,8 @@ IDLE = 0.1
 # Heat that steps do not resolve is left out, too, where it changes the force by less than this, in mean thresholds:
 # slips without it still tell the regime. Steps would not know the force any better.
 WEAK = 0.1
-# Spring, in N_c <k>, on which hardly any contact holds on after a slip. On stiffer ones it matters under "reform-after"
-# which contacts break in a slip, and that hangs on where it begins, which such a bound hardly tells.
+# Spring, in N_c <k>, on which hardly any contact holds on after a slip. On stiffer ones, under "reform-after", it
+# depends on where a slip begins which contacts break in it, and a bound on the force does not bound that.
 NONE_HOLDS_ON = 0.03
 # Fraction of the contacts that heat breaks before their stretch is near the threshold, in tolerances, which is allowed
 # for beside those that it breaks near there.

@@ -79,7 +79,7 @@ class Following(Body):
         move.panel_at(y + 2.0 * self.unit)
         curve = move.curve
         panels = slice(int(curve.panel(y)), int(curve.panel(y)) + PANELS)
-        # an edge is looked at from both sides
+        # F' may jump where panels meet: places just inside both are compared
         shares = np.clip(np.linspace(0.0, 1.0, POINTS), 1e-9, 1.0)
         widths = np.minimum(curve.width[panels], FURTHEST * self.unit)
         places = curve.begin[panels, None] + widths[:, None] * shares

@@ -45,7 +45,7 @@ class Step(NamedTuple):
 
 
 class Moving(Body):
-    """The mode `moving`."""
+    """A slider that moves fast enough to break contacts, and is integrated step by step."""
 
     def moving(self) -> Mode:
         """Integrate the motion until the slider turns, rests, reaches a drop of F or the drive's leg ends."""

@@ -11,7 +11,7 @@ from scipy.special import roots_jacobi
 from origins.thresholds.law import Array
 
 # Nodes of a panel, the last of which is its end: a stiff oscillation, such as ringing that is too small to be followed,
-# dies out on panels longer than its period. Four need a third more panels, seven more work on each.
+# dies out on panels longer than its period. Four nodes would need a third more panels, seven more work on each.
 STAGES = 5
 NODES: Array = np.append(0.5 * (roots_jacobi(STAGES - 1, 1, 0)[0] + 1.0), 1.0)
 PLACES: Array = np.append(0.0, NODES)
