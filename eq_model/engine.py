@@ -35,7 +35,8 @@ class Engine:
         self, contacts: Contacts, drive: Drive, blocks: Blocks, seed: int, histograms: npt.ArrayLike
     ) -> None:
         """Choose unit, bins, law and smaller blocks; InputError for contacts and drives that cannot be followed."""
-        check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
+        taken = tuple({*LAWS} - {"strengthening"})
+        check_contacts(contacts, "eq_model.simulate", taken, own_rates=True)
         if contacts.each_by_itself() is not contacts:
             name = "thermal" if getattr(contacts.thermal, "closure", "") == "paper" else "ageing"
             raise InputError(

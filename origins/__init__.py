@@ -31,9 +31,11 @@ from origins.grains.contact import GrainContact, growing_grains
 from origins.grains.film import GrainGrowth, film_growth, grains
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
+from origins.laws.growing import GrowingThresholds
 from origins.laws.rate_law import RateLaw
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
+from origins.laws.strengthening import Strengthening, strengthening
 from origins.laws.thermal import Thermal
 from origins.roughness.from_surface import from_moments, from_topography, resolution_study
 from origins.roughness.greenwood_williamson import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,67 +12,25 @@ import numpy.typing as npt
 from origins.errors import InputError, one_of, refuse
 from origins.grains.contact import GrainContact
 from origins.laws.ageing import Ageing
+from origins.laws.apart import GROWTH, MEAN_RATE, refuse_apart
 from origins.laws.delay import Delay
+from origins.laws.growing import GrowingThresholds
 from origins.laws.rate_law import RateLaw
+from origins.laws.strengthening import Strengthening
 from origins.laws.thermal import RATE_LAWS, BreakingRate, Thermal, as_thermal
 from origins.start import FormationLaw, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
-# All laws that a contact may have beside thresholds and a start; thresholds that grow are "grains".
+# All laws that a contact may have beside thresholds and a start; thresholds that grow are "grains" or "strengthening".
 # A law that is absent is None (stiffness: "independent"). Solvers use this list, Contacts.laws and
 # Contacts.replace; docs/extending.md says where else a law with a memory is told.
-LAWS = ("grains", "thermal", "ageing", "delay", "reforming", "stiffness")
-_MEAN_RATE = "mean rate"  # the thermal closure "paper", which is no law of its own
-
-
-class Apart(NamedTuple):
-    """Two laws that do not go together, and why; names of LAWS, or the mean rate."""
-
-    one: str
-    other: str
-    reason: str
-
-
-_LINKED = "stiffness = 'linked': not defined with"
-_EXACT = 'use closure = "exact"'
-_APART = (
-    Apart(
-        "stiffness",
-        _MEAN_RATE,
-        f'{_LINKED} thermal closure = "paper", one mean rate for all contacts; {_EXACT}',
-    ),
-    Apart(
-        "stiffness",
-        "ageing",
-        f'{_LINKED} ageing: nothing says whether k_i follows the threshold; use "independent"',
-    ),
-    Apart(
-        "stiffness",
-        "grains",
-        f'{_LINKED} thresholds that grow: <x_s> at birth is 0; use "independent"',
-    ),
-    Apart(
-        "grains",
-        _MEAN_RATE,
-        f'thermal: closure = "paper" averages over one P_c, and each age has another; {_EXACT}',
-    ),
-    Apart(
-        "ageing",
-        _MEAN_RATE,
-        f'thermal: closure = "paper" averages over one P_c, and contacts that age have none; {_EXACT}',
-    ),
-    Apart(
-        "grains",
-        "ageing",
-        "ageing: thresholds that grow with their age do age, by a law of their own; leave one out",
-    ),
-    Apart(
-        "grains",
-        "reforming",
-        "reforming: contacts form again as their grains pin, where all thresholds are 0; leave it out",
-    ),
-)
+LAWS = ("grains", "strengthening", "thermal", "ageing", "delay", "reforming", "stiffness")
+# Those by which the force depends on the time that a motion takes.
+IN_TIME = frozenset({"grains", "strengthening", "thermal", "ageing", "delay"})
+_GROWING = frozenset(
+    {"grains", "strengthening"}
+)  # an argument, the thresholds, and not one of their own
 
 
 class Contacts:
@@ -80,12 +38,13 @@ class Contacts:
 
     Parameters
     ----------
-    thresholds : Thresholds, scipy.stats distribution on x >= 0, or GrainContact
+    thresholds : Thresholds, scipy.stats distribution on x >= 0, or GrowingThresholds
         Law P_c(x) of fresh thresholds (a length). Distributions of scipy are frozen ones, stats.gamma(2.5), or objects
         of its newer interface, stats.Normal(mu=1.0, sigma=0.05), here and below; a weight below 0 of up to 1e-6 is cut
-        off, and solvers report it. The thresholds of a GrainContact with an age, such as growing_grains(...), grow
-        until the contact breaks, also at rest, and P_c is that of all contacts at X = 0; a broken contact re-forms
-        when its new grains pin and the delay after that is over.
+        off, and solvers report it. Thresholds of strengthening(...), or of a GrainContact with an age, such as
+        growing_grains(...), grow until the contact breaks, also at rest, and P_c is that of all contacts at X = 0. Of
+        growing grains a broken contact re-forms when its new grains pin and the delay after that is over. At β = 0
+        strengthening is dropped.
     start : None, float, Start or scipy.stats distribution
         Stretches at X = 0, of contacts that hold; None: all relaxed, x = 0. A contact that starts at x has a
         threshold from P_c conditional on x_s > |x|.
@@ -105,8 +64,9 @@ class Contacts:
 
     Attributes
     ----------
-    grains : GrainContact or None
-        None where thresholds do not grow with age.
+    growing : GrowingThresholds or None
+        None where thresholds do not grow with age. By their kind they are also `grains`, a GrainContact, or
+        `strengthening`, a Strengthening; the other is None.
     waiting_time : float
         Time from a break to re-forming: the delay plus the time until grains pin. A contact that is then stretched
         too fast to hold waits once more.
@@ -137,8 +97,12 @@ class Contacts:
         stiffness: Literal["independent", "linked"] = "independent",
     ) -> None:
         """Check the parts, each by itself and together; the arguments are those above."""
-        self.grains = thresholds if isinstance(thresholds, GrainContact) else None
-        self.thresholds = as_thresholds(thresholds if self.grains is None else self.grains.at_start)
+        self.growing = thresholds if isinstance(thresholds, GrowingThresholds) else None
+        self.thresholds = as_thresholds(
+            thresholds if self.growing is None else self.growing.at_start
+        )
+        if isinstance(self.growing, Strengthening) and self.growing.beta == 0.0:
+            self.growing = None
         self.interface = self.thresholds.interface
         self.start = as_start(start)
         self.mean_threshold = _checked_mean(self.thresholds)
@@ -149,17 +113,27 @@ class Contacts:
         self.ageing, self.delay, self.stiffness = ageing, delay, stiffness
         self._check_laws()
         self.waiting_time = 0.0 if self.delay is None else self.delay.time
-        if self.grains is not None:
-            self.waiting_time += self.grains.growth.first_pinning_time
+        if self.growing is not None:
+            self.waiting_time += self.growing.first_pinning_time
 
     def __repr__(self) -> str:
         """The laws that the contacts have, each by its own repr."""
         named = ("thresholds", "start", "thermal", "ageing", "delay", "reforming", "stiffness")
         laws = {name: getattr(self, name, None) for name in named}
-        if self.grains is not None:
-            laws["thresholds"] = self.grains
+        if self.growing is not None:
+            laws["thresholds"] = self.growing
         said = (f"{name}={law!r}" for name, law in laws.items() if law is not None)
         return f"Contacts({', '.join(said)})"
+
+    @property
+    def grains(self) -> GrainContact | None:
+        """Thresholds of growing grains, or None."""
+        return self.growing if isinstance(self.growing, GrainContact) else None
+
+    @property
+    def strengthening(self) -> Strengthening | None:
+        """Thresholds that grow with the logarithm of the age, or None."""
+        return self.growing if isinstance(self.growing, Strengthening) else None
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -172,9 +146,9 @@ class Contacts:
         None removes a law (stiffness: "independent"). Arguments not named stay. All are checked again: raises
         InputError as the constructor does, and for an unknown name.
         """
-        given = {name: getattr(self, name) for name in LAWS if name != "grains"}
+        given = {name: getattr(self, name) for name in LAWS if name not in _GROWING}
         given["reforming"] = None if self.reforming is None else self.reforming.law
-        given["thresholds"] = self.thresholds if self.grains is None else self.grains
+        given["thresholds"] = self.thresholds if self.growing is None else self.growing
         given["start"] = self.start
         for name, value in changes.items():
             if name not in given:
@@ -214,10 +188,10 @@ class Contacts:
             self.delay = None
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
-            there.add(_MEAN_RATE)
-        for apart in _APART:
-            if there.issuperset((apart.one, apart.other)):
-                raise InputError(apart.reason)
+            there.add(MEAN_RATE)
+        if self.growing is not None:
+            there.add(GROWTH)
+        refuse_apart(there)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
 

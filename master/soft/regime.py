@@ -11,13 +11,12 @@ from master.stick_slip.extremes import extremes
 from master.survival.make import why_no_passage
 from origins import Contacts
 from origins.brief import brief
+from origins.contacts import IN_TIME
 from origins.drive import Drive
 from origins.thresholds.law import Array
 
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
-# Laws under which contacts change in time.
-IN_TIME = frozenset({"thermal", "ageing", "grains", "delay"})
 # Error of the force, in mean thresholds, from which on its slips are no evidence.
 UNRELIABLE = 0.1
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below

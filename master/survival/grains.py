@@ -82,7 +82,7 @@ class GrainLife(Life):
         stretch = born[:, None] + displacement
         pinned_for = np.insert(duration, 0, self._start_pinned_for * self._is_of_start, axis=1)
         pinned_for = np.cumsum(pinned_for, axis=1)
-        hazards = self.grains.hazard_at(stretch, self.grains.growth.excess_after(pinned_for))
+        hazards = self.grains.hazard_at(stretch, pinned_for)
         worst = hazards.max(axis=1)
         if not self._is_of_start:
             # right after pinning some are stretched faster than their thresholds grow
@@ -143,8 +143,7 @@ class GrainLife(Life):
             row = owner // count
             time = unit * np.expm1(log_times[row, -1:] - before_end)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
-            excess = growth.excess_after(time)
-            threshold = self.grains.threshold_at(hazard.ravel()[owner, None], excess)
+            threshold = self.grains.threshold_at(hazard.ravel()[owner, None], time)
             rate = rates.rate(np.minimum(x, threshold), threshold, 1.0) * (unit + time)
             return np.stack([rate, rate + 1.0 / span[row, None]])
 

@@ -8,8 +8,11 @@ from master.survival.grains import GrainLife
 from master.survival.heat import COEFFICIENT_LIMIT, MeanRateLife, ThermalLife
 from master.survival.life import ColdLife, Life
 from origins import Contacts, InputError
+from origins.contacts import LAWS
 from origins.errors import refuse
 
+# Laws of contacts of which the master equation knows the life.
+TAKEN = tuple(law for law in LAWS if law != "strengthening")
 # Error of the survival of contacts that age, in tolerances of the force, of which it is one part of several; and the
 # least, to which first passages are solved in a time that users wait for.
 AGEING_PART, AGEING_FINEST = 0.2, 1e-10

@@ -6,12 +6,13 @@ import numpy.typing as npt
 from origins.errors import positive, refuse
 from origins.grains.film import GrainGrowth
 from origins.grains.lifshitz_slyozov import hazard_beyond, invert_beyond
+from origins.laws.growing import GrowingThresholds
 from origins.thresholds.law import Array, Thresholds
 
 _FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m): powers of speeds must stay finite
 
 
-class GrainContact:
+class GrainContact(GrowingThresholds):
     """Contacts that keep their quantile u for life: the threshold is Q(u; age), Q the quantile of P_c at that age.
 
     Exact Jacobian. A contact pins from the age tau_m on, at stretch 0, and breaks where it first meets its threshold:
@@ -23,12 +24,13 @@ class GrainContact:
     Raises InputError for anything but a GrainGrowth, and for an age at which no grain pins.
     """
 
-    interface = None  # no rough surface behind them
+    law = "grains"
 
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
             refuse("growth", growth, "must be as origins.GrainGrowth(alpha=1.0, B=1.0)")
         self.growth, self.age = growth, age
+        self.first_pinning_time = self.time_unit = growth.first_pinning_time
         if age is not None and positive("age", age) <= growth.first_pinning_time:
             refuse("age", age, f"no grain pins before {growth.first_pinning_time:.12g}")
 
@@ -42,11 +44,13 @@ class GrainContact:
     def hazard(self, x: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """-ln of the fraction of contacts of `age` whose thresholds exceed x >= 0 (a length); shapes broadcast. Of
         those that pinned together exp(-h) still hold, h the largest so far; up to tau_m it is infinite, but at 0."""
-        return self.hazard_at(np.asarray(x, dtype=float), self.growth.excess(age))[()]
+        pinned_for = np.maximum(np.asarray(age) - self.first_pinning_time, 0.0)
+        return self.hazard_at(np.asarray(x, dtype=float), pinned_for)[()]
 
-    def hazard_at(self, x: Array, excess: Array) -> Array:
-        """The hazard at stretches |x| where the largest grain's diameter is the film's times 1 + `excess`."""
-        x, excess = np.broadcast_arrays(x, excess)
+    def hazard_at(self, x: Array, pinned_for: Array | float) -> Array:
+        """See GrowingThresholds."""
+        # of the largest grain's diameter over the film's thickness, beyond 1
+        x, excess = np.broadcast_arrays(x, self.growth.excess_after(pinned_for))
         s = np.sqrt(self.growth.B) * np.abs(x)
         over = s * (s / (1.0 + np.hypot(1.0, s)))  # diameter of the breaking grain over d, less 1
         held = (over < excess) & (over > 0.0)
@@ -54,9 +58,9 @@ class GrainContact:
         out[held] = hazard_beyond(over / excess * ((1.0 + excess) / (excess - over)), excess)
         return out
 
-    def threshold_at(self, hazard: Array, excess: Array) -> Array:
-        """Threshold (a length) of the contact with this hazard, the inverse of hazard_at; shapes broadcast."""
-        hazard, excess = np.broadcast_arrays(hazard, excess)
+    def threshold_at(self, hazard: Array | float, pinned_for: Array | float) -> Array:
+        """See GrowingThresholds."""
+        hazard, excess = np.broadcast_arrays(hazard, self.growth.excess_after(pinned_for))
         q = invert_beyond(np.minimum(hazard, 1e300), excess)
         # the largest grain has an infinite hazard
         share = np.where(np.isinf(hazard), 1.0, q * excess / (1.0 + excess + q * excess))
@@ -68,11 +72,11 @@ class GrainContact:
         u, age = np.asarray(u, dtype=float), np.asarray(age, dtype=float)
         if (bad := ~((u >= 0.0) & (u <= 1.0))).any():
             refuse("u", u[bad].flat[0], "must be a quantile between 0 and 1")
-        first = self.growth.first_pinning_time
+        first = self.first_pinning_time
         if (bad := ~((age >= first) & (age < np.inf))).any():
             refuse("age", age[bad].flat[0], f"no grain pins before {first:.12g}")
         with np.errstate(divide="ignore"):
-            return self.threshold_at(-np.log1p(-u), self.growth.excess(age))[()]
+            return self.threshold_at(-np.log1p(-u), age - first)[()]
 
     def lost_hazard(self, velocity: float) -> float:
         """h = (9/2) B (velocity tau_m)²: a share exp(-h) of the contacts ever holds if sliding begins as they pin."""
@@ -86,10 +90,10 @@ class GrainContact:
             refuse("velocity", velocity, f"is {share:.3g} {hint}")
 
     def _relative(self, velocity: float) -> float:
-        return velocity * self.growth.first_pinning_time * float(np.sqrt(self.growth.B))
+        return velocity * self.first_pinning_time * float(np.sqrt(self.growth.B))
 
     @property
-    def quick_width(self) -> float:
+    def quick_width(self) -> float:  # type: ignore[override]
         """Width (a length) of the narrowest interval with a tenth of the stretches at which contacts break that
         slide as fast as grains grow: few hold, and at small stretches."""
         return 0.0504 / float(np.sqrt(self.growth.B))  # at B^(1/2) v tau_m = 1

@@ -3,6 +3,7 @@
 import time
 from typing import Any, get_args
 
+from origins.contacts import IN_TIME
 from origins.drive import SlipRule
 from origins.errors import InputError
 from toolkit.results.records import SolvedRecord
@@ -12,8 +13,6 @@ from toolkit.scene.scene import Scene
 _TOLERANCE, _SECONDS = 1e-4, 5.0
 # a first slip that lowers the force by a smaller share is told: a reset renews all contacts for a few that break
 _SMALL = 0.1
-# laws under which a solve takes seconds to minutes
-_IN_TIME = frozenset({"thermal", "ageing", "grains", "delay"})
 
 
 def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | None) -> list[str]:
@@ -25,7 +24,7 @@ def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | Non
     import master
 
     drive, contacts, own = scene.drive, scene.contacts, scene.drive.slip
-    if own is None or not solved.slips.drive.size or _IN_TIME.intersection(contacts.laws):
+    if own is None or not solved.slips.drive.size or IN_TIME.intersection(contacts.laws):
         return []
     verdicts, answers = {own: solved.regime.verdict}, dict[str, Any]({own: solved})
     for rule in set(get_args(SlipRule)) - {own}:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from origins.contacts import Contacts, Thermal, too_hot
+from origins.contacts import IN_TIME, Contacts, Thermal, too_hot
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
@@ -131,7 +131,12 @@ def foreseen(scene: Scene) -> list[str]:
                 f"[eq] follows {scene.eq.contacts:,} contacts in each replica: the spring is that of the area, but "
                 "slips scatter and come late as those of so many contacts"
             )
-    named = {"grains": "growth", "thermal": "temperature", "reforming": "re-forming"}
+    named = {
+        "grains": "growth",
+        "strengthening": "growth with age",
+        "thermal": "temperature",
+        "reforming": "re-forming",
+    }
     named["stiffness"] = "linked stiffness"
     there = ", ".join(named.get(name, name) for name in contacts.laws)
     if surface is not None and there:
@@ -156,7 +161,7 @@ def of_so_many(scene: Scene, regime: Any) -> str:
     held = surface.contact_density * scene.area
     if smooth and held * spring**3 < 50.0:
         said += f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
-        if not {"thermal", "ageing", "grains"}.intersection(scene.contacts.laws):
+        if not (IN_TIME - {"delay"}).intersection(scene.contacts.laws):
             said += f"; run [eq] contacts = {held:.0f}"
     return said
 

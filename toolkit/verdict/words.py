@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from origins.contacts import IN_TIME
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.finite import Finite
@@ -184,7 +185,7 @@ def dependence(verdict: Verdict) -> list[str]:
         )
         for kind, names in _others(verdict).items():
             lines.append(f"of these, {kind}: {', '.join(names)}")
-    in_time = {"thermal", "ageing", "grains", "delay"}.intersection(own.contacts.laws)
+    in_time = IN_TIME.intersection(own.contacts.laws)
     if own.machine is not None and in_time:
         lines.append(
             "F_s, F_k and K* of the table are those of a slider as fast as the drive; one that sticks is slower, and "

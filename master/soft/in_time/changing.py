@@ -84,8 +84,7 @@ class GrainMemory(Memory):
     def start(self, stretch: Array) -> Array:
         record = np.zeros((stretch.size, self.width))
         record[:, PINNED_FOR] = self._start_since
-        excess = self._grains.growth.excess_after(record[:, PINNED_FOR])
-        hazard = self._grains.hazard_at(stretch, excess)
+        hazard = self._grains.hazard_at(stretch, record[:, PINNED_FOR])
         record[:, LARGEST_HAZARD] = record[:, BIRTH_HAZARD] = hazard
         return record
 
@@ -99,13 +98,12 @@ class GrainMemory(Memory):
         """See Memory; the rate is that of thresholds in the middle of the move."""
         out = record.copy()
         out[:, PINNED_FOR] += leg.duration
-        excess = self._grains.growth.excess_after(out[:, PINNED_FOR])
-        hazard = self._grains.hazard_at(leg.end, excess)
+        hazard = self._grains.hazard_at(leg.end, out[:, PINNED_FOR])
         out[:, LARGEST_HAZARD] = np.maximum(out[:, LARGEST_HAZARD], hazard)
         if self._hot and leg.duration:
             middle = record[:, PINNED_FOR, None] + 0.5 * leg.duration
             hazards = record[:, BIRTH_HAZARD, None] + self._hazards
-            limit = self._grains.threshold_at(hazards, self._grains.growth.excess_after(middle))
+            limit = self._grains.threshold_at(hazards, middle)
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
             out[:, RATE_INTEGRAL:] += self._rate_integral(leg._replace(largest=moved), limit)
         return out
