@@ -10,9 +10,9 @@ from master.renewal.births import Births
 from master.renewal.edges import edges
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths, SlipEnd
-from master.soft.regime import SLIP_SHARE, Followed, slips_of
+from master.soft.regime import Followed, slips_of
 from origins import Contacts
-from origins.drive import Drive
+from origins.drive import SLIP_SHARE, Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
 

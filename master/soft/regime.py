@@ -12,7 +12,7 @@ from master.survival.make import why_no_passage
 from origins import Contacts
 from origins.brief import brief
 from origins.contacts import IN_TIME
-from origins.drive import Drive
+from origins.drive import SLIP_SHARE, Drive
 from origins.thresholds.law import Array
 
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
@@ -24,8 +24,6 @@ UNRELIABLE = 0.1
 FEWEST, STEADY = 4, 1e-3
 # Force, in mean thresholds, at or below which, and within its error, no contact holds on after a slip.
 NONE_HOLDS = 1e-3
-# Fewest breaks per contact in a slip of the slider: below it some weak contacts break, and the others hold.
-SLIP_SHARE = 0.2
 
 
 @dataclass(frozen=True)

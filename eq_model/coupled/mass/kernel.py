@@ -19,7 +19,6 @@ from eq_model.coupled.mass.nearest import (
 from eq_model.coupled.mass.state import (
     CONTACT_FORCE,
     ENERGIES,
-    FASTER,
     FORCE,
     HELD,
     POSITION,
@@ -37,6 +36,7 @@ from eq_model.coupled.mass.state import (
     watch,
 )
 from eq_model.draws.supply import take
+from origins.drive import FASTER
 
 PATH_DONE, SLIP_ENDED, TOO_MANY, GOING_ON = range(4)
 AT_ONCE = 1 << 17  # events after which Python can handle an interrupt

@@ -8,6 +8,7 @@ from eq_model.blocks import Blocks, State
 from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit_of
 from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive, identical
+from origins.drive import RISE, ROOM
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
@@ -184,8 +185,8 @@ class HeavySliders:
             mean=mean,
             wait=-1.0 if delay is None else delay.time,
             slip=max(int(np.ceil(self.slip_fraction * n)), 1),
-            room=state.ROOM * contacts.mean_threshold / self._unit,
-            rise=state.RISE * contacts.mean_threshold / self._unit,
+            room=ROOM * contacts.mean_threshold / self._unit,
+            rise=RISE * contacts.mean_threshold / self._unit,
             most_breaks=MOST_BREAKS,
             places=np.empty(points),
             speeds=np.empty(points),

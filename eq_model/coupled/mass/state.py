@@ -9,6 +9,7 @@ import numpy.typing as npt
 from eq_model.blocks import Whole
 from eq_model.compiling import inlined, unsigned
 from eq_model.coupled.mass.nearest import Nearest
+from origins.drive import FASTER
 from origins.thresholds.law import Array
 
 # Of a fall of the spring's force: X_T as it begins, X and K (X_T - X) as it begins and ends, and more
@@ -16,11 +17,6 @@ DRIVE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS, DURATION, TOP_SPEED = range
 WORK, DAMPED, RELEASED, STORED = range(4)  # in Pull.energy
 # In Pull.at_points, with the energies of WORK to STORED behind them.
 POSITION, FORCE, HELD, SPEED, CONTACT_FORCE, ENERGIES = range(6)
-# Rise of the spring's force while a slider sticks, and its least fall in a slip, in mean thresholds: above its
-# fluctuations by few contacts.
-RISE = 0.02
-ROOM = 2.0  # way in which it does so, mean thresholds: contacts that hold are stretched from -<x_s> to <x_s> at most
-FASTER = 1.5  # a slider that stuck and swings freely beyond the drive gets twice as fast as this
 
 # Lengths are whole units; forces of contacts, stiffness and energies of breaks are sums over the contacts with k_i in
 # units of <k>.

@@ -6,7 +6,7 @@ import numpy as np
 
 from master.motion import Motion
 from master.soft.inertia.reaction import Reaction
-from master.soft.inertia.record import Fall, Record
+from master.soft.inertia.record import Instant, Record, Watched
 from master.soft.moves import ColdContacts, LoadingHistory
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -27,6 +27,7 @@ class Body:
     move, base : the contacts' present move, and X where it began
     y, w : travel on it, and speed along it
     work, damped, on_contacts : see Record
+    broken : breaks per contact before that move
     steps, turns : number of the integrator's steps and of turns so far
     way : direction of the drive, +1 or -1, in a hold the one before
     """
@@ -43,7 +44,7 @@ class Body:
         # stiffness against the slider while all contacts hold, in N_c<k>
         self.stiff, self.quiet = 1.0 + self.spring, QUIET * tolerance
         self.t, self.leg, self.base, self.y, self.w = 0.0, 0, 0.0, 0.0, 0.0
-        self.work = self.damped = self.on_contacts = 0.0
+        self.work = self.damped = self.on_contacts = self.broken = 0.0
         self.steps = self.turns = 0
         moving = motion.speeds[motion.speeds != 0.0]
         self.way = int(np.sign(moving[0])) if moving.size else 1
@@ -101,14 +102,27 @@ class Body:
         """Error of the force of the contacts."""
         return float(self.move.curve.error_at(self.y))
 
-    def _fall_at(self, t: float, y: float, breaks: float) -> Fall:
-        """The spring's force at the time t on the present leg, at the travel y."""
+    def _instant(self, t: float, y: float, broken_at: float) -> Instant:
+        """The slider at the time t on the present leg, at the travel y, with the breaks up to another travel."""
         drive, place = float(self._drive(t)), self.base + self.move.direction * y
-        return Fall(t, drive, place, self.spring * (drive - place), breaks)
+        breaks = self.broken + self.move.breaks(broken_at)
+        return Instant(t, drive, place, self.spring * (drive - place), breaks)
 
-    def _end_fall(self, t: float, y: float) -> None:
-        """A fall of the spring's force, if one has begun, ends here."""
-        self.record.end_fall(self._fall_at(t, y, self.move.breaks(y)), self.way)
+    def _watched(
+        self,
+        times: Array,
+        travels: tuple[Array, Array],
+        drives: Array,
+        at: Callable[[float], Instant],
+        when: Callable[[int], float],
+    ) -> Watched:
+        """For the record: travels and speeds along the move, and X_T, at these times."""
+        y, w = travels
+        places, d = self.base + self.move.direction * y, self.move.direction * self.way
+        drive_speed = self.way * float(self.motion.speeds[self.leg])
+        forces = self.spring * (drives - places)
+        held = np.ones(times.size)
+        return Watched(times, d * w, places, forces, held, drive_speed, self.way, at, when)
 
     def _follows(self, part: float) -> bool:
         """Whether the slider follows its drive slowly, up to a part of what counts as rest."""

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.inertia.body import Body, Mode
+from master.soft.inertia.record import Instant
 from master.soft.inertia.slow import slow_motion
 from origins.thresholds.law import Array
 
@@ -107,7 +108,7 @@ class Following(Body):
         curve, k, rate = move.curve, self.spring, self.spring * self._speed
         slow = slow_motion(curve, balance, rate, m, self.damping)
         if rate > 0.0 and d == self.way:
-            self._watch_falls(float(balance[-1]), rate)
+            self._watch_slowly(float(balance[-1]), rate)
         y, w = np.maximum(slow.travel, 0.0), slow.speed
         energy = np.array([self._taken(one, rate) for one in y.tolist()])
         damped, on_contacts = energy.T
@@ -138,9 +139,9 @@ class Following(Body):
         on_contacts = sign * float((half * weights * curve.force(places)).sum())
         return self.damping * float((half * weights * speed).sum()), on_contacts
 
-    def _watch_falls(self, stop: float, rate: float) -> None:
-        """Begin and end falls of the spring's force up to a travel, where F has its extremes."""
-        curve, record, k = self.move.curve, self.record, self.spring
+    def _watch_slowly(self, stop: float, rate: float) -> None:
+        """Falls of the spring's force up to a travel: F has its extremes where the slider is as fast as its drive."""
+        curve, k, limit = self.move.curve, self.spring, self._speed
         edges = curve.begin[(curve.begin > self.y) & (curve.begin < stop)]
         ends = np.concatenate([[self.y], edges, [stop]])
         cells = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0.0, 1.0, 9)
@@ -149,14 +150,21 @@ class Following(Body):
         def rise(y: float | Array) -> Array:
             return curve.load_slope(y) - k - FALLS
 
-        falls = rise(places) < 0.0
-        for at in np.flatnonzero(falls[1:] != falls[:-1]).tolist():
-            x = float(brentq(rise, places[at], places[at + 1]))
-            t = self.t + (float(curve.force(x)) + k * x - float(self._pull(self.t))) / rate
-            if not falls[at + 1]:
-                self._end_fall(t, x)
-            elif record.fall is None:
-                record.begin_fall(self._fall_at(t, x, self.move.breaks(x)))
-        if record.fall is not None:
-            fastest = rate / float(curve.load_slope(places).min())
-            record.top_speed = max(record.top_speed, fastest)
+        def time_at(y: float | Array) -> Array:
+            return self.t + (curve.force(y) + k * y - float(self._pull(self.t))) / rate
+
+        def at(y: float) -> Instant:
+            return self._instant(float(time_at(y)), y, y)
+
+        speeds = rate / curve.load_slope(places)
+        speeds = np.where(rise(places) < 0.0, speeds, np.minimum(speeds, limit))
+        drives = self._drive(time_at(places))
+        self.record.watch(
+            self._watched(
+                places,
+                (places, speeds),
+                drives,
+                at,
+                lambda k: float(brentq(rise, places[k], places[k + 1])),
+            )
+        )

@@ -5,8 +5,10 @@ from scipy.optimize import brentq
 
 from master.outcome import StoppedError
 from master.soft.inertia.body import RINGS, Body, Mode
+from master.soft.inertia.closed import watch_closed
 from master.soft.inertia.oscillation import Oscillation
 from master.soft.inertia.reaction import Reaction
+from master.soft.inertia.record import Instant, Watched
 from origins.thresholds.law import Array
 
 # Most turns in a row at which contacts break: births of all of them are summed up, 40 take some 10 s.
@@ -57,6 +59,7 @@ class Held(Body):
             loaded = self.move.stop(self._top, self._error)
             self._other = self._new_move(-self.move.direction, loaded)
         self.base += self.move.direction * self._top
+        self.broken += self.move.breaks(self._top)
         self.y, self.w, self.move = self._top - self.y, -self.w, self._other
         return self.moving
 
@@ -73,39 +76,34 @@ class Held(Body):
         end, known = (end, True) if rests or calm > end else (calm, False)
         lasts, passed = motion.first_passing(self._top - self._range, self._high, end)
         until = self._leg_end() if known and not passed else t + lasts
+        self._watch_held(motion, lasts)
         self._record_held(motion, lasts, until)
         self.t, self.y, self.w = t + lasts, float(motion.travel(lasts)), float(motion.speed(lasts))
         if passed > 0:
             self.y = self._high
-            self._begin_fall_in(motion, lasts, 1)
             return self.following if rests else self.moving
         if passed < 0:
-            self._begin_fall_in(motion, lasts, -1)
             mode = self._switch()
             return self.following if rests else mode
         if known:
             self._next_leg()
         return self.held
 
-    def _begin_fall_in(self, motion: Oscillation, lasts: float, sign: int) -> None:
-        """A fall of the spring's force may have begun in the closed motion."""
-        along = sign * self.move.direction
-        if along != self.way or self.record.fall is not None:
-            return
+    def _watch_held(self, motion: Oscillation, lasts: float) -> None:
+        """Falls of the spring's force in the closed motion that follows."""
+        t, limit = self.t, max(self._speed, 0.0)
 
-        def excess(t: Array | float) -> Array:
-            return sign * (motion.speed(t) - self._speed)
+        def seen(times: Array) -> Watched:
+            def when(k: int) -> float:
+                return float(brentq(lambda s: motion.speed(s) - limit, times[k], times[k + 1]))
 
-        if float(excess(lasts)) <= 0.0:
-            return
-        back = lasts - np.linspace(0.0, min(lasts, motion.period), 49)
-        slower = np.flatnonzero(excess(back) <= 0.0)
-        begin = float(back[-1])
-        if slower.size:
-            begin = float(brentq(excess, back[slower[0]], back[slower[0] - 1]))
-        breaks = self.move.breaks(self._top) if sign > 0 and self._top > 0.0 else 0.0
-        t = self.t - lasts + begin
-        self.record.begin_fall(self._fall_at(t, float(motion.travel(begin)), breaks))
+            def at(s: float) -> Instant:
+                return self._instant(t + s, float(motion.travel(s)), self._top)
+
+            moved = motion.travel(times), motion.speed(times)
+            return self._watched(times, moved, self._drive(t + times), at, when)
+
+        watch_closed(self.record, motion, lasts, seen)
 
     def _record_held(self, motion: Oscillation, lasts: float, until: float) -> None:
         """Energies up to the time `until`, and results at the asked times."""

@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import RINGS, Body, Mode
+from master.soft.inertia.record import Instant
 from origins.thresholds.law import Array
 
 # Most steps of the integrator: some 20 s.
@@ -49,9 +50,7 @@ class Moving(Body):
 
     def moving(self) -> Mode:
         """Integrate the motion until the slider turns, rests, reaches a drop of F or the drive's leg ends."""
-        v, begun, rate = self._speed, self.t, self.spring * self._speed
-        if self.move.direction == self.way and self.w > v and self.record.fall is None:
-            self.record.begin_fall(self._fall_at(begun, self.y, self.move.breaks(self.y)))
+        begun, rate = self.t, self.spring * self._speed
         solver = self._solver()
         while True:
             at_rest = self.w <= 0.0
@@ -79,8 +78,6 @@ class Moving(Body):
             self._take(step, self._leg_end() if finished else begun + step.last)
             if turns:
                 self.w = 0.0
-                if self.record.fall is not None and self.move.direction == self.way:
-                    self._end_fall(self.t, self.y)
                 return self.turn()
             if drops:
                 self.y = float(np.nextafter(drop, np.inf))
@@ -116,7 +113,7 @@ class Moving(Body):
     def _take(self, step: Step, end: float) -> None:
         """Take a step that ends at this time: results at the asked times, falls, and the state."""
         record, d, begun = self.record, self.move.direction, step.begun
-        self._watch_fall(step)
+        self._watch_step(step)
         which = record.between(begun + step.first, end)
         for at in range(which.start, which.stop):
             y, w, damped, work, on_contacts = step.inside(record.times[at] - begun).tolist()
@@ -127,31 +124,16 @@ class Moving(Body):
         self.t = end
         self.y, self.w, self.damped, self.work, self.on_contacts = step.state.tolist()
 
-    def _watch_fall(self, step: Step) -> None:
-        """Begin and end falls of the spring's force within a step, and note the top speed."""
-        record, v = self.record, self._speed
-        if self.move.direction != self.way:
-            return
-        times = np.linspace(step.first, step.last, POINTS)
-        speeds = step.inside(times)[1]
-        for k in range(POINTS - 1):
-            faster = speeds[k + 1] > v
-            if faster != (speeds[k] > v):
-                cell = step._replace(last=float(times[k + 1]))
-                x = cell.when(1, v, float(times[k]))
-                y = float(step.inside(x)[0])
-                if not faster:
-                    self._end_fall(step.begun + x, y)
-                elif record.fall is None:
-                    record.begin_fall(self._fall_at(step.begun + x, y, self.move.breaks(y)))
-            if record.fall is not None:
-                record.top_speed = max(record.top_speed, _peak(speeds, k + 1))
+    def _watch_step(self, step: Step) -> None:
+        """Falls of the spring's force within a step."""
+        times, begun, limit = np.linspace(step.first, step.last, POINTS), step.begun, self._speed
+        y, w = step.inside(times)[:2]
 
+        def when(k: int) -> float:
+            return step._replace(last=float(times[k + 1])).when(1, limit, float(times[k]))
 
-def _peak(values: Array, k: int) -> float:
-    """The k-th of some values, or if it is the largest beside, that of a parabola through the three."""
-    if 0 < k < values.size - 1 and values[k] >= max(values[k - 1], values[k + 1]):
-        before, here, after = values[k - 1 : k + 2].tolist()
-        bend = before - 2.0 * here + after
-        return here - 0.125 * (after - before) ** 2 / bend if bend < 0.0 else here
-    return float(values[k])
+        def at(t: float) -> Instant:
+            place = float(step.inside(t)[0])
+            return self._instant(begun + t, place, place)
+
+        self.record.watch(self._watched(times, (y, w), self._drive(begun + times), at, when))

@@ -48,6 +48,11 @@ class Oscillation:
         )
 
     @property
+    def swings(self) -> bool:
+        """Whether it is below critical damping."""
+        return bool(self.roots[0].imag != 0.0)
+
+    @property
     def period(self) -> float:
         """Of the oscillation; where it is overdamped, the time in which it changes."""
         return float(2.0 * np.pi / np.abs(self.roots).max())

@@ -1,18 +1,22 @@
 """Record of a slider with mass: its motion and energies at asked times, and the falls of its spring's force."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from master.soft.inertia.reaction import Reaction
-from master.soft.regime import SLIP_SHARE
+from origins.drive import FASTER, RISE, ROOM, SLIP_SHARE
 from origins.thresholds.law import Array
 
+# Share of the contacts that breaks in a fall of the force; rounding is below it.
+ANY = 1e-6
 
-class Fall(NamedTuple):
-    """An instant at which a fall of the spring's force begins or ends.
 
-    time, drive, place, force : t, X_T, X and F/(N_c<k>) of the spring; breaks : of the present move, per contact
+class Instant(NamedTuple):
+    """A slider at an instant.
+
+    time, drive, place, force : t, X_T, X and F/(N_c<k>) of the spring; breaks : per contact since t = 0
     """
 
     time: float
@@ -23,11 +27,32 @@ class Fall(NamedTuple):
 
 
 class Slip(NamedTuple):
-    """A fall in which enough contacts broke, and the top speed in it along the axis of X."""
+    """A fall of the spring's force that ended a stick, and the top speed in it along the axis of X."""
 
-    begin: Fall
-    end: Fall
+    begin: Instant
+    end: Instant
     top_speed: float
+
+
+class Watched(NamedTuple):
+    """A slider at some times in order, close enough to see each fall of its spring's force.
+
+    times, speeds, places, forces : arrays of shape (n,); speeds along the way of the drive, others as in Instant
+    held : share of the contacts that hold, array of shape (n,)
+    drive_speed : of the drive along its way; way : +1 or -1
+    at : the slider at a time between the first and the last
+    when : the time between the k-th and the next one at which the slider is as fast as its drive
+    """
+
+    times: Array
+    speeds: Array
+    places: Array
+    forces: Array
+    held: Array
+    drive_speed: float
+    way: int
+    at: Callable[[float], Instant]
+    when: Callable[[int], float]
 
 
 class Record:
@@ -36,17 +61,23 @@ class Record:
     place, speed, contact_force : X, dX/dt and F/(N_c<k>)
     work, damped, on_contacts : energy per N_c<k> from t = 0 on, that the drive gave, that the damping took, and that
         moving the contacts took; stored : that of the contacts, known at the end; holding : share of the contacts
-    slips : in order; fall, top_speed : the fall that has begun, if any, and the largest speed in it
+    slips : in order, as origins.drive defines them
     """
 
-    def __init__(self, times: Array, least_drop: float) -> None:
-        """`least_drop` is the least fall of the force that counts as a slip, a length."""
-        self.times, self._least = times, least_drop
+    def __init__(self, times: Array, unit: float) -> None:
+        """`unit` is the mean threshold, a length."""
+        self.times, self._rise, self._room = times, RISE * unit, ROOM * unit
         self.place, self.speed, self.contact_force = (np.full(times.size, np.nan) for _ in range(3))
         self.work, self.damped, self.on_contacts = (np.full(times.size, np.nan) for _ in range(3))
         self.stored, self.holding = np.zeros(times.size), np.ones(times.size)
-        self.slips, self.top_speed = list[Slip](), 0.0
-        self.fall: Fall | None = None
+        self.slips = list[Slip]()
+        # where the present fall began, and the largest speed in it along the drive's way
+        self._fall: Instant | None = None
+        self._top_speed = 0.0
+        # whether the slider has stuck since the last slip, and the breaks when it last did
+        self._stuck, self._broken_before = True, 0.0
+        # from where on the slider may be sticking
+        self._rest: Instant | None = None
         self._waiting = list[tuple[Reaction, slice, Array]]()
 
     def between(self, begin: float, end: float) -> slice:
@@ -67,14 +98,56 @@ class Record:
             self.stored[which] += move.stored(np.concatenate([y for _, y in own]))
         self._waiting = []
 
-    def begin_fall(self, at: Fall) -> None:
-        """The spring's force begins to fall."""
-        self.fall, self.top_speed = at, 0.0
+    def watch(self, seen: Watched) -> None:
+        """Begin and end falls of the spring's force, and see whether the slider sticks outside of them."""
+        limit = max(seen.drive_speed, 0.0)
+        if (seen.speeds[0] > limit) != (self._fall is not None):  # the drive's speed has changed
+            self._turn(seen.at(float(seen.times[0])), limit, seen.way)
+        for k, t in enumerate(seen.times.tolist()):
+            if k and (seen.speeds[k] > limit) != (seen.speeds[k - 1] > limit):
+                self._turn(seen.at(seen.when(k - 1)), limit, seen.way)
+            if self._fall is None:
+                self._see_stick(k, t, seen)
+            else:
+                self._top_speed = max(self._top_speed, _peak(seen.speeds, k))
 
-    def end_fall(self, at: Fall, direction: int) -> None:
-        """The spring's force is smallest here; it was a slip if enough contacts broke."""
-        begin, self.fall = self.fall, None
-        if begin is None or abs(begin.force - at.force) < self._least:
+    def forget_fall(self) -> None:
+        """The present fall is none that counts."""
+        self._fall = None
+
+    def _see_stick(self, k: int, t: float, seen: Watched) -> None:
+        """Whether the slider sticks at the k-th time."""
+        rest, force = self._rest, float(seen.forces[k])
+        if (
+            rest is None
+            or seen.held[k] < SLIP_SHARE
+            or abs(seen.places[k] - rest.place) > self._room
+        ):
+            self._rest = seen.at(t)
+        elif seen.way * (force - rest.force) >= self._rise:
+            self._rest = here = seen.at(t)
+            if here.breaks - rest.breaks < SLIP_SHARE:
+                self._stuck, self._broken_before = True, here.breaks
+
+    def _turn(self, at: Instant, limit: float, way: int) -> None:
+        """The spring's force begins to fall, or a fall ends, which was a slip if it ended a stick."""
+        begin, self._fall = self._fall, None
+        if begin is None:
+            self._fall, self._top_speed = at, 0.0
             return
-        if at.breaks - begin.breaks >= SLIP_SHARE:
-            self.slips.append(Slip(begin, at, direction * self.top_speed))
+        slips = self._stuck and at.breaks - self._broken_before >= SLIP_SHARE
+        slips &= way * (begin.force - at.force) >= self._rise
+        if slips and self._top_speed >= FASTER * limit:
+            self.slips.append(Slip(begin, at, way * self._top_speed))
+            self._stuck, self._rest = False, at
+        elif at.breaks - begin.breaks > ANY:
+            self._rest = at
+
+
+def _peak(values: Array, k: int) -> float:
+    """The k-th of some values, or if it is the largest beside, that of a parabola through the three."""
+    if 0 < k < values.size - 1 and values[k] >= max(values[k - 1], values[k + 1]):
+        before, here, after = values[k - 1 : k + 2].tolist()
+        bend = before - 2.0 * here + after
+        return here - 0.125 * (after - before) ** 2 / bend if bend < 0.0 else here
+    return float(values[k])

@@ -42,17 +42,15 @@ LEAST = 1e-11
 
 @dataclass(frozen=True)
 class SlipsInTime(Slips):
-    """Slips of a slider with mass: falls of the spring's force in which a fifth of the contacts break or more.
+    """Slips of a slider with mass: falls of the spring's force that end a stick, as in eq_model.simulate.
 
     time : when the slider begins to be faster than the drive; duration : until it is slower again, shape (n,)
     top_speed : largest dX/dt on the way (length per time), shape (n,)
 
-    Any fall counts in which F falls by three tolerances or more, whether the slider has stuck before it or not:
-    breaks are counted from its begin on. The ensemble's slips, see eq_model.simulate, need a stick before them, a
-    fall by 0.02 mean thresholds and a speed of 1.5 times the drive's, and count breaks from the stick on. So the
-    two agree on slips that end a stick; but swings back of the slider, and speeds that vary in smooth sliding, may
-    be slips here only, and a fall of a heavy slider before which most contacts broke while it gathered speed, there
-    only.
+    The slider sticks where the force rises by 0.02 mean thresholds while it stays within two of them, a fifth of the
+    contacts at least hold it and fewer break. From where it last stuck to the end of the fall contacts break a fifth
+    times each or more, while the force falls by 0.02 mean thresholds and the slider gets 1.5 times as fast as the
+    drive.
     """
 
     time: Array
@@ -193,7 +191,7 @@ class _Run:
             refuse("path[0]", drive.path[0], hint)
         at_rest = Motion(np.array([0.0, 1.0]), np.full(2, self.balance))
         motion, self.stopped = drive_motion(drive, self.balance) or at_rest, ""
-        self.record = Record(drive.arrival_times(self.balance), 3.0 * asked * unit)
+        self.record = Record(drive.arrival_times(self.balance), unit)
         slider: DelayedSlider | InertialSlider
         if contacts.waiting_time:
             given = drive, motion, self.record, tolerance * unit

@@ -1,5 +1,7 @@
 """The state of a slider with mass and its contacts, which form again after a delay, on the path of its drive."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from master.motion import Motion
@@ -10,7 +12,7 @@ from master.soft.inertia.delayed.panel import NODES, Panel
 from master.soft.inertia.delayed.passage import Passage
 from master.soft.inertia.delayed.past import Past
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.record import Fall, Record
+from master.soft.inertia.record import Instant, Record, Watched
 from origins import Contacts
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -117,9 +119,23 @@ class DelayedBody:
         self._record.contact_force[at] = held.force[0]
         self._record.stored[at] = contacts.stored(x)
 
-    def _fall(self, t: float, x: float, breaks: float) -> Fall:
+    def _instant(self, t: float, x: float, breaks: float) -> Instant:
+        """The slider at a time on the present leg."""
         drive = float(self._drive(t))
-        return Fall(t, drive, x, self._machine.spring * (drive - x), breaks)
+        return Instant(t, drive, x, self._machine.spring * (drive - x), breaks)
+
+    def _watched(
+        self,
+        times: Array,
+        places: tuple[Array, Array],
+        held: Array,
+        drives: Array,
+        at: Callable[[float], Instant],
+        when: Callable[[int], float],
+    ) -> Watched:
+        """For the record: X and dX/dt, the share that holds, and X_T, at these times."""
+        (x, speed), way, forces = places, self._way, self._machine.spring * (drives - places[0])
+        return Watched(times, way * speed, x, forces, held, way * self._speed, way, at, when)
 
     def _form_lump(self) -> None:
         """Contacts that broke together form again together."""

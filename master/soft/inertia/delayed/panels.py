@@ -8,7 +8,7 @@ from master.soft.inertia.delayed.body import EPSILON, DelayedBody
 from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Solved, State, solve_panel
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, Panel
-from master.soft.inertia.record import Fall
+from master.soft.inertia.record import Instant
 from origins.thresholds.law import Array
 
 # Most panels: some 60 s.
@@ -182,7 +182,7 @@ class OnPanels(DelayedBody):
     def _take(self, panel: Panel, solved: Solved, turned: bool) -> None:
         """Take a panel, or a part of the one that was solved."""
         self._write(panel, solved)
-        self._watch(panel, turned)
+        self._watch(panel)
         x, speed, pull = (
             panel.nodes(POSITION),
             panel.slope(panel.times, POSITION),
@@ -224,31 +224,23 @@ class OnPanels(DelayedBody):
             )
             self._write_contacts(at, contacts, float(x[-1]))
 
-    def _watch(self, panel: Panel, turned: bool) -> None:
-        """Begin and end falls of the spring's force on a panel, where the slider is as fast as its drive."""
+    def _watch(self, panel: Panel) -> None:
+        """Falls of the spring's force on a panel."""
         times = panel.begin + PARTS * panel.width
-        speeds = self._way * panel.slope(times, POSITION)
-        v, record = self._way * self._speed, self._record
+        limit = max(self._way * self._speed, 0.0)
 
-        def excess(t: float) -> float:
-            return self._way * float(panel.slope(t, POSITION)) - v
+        def when(k: int) -> float:
+            def excess(t: float) -> float:
+                return self._way * float(panel.slope(t, POSITION)) - limit
 
-        for k in range(PARTS.size - 1):
-            faster = speeds[k + 1] > v
-            if faster != (speeds[k] > v):
-                t = float(brentq(excess, times[k], times[k + 1]))
-                if not faster:
-                    record.end_fall(self._fall_at(t, panel), self._way)
-                elif record.fall is None:
-                    record.begin_fall(self._fall_at(t, panel))
-            elif faster and record.fall is None:
-                record.begin_fall(self._fall_at(panel.begin, panel))
-            if record.fall is not None:
-                record.top_speed = max(record.top_speed, float(speeds[k + 1]))
-        if turned and record.fall is not None:
-            record.end_fall(self._fall_at(panel.end, panel), self._way)
+            return float(brentq(excess, times[k], times[k + 1]))
 
-    def _fall_at(self, t: float, panel: Panel) -> Fall:
-        """The spring's force at an instant of a panel."""
-        breaks = float(panel.at(t, BREAKS)) + self._past.broken_together
-        return self._fall(t, float(panel.at(t, POSITION)), breaks)
+        def at(t: float) -> Instant:
+            breaks = float(panel.at(t, BREAKS)) + self._past.broken_together
+            return self._instant(t, float(panel.at(t, POSITION)), breaks)
+
+        places = panel.at(times, POSITION), panel.slope(times, POSITION)
+        past, ends = self._past, [panel.begin, panel.end]
+        born = past.share + np.interp(times, ends, [past.born(t) for t in ends])
+        held = born - past.broken_together - panel.at(times, BREAKS)
+        self._record.watch(self._watched(times, places, held, self._drive(times), at, when))

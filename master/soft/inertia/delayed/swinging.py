@@ -4,10 +4,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.inertia.body import QUIET
+from master.soft.inertia.closed import watch_closed
 from master.soft.inertia.delayed.body import EPSILON, DelayedBody
 from master.soft.inertia.delayed.collocation import State
 from master.soft.inertia.oscillation import Oscillation
 from master.soft.inertia.reaction import ALIKE
+from master.soft.inertia.record import Instant, Watched
 from origins.thresholds.law import Array
 
 # Shortest closed motion that is worth it, in periods.
@@ -90,33 +92,25 @@ class Swinging(DelayedBody):
         self._form_rest()
 
     def _watch_swing(self, motion: Oscillation, lasts: float) -> None:
-        """End a fall in a closed motion, and begin one that goes on at its end."""
-        record, state, v, way = self._record, self._state, self._speed, self._way
-        breaks = self._past.breaks + self._past.broken_together
+        """Falls of the spring's force in a closed motion."""
+        state, breaks = self._state, self._past.breaks + self._past.broken_together
+        limit = max(self._way * self._speed, 0.0)
 
-        def excess(t: float | Array) -> Array:
-            return way * (motion.speed(t) - v)
+        def seen(times: Array) -> Watched:
+            def when(k: int) -> float:
+                def excess(t: float) -> float:
+                    return self._way * float(motion.speed(t)) - limit
 
-        if record.fall is not None:
-            times = np.linspace(0.0, min(lasts, 2.0 * motion.period), 97)
-            slower = np.flatnonzero(excess(times) <= 0.0)
-            until = float(times[slower[0]]) if slower.size else float(times[-1])
-            top = way * motion.speed(times[times <= until])
-            record.top_speed = max(record.top_speed, float(top.max(initial=0.0)))
-            if slower.size:
-                t = until
-                if slower[0]:
-                    t = float(brentq(excess, times[slower[0] - 1], until))
-                record.end_fall(
-                    self._fall(state.t + t, state.x + float(motion.travel(t)), breaks), way
-                )
-        if record.fall is None and float(excess(lasts)) > 0.0:
-            back = lasts - np.linspace(0.0, min(lasts, motion.period), 49)
-            slower = np.flatnonzero(excess(back) <= 0.0)
-            t = float(back[-1])
-            if slower.size:
-                t = float(brentq(excess, back[slower[0]], back[slower[0] - 1]))
-            record.begin_fall(self._fall(state.t + t, state.x + float(motion.travel(t)), breaks))
+                return float(brentq(excess, times[k], times[k + 1]))
+
+            def at(t: float) -> Instant:
+                return self._instant(state.t + t, state.x + float(motion.travel(t)), breaks)
+
+            places = state.x + motion.travel(times), motion.speed(times)
+            held = np.full(times.size, self._contacts.unbroken())
+            return self._watched(times, places, held, self._drive(state.t + times), at, when)
+
+        watch_closed(self._record, motion, lasts, seen)
 
     def _break_together(self, x: float, before: float) -> None:
         """Contacts at an exact threshold break at this place, of a share `before` that held."""
