@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from master.motion import Motion
 from master.numerics import polynomials
-from master.renewal.births import Panels
 from master.renewal.march import March
 from master.renewal.past import Past
 from master.survival.grains import GrainLife
@@ -173,5 +172,5 @@ def _held(march: March, leg: int, t: float) -> float:
     panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
     past, x = Past(replace(march.births, until=np.inf)), np.array([[t - motion.times[now]]])
     past.enter(now, panels)
-    own = march.births_on_leg(x[0], now, Panels(*(part[past.first :] for part in panels)))
+    own = march.births_on_leg(x[0], now, panels.pick(slice(past.first, None)))
     return float(past.at(x, [])[0, 0, 0] + own[0, 0])

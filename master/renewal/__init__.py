@@ -1,1 +1,21 @@
-"""Number conservation, written with survivals, solved panel by panel."""
+"""Number conservation, written with survivals, solved panel by panel (derivation: docs/equations.md).
+
+State: solved panels of time, on each of which the breaks B are a polynomial, and lumps, contacts born together. Births
+are the breaks, one delay later. One step, of `March`:
+
+1. `PanelWidth` proposes the width of the next panels, and how many.
+2. `March.known` adds up, at the nodes of these panels, the number and force of all contacts whose births are known:
+   `Present`, those born on the present leg, whose survival depends on the lag since birth alone; `Past`, all others;
+   and those that are out.
+3. `solve_run` finds the breaks at the nodes for which number and own births add up to 1, and from them the force.
+   Between the nodes the sum differs from 1: that is the error of the panel.
+4. Panels within the tolerance are kept; the first that is not ends the run, and the next ones are narrower.
+
+At an edge, where the breaks may jump, contacts that reach an exact threshold together become a lump
+(`March._break_lumps`).
+
+In reading order: `births.py` (what is born, and polynomials of births), `march.py` (the steps), `present.py` (births on
+the present leg, and `solve_run`), `past.py` (all other contacts: lumps, and births on earlier legs, which are in
+`earlier_legs.py`, those of contacts that age in `strand_births.py`). Beside them: `edges.py` (where panels end),
+`panel_width.py` (how wide they are), `budget.py` (the parts of the tolerance).
+"""

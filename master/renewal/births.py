@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from master.motion import Motion
+from master.motion import History, Motion
 from master.numerics import polynomials
 from master.numerics.polynomials import Pieces, Rows
 from master.survival.life import Life
@@ -25,6 +26,8 @@ from origins.thresholds.law import Array
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)
+# Survivals jump at exact thresholds: a time at the end of a panel is moved into it by this part of its width.
+INSIDE = 1e-9
 # Work (see Births.work) after which nothing is halved any more: some 30 s, two minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
 # Work of a survival averaged over many stretches at birth, in that at one: a rough figure, for MOST_WORK alone.
@@ -61,6 +64,24 @@ class Births:
         cost = 1 if self.life.quick else polynomials.PANEL_NODES * self.life.pair_work
         self.work += pieces * cost * (1 if self.law.is_single else WORK_OF_AVERAGE)
 
+    def may_hold(self, law: Start, history: History) -> npt.NDArray[np.bool_]:
+        """Whether any contacts born at stretches of a law, with the moves of a row, hold; shape (rows,).
+
+        The births of a row stand for all in between: the smallest of their largest displacements, and the largest of
+        their smallest, are those of the contact that was stretched least. None is left out that may hold."""
+        low, high = law.span
+        highs, lows = history.high.min(axis=1), history.low.max(axis=1)
+        return np.maximum(low + highs, -(high + lows)) <= self.life.largest_stretch
+
+
+class Sums(NamedTuple):
+    """Sums over births at some times: number and force (both, whose first axis has the length 2), the error of the
+    number by the sums, and that of the survivals in it."""
+
+    both: Array
+    error: float
+    survival_error: float = 0.0
+
 
 class Lump(NamedTuple):
     """Contacts that were born at one instant, or hold at t = 0 (paper, Eqs. Q7b and Q6e): time of the
@@ -80,6 +101,10 @@ class Panels(NamedTuple):
     width: Array
     breaks: Array
 
+    def pick(self, which: slice | npt.NDArray[np.bool_]) -> "Panels":
+        """Some of them."""
+        return Panels(*(part[which] for part in self))
+
     def middle_of_births(self, delay: float) -> Array:
         """Times in the middle of the births, one delay after the breaks."""
         return self.begin + 0.5 * self.width + delay
@@ -88,10 +113,10 @@ class Panels(NamedTuple):
         """When their births begin, counted from the beginning of the leg on which these are."""
         return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
 
-    def ends(self, begin: Array) -> Array:
-        """Edges of the births: where each panel's begin, and where the last one's end. Widths may differ; the last
-        edge takes the last width."""
-        return np.append(begin, begin[-1:] + self.width[-1:])
+    def births(self, begin: Array) -> "BirthPanels":
+        """Their births, which begin at these times."""
+        ends = np.append(begin, begin[-1:] + self.width[-1:])
+        return BirthPanels(ends, self.breaks @ polynomials.SLOPES.T)
 
 
 class Nodes(NamedTuple):
@@ -121,15 +146,34 @@ class Nodes(NamedTuple):
         return cls(target[piece], panel, place, time, weight)
 
 
-def legendre_births(ends: Array, slopes: Array, left: Array, right: Array, size: int) -> Array:
-    """Births on pieces from left to right, weighted by each one's own Legendre polynomials, shape (pieces, size);
-    `ends` are those of the panels, `slopes` Legendre coefficients of the breaks' derivative, a row a panel."""
-    nodes = Nodes.of(ends, Pieces(np.arange(left.size), left, right))
-    births = polynomials.legendre_sum(slopes[nodes.panel], 2.0 * nodes.place - 1.0) * nodes.weight
-    middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
-    z = np.clip((2.0 * nodes.time - middle) / width, -1.0, 1.0)
-    weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]
-    return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))
+class BirthPanels(NamedTuple):
+    """Births on panels without gaps between them.
+
+    ends : where each panel begins, and where the last one ends, shape (n + 1,); widths may differ
+    slopes : Legendre coefficients of the births' derivative by the place on the panel, shape (n, DEGREE + 1)
+    """
+
+    ends: Array
+    slopes: Array
+
+    def legendre_weights(self, pieces: Pieces, size: int) -> Array:
+        """Integrals over pieces of the births times each one's own Legendre polynomials, shape (pieces, size)."""
+        left, right = pieces.low, pieces.high
+        nodes = Nodes.of(self.ends, pieces._replace(owner=np.arange(left.size)))
+        births = self.at(nodes) * nodes.weight
+        middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
+        z = np.clip((2.0 * nodes.time - middle) / width, -1.0, 1.0)
+        weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]
+        return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))
+
+    def at(self, nodes: Nodes) -> Array:
+        """The births' derivative by the place on the panel at nodes."""
+        return polynomials.legendre_sum(self.slopes[nodes.panel], 2.0 * nodes.place - 1.0)
+
+    def most_between(self, pieces: Pieces) -> Array:
+        """Bound on the births on each piece: a Legendre polynomial is at most 1."""
+        most = np.append(0.0, np.cumsum(np.abs(self.slopes).sum(axis=1)))
+        return np.subtract(*(np.interp(end, self.ends, most) for end in (pieces.high, pieces.low)))
 
 
 def panel_at(begins: Array, t: float) -> int:

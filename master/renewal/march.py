@@ -244,10 +244,9 @@ class March:
         broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NO_SURVIVAL)
         if not broken.size:
             return np.zeros((2, t.size))
-        panels = Panels(*(part[broken[0] : broken[-1] + 1] for part in panels))
+        panels = panels.pick(slice(broken[0], broken[-1] + 1))
         begin = panels.births_begin(self.motion.times[leg], self.births.delay)
-        speed = float(self.motion.speeds[leg])
-        return self.present.sums(speed, t, panels.ends(begin), panels.breaks)
+        return self.present.sums(float(self.motion.speeds[leg]), t, panels.births(begin))
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a lump of the contacts that break together at the edge t, if any: the fall of the number there."""

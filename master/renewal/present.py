@@ -14,7 +14,7 @@ from master.numerics import polynomials
 from master.numerics.polynomials import Pieces
 from master.numerics.table import Table
 from master.outcome import stop_after
-from master.renewal.births import Births, Nodes
+from master.renewal.births import BirthPanels, Births, Nodes
 from master.survival.life import NO_SURVIVAL, TIE, Life, Survivors
 from origins.errors import refuse
 from origins.start import Start
@@ -244,13 +244,12 @@ class Present:
         )
         return self._cache[speed, width]
 
-    def sums(self, speed: float, t: Array, ends: Array, breaks: Array) -> Array:
-        """Number and force, shape (2, n), at times t of `breaks` that are born on a leg, on panels with these ends."""
-        pieces, sums = t.size * (ends.size + self.straight(speed).edges.size), []
+    def sums(self, speed: float, t: Array, born: BirthPanels) -> Array:
+        """Number and force, shape (2, n), at times t of births on a leg."""
+        pieces, sums = t.size * (born.ends.size + self.straight(speed).edges.size), []
         for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
-            nodes, values = self._integrals(speed, some, ends)
-            slopes = (breaks @ polynomials.SLOPES.T)[nodes.panel]
-            parts = (values * polynomials.legendre_sum(slopes, 2.0 * nodes.place - 1.0)).sum(axis=2)
+            nodes, values = self._integrals(speed, some, born.ends)
+            parts = (values * born.at(nodes)).sum(axis=2)
             sums.append([np.bincount(nodes.target, part, some.size) for part in parts])
         return np.concatenate(sums, axis=1)
 

@@ -10,7 +10,8 @@ from numpy.polynomial import legendre
 
 from master.motion import Motion
 from master.numerics import polynomials
-from master.renewal.births import Births, Panels, legendre_births
+from master.numerics.polynomials import Pieces
+from master.renewal.births import BirthPanels, Births
 from master.survival.age.ageing import ROUNDING, AgeingLife
 from master.survival.age.passages import over_root
 from origins.thresholds.law import Array
@@ -26,18 +27,19 @@ SAFETY = 2.0
 
 
 class StrandBirths:
-    """The births of one finished leg, for contacts that age. `panels`: `since` says when their births begin.
+    """The births of one finished leg, for contacts that age.
 
     missed : error of the number, as polynomials in the time of birth approximate the survival
     survival_error : that of the survival at the strands, on all legs so far
     """
 
-    def __init__(self, births: Births, leg: int, panels: Panels) -> None:
-        """Begin a strand at each node of the births, aged up to the end of their leg."""
+    def __init__(self, births: Births, leg: int, born: BirthPanels) -> None:
+        """Begin a strand at each node of the births, aged up to the end of their leg; times of `born` are counted from
+        the leg's beginning."""
         life, motion = births.life, births.motion
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
-        ends, speed = panels.ends(panels.since), float(motion.speeds[leg])
+        ends, speed = born.ends, float(motion.speeds[leg])
         count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
@@ -48,8 +50,9 @@ class StrandBirths:
         fresh.until = births.until
         self._strands = fresh.aged(speed, ages)
         self._legs, self._known_error = life.follow(self._strands, leg + 1), stretches.error
-        births_on = legendre_births(ends, panels.breaks @ polynomials.SLOPES.T, left, right, SIZE)
-        self._weight = births_on @ basis.series.T  # of the pieces' nodes in a sum over all births
+        pieces = Pieces(np.arange(left.size), left, right)
+        # of the pieces' nodes in a sum over all births
+        self._weight = born.legendre_weights(pieces, SIZE) @ basis.series.T
 
     @property
     def survival_error(self) -> float:

@@ -1,0 +1,160 @@
+"""Births on earlier legs: number and force, on the present leg, of contacts born where the slider moved otherwise.
+
+The births of a leg add the integrals of E(t, s) dJ(s) and K(t, s) dJ(s) over the times s of birth. dJ/ds is a
+polynomial on each panel. Over s, E and K bend where the largest |x| of a contact changes sides or meets a bend of the
+law, and are smooth in between. So for each t the leg is cut into pieces at these s (`_pieces`); on each piece E and K
+are approximated by polynomials through a few nodes (`_fitted`); pieces on which these are too rough are halved
+(`_rough`); the others are summed (`_integrated`).
+"""
+
+import time as clock
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.motion import Motion
+from master.numerics import polynomials
+from master.numerics.polynomials import Pieces
+from master.renewal.births import MOST_WORK, BirthPanels, Births, Sums
+from origins.thresholds.law import Array
+
+# Nodes of a piece that are tried first where a survival takes long; they are doubled before the piece is halved.
+FIRST_NODES = 5
+# Rounding of a time of birth, relative: that of some sums and differences of times.
+ROUNDED_TIME = 1e-14
+
+
+class Fitted(NamedTuple):
+    """E and K on pieces as polynomials in the time of birth.
+
+    series : Legendre coefficients of E and K, shape (2, pieces, nodes)
+    left_out : about the first coefficient that is left out, shape (pieces,): the larger of that of E, and of K divided
+        by the largest stretch
+    fall : the factor by which coefficients fall from one to the next, shape (pieces,)
+    survival_error : that of E at the nodes
+    """
+
+    series: Array
+    left_out: Array
+    fall: Array
+    survival_error: float
+
+
+class EarlierLegs:
+    """Births on some of the legs before the present one.
+
+    faded : legs of whose births hardly any held at the latest of the times that were asked for last
+    """
+
+    def __init__(
+        self,
+        births: Births,
+        motion: Motion,
+        leg: int,
+        legs: npt.NDArray[np.intp],
+        born: BirthPanels,
+        accuracy: float,
+    ) -> None:
+        """`born` are the births on all legs before `leg`, of which those on `legs` count. The times of both, and of the
+        motion, are counted from the beginning of `leg`."""
+        self._births, self._life, self._motion = births, births.life, motion
+        self._leg, self._legs, self._born, self._accuracy = leg, legs, born, accuracy
+        self.faded = set[int]()
+
+    def sums(self, t: Array, negligible: float) -> Sums:
+        """Number and force at times t, shape (n,); both of shape (2, n). Legs of whose births at most a `negligible`
+        share holds have faded."""
+        both, missed, survival_error = np.zeros((2, t.size)), np.zeros(t.size), 0.0
+        held = np.zeros(self._leg)  # of the births on each leg, at the latest time
+        pieces = self._pieces(t)
+        size = polynomials.PANEL_NODES if self._life.quick else FIRST_NODES
+        while pieces.owner.size:
+            fitted = self._fitted(pieces, t, size)
+            survival_error = max(survival_error, fitted.survival_error)
+            rough = self._rough(pieces, fitted)
+            good = pieces.pick(~rough)
+            added, lost = self._integrated(good, fitted, ~rough)
+            for total, part in zip((*both, missed), (*added, lost), strict=True):
+                total += np.bincount(good.owner, part, t.size)
+            late = t[good.owner] == t.max()
+            leg = self._motion.leg(0.5 * (good.low + good.high)[late])
+            held += np.bincount(leg, added[0, late], held.size)
+            pieces = pieces.pick(rough)
+            if size == polynomials.PANEL_NODES:
+                pieces = pieces.halves()
+            size = min(2 * size, polynomials.PANEL_NODES)
+        self.faded = {leg for leg in self._legs.tolist() if held[leg] <= negligible}
+        return Sums(both, float(missed.max()), survival_error)
+
+    def _fitted(self, pieces: Pieces, t: Array, size: int) -> Fitted:
+        """Polynomials of E and K on pieces, as seen from the times t, through so many nodes."""
+        # pieces may end at exact thresholds, where the survival jumps
+        nodes = (polynomials.gauss if self._life.atoms.size else polynomials.lobatto)(size)
+        birth = pieces.low[:, None] + (pieces.high - pieces.low)[:, None] * nodes.nodes
+        self._births.add_work(pieces.owner.size * size // polynomials.PANEL_NODES)
+        history = self._motion.history(t[pieces.owner, None], birth)
+        found = self._life.survival_and_force(self._births.law, history)
+        series = found.both @ nodes.series
+        last, fall_of_two = polynomials.last_and_fall(np.abs(series[..., -4:]))
+        fall, unit = np.sqrt(fall_of_two), np.array([[1.0], [self._life.largest_stretch]])
+        left_out = (last * fall / unit).max(axis=0)
+        return Fitted(series, left_out, fall.max(axis=0), found.error)
+
+    def _rough(self, pieces: Pieces, fitted: Fitted) -> npt.NDArray[np.bool_]:
+        """The pieces to be halved; none after too much work."""
+        # all legs share the accuracy
+        off = fitted.left_out * self._born.most_between(pieces) * self._legs.size
+        # below this width both ends of a piece are equal by rounding
+        durations = np.diff(self._motion.times)[self._motion.leg(0.5 * (pieces.low + pieces.high))]
+        narrowest = polynomials.CLOSE * durations + ROUNDED_TIME * np.abs(pieces.low)
+        goes_on = self._births.work <= MOST_WORK and clock.monotonic() <= self._births.until
+        return (off > self._accuracy) & (pieces.high - pieces.low > narrowest) & goes_on
+
+    def _integrated(
+        self, pieces: Pieces, fitted: Fitted, which: npt.NDArray[np.bool_]
+    ) -> tuple[Array, Array]:
+        """Number and force of births on the pieces, shape (2, pieces), and what the number misses; `which` of the
+        polynomials are theirs."""
+        series = fitted.series[:, which]
+        weights = self._born.legendre_weights(pieces, series.shape[-1])
+        # left out: coefficients n + k, about |c_n| fall^k, times births of that degree, taken as those of n - k
+        fading = fitted.fall[which, None] ** np.arange(series.shape[-1])[::-1]
+        missed = fitted.left_out[which] * (np.abs(weights) * fading).sum(axis=1)
+        return (series * weights).sum(axis=-1), missed
+
+    def _pieces(self, t: Array) -> Pieces:
+        """Pieces of the births on each leg, for each target, with ends where the survival bends.
+
+        Contacts born at s, at the one stretch r, have had stretches from r + low - X(s) to r + high - X(s), low
+        and high being the ends of the way since then, and have r + now - X(s). Survival bends, or its force
+        does, at births where X(s) - r is one of `goals`: the largest stretch is a mark (high - mark) or the
+        smallest is minus a mark (low + mark), a mark being a bend of P_c, |r| or the end of P_c; both are
+        equally far from 0 (middle); or one of the three is 0 (now, high, low).
+        """
+        motion, law, life, legs = self._motion, self._births.law, self._life, self._legs
+        # arrays of shape (targets, legs, ends of pieces)
+        ends = motion.times[legs], motion.times[legs + 1]
+        first, last = np.clip(ends, *self._born.ends[[0, -1]])[:, None, :, None]
+        cuts = [np.broadcast_to(end, (t.size, legs.size, 1)) for end in (first, last)]
+        if law.is_single:
+            r, now = law.mean(), motion.at(t)[:, None, None]
+            tops, bottoms = motion.knots_between(self._leg, legs)
+            high, low = np.maximum(now, tops[:, None]), np.minimum(now, bottoms[:, None])
+            marks = np.append(life.bends, [abs(r), life.largest_stretch])
+            middle = 0.5 * (high + low)
+            now = np.broadcast_to(now, middle.shape)
+            goals = [high - marks, low + marks, middle, now, high, low]
+            begin, speed = motion.positions[legs, None], motion.speeds[legs, None]
+            distances = r + np.concatenate(goals, axis=2) - begin
+            into_leg = np.zeros(distances.shape)
+            np.divide(distances, speed, out=into_leg, where=speed != 0.0)
+            cuts.append(np.clip(motion.times[legs, None] + into_leg, first, last))
+        edges = np.concatenate(cuts, axis=2).reshape(t.size * legs.size, -1)
+        owner, begin, end = Pieces.between(edges)
+        target = owner // legs.size
+        # with one stretch pieces end where contacts have met the end of P_c: all on a piece hold, or none
+        places = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
+        place = begin[:, None] + (end - begin)[:, None] * places
+        held = self._births.may_hold(law, motion.history(t[target, None], place))
+        return Pieces(target, begin, end).pick(held)
