@@ -9,7 +9,6 @@ from master.motion import Motion
 from master.numerics import polynomials
 from master.renewal.march import March
 from master.renewal.past import Past
-from master.survival.grains import GrainLife
 from origins import InputError
 from origins.brief import brief
 from origins.errors import finite, refuse
@@ -83,7 +82,7 @@ class Solution:
     nodes: int
     success: bool
     message: str
-    _march: March | None = field(repr=False)
+    _march: March = field(repr=False)
     _by_index: bool = field(repr=False)
     _arrivals: Array = field(repr=False)
 
@@ -102,11 +101,9 @@ class Solution:
         Raises InputError where the path does not pass X; for contacts that re-form at many stretches; and, along
         paths of several legs, for contacts that age or whose thresholds grow: Q is not computed there.
         """
-        march, unknown = self._march, "is not known yet along paths of several legs where"
-        if march is None or (isinstance(march.life, GrainLife) and not march.motion.one_leg):
-            raise InputError(f"contacts.grains: Q(x;X) {unknown} thresholds grow")
-        if march.life.has_strands:
-            raise InputError(f"contacts.ageing: Q(x;X) {unknown} contacts age")
+        march = self._march
+        if march.life.no_density and not march.motion.one_leg:
+            raise InputError(march.life.no_density)
         if not march.births.law.is_single:
             raise InputError("contacts.reforming: Q(x;X) is not known with many stretches")
         if self._by_index and leg is not None:

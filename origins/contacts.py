@@ -12,25 +12,21 @@ import numpy.typing as npt
 from origins.errors import InputError, one_of, refuse
 from origins.grains.contact import GrainContact
 from origins.laws.ageing import Ageing
-from origins.laws.apart import GROWTH, MEAN_RATE, refuse_apart
 from origins.laws.delay import Delay
 from origins.laws.growing import GrowingThresholds
 from origins.laws.rate_law import RateLaw
 from origins.laws.strengthening import Strengthening
 from origins.laws.thermal import RATE_LAWS, BreakingRate, Thermal, as_thermal
+from origins.laws.timed_law import MEAN_RATE, ChangingThresholds, TimedLaw
 from origins.start import FormationLaw, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
 # All laws that a contact may have beside thresholds and a start; thresholds that grow are "grains" or "strengthening".
 # A law that is absent is None (stiffness: "independent"). Solvers use this list, Contacts.laws and
-# Contacts.replace; docs/extending.md says where else a law with a memory is told.
+# Contacts.replace; what a law is asked beside its equation stands there, see origins/laws/timed_law.py.
 LAWS = ("grains", "strengthening", "thermal", "ageing", "delay", "reforming", "stiffness")
-# Those by which the force depends on the time that a motion takes.
-IN_TIME = frozenset({"grains", "strengthening", "thermal", "ageing", "delay"})
-_GROWING = frozenset(
-    {"grains", "strengthening"}
-)  # an argument, the thresholds, and not one of their own
+_ARGUMENTS = ("thresholds", "start", "thermal", "ageing", "delay", "reforming", "stiffness")
 
 
 class Contacts:
@@ -80,6 +76,10 @@ class Contacts:
         The laws; None where the law is absent. `thermal.rates` is the RateLaw, `reforming` a FormationLaw.
     laws : tuple of str
         Names of the laws that are present, from origins.contacts.LAWS.
+    in_time, held_in_time : tuple of str
+        Of these those under which time matters, and those under which it matters to contacts that hold.
+    changing : ChangingThresholds or None
+        The law by which thresholds change while contacts hold; None: they stay as P_c gave them.
 
     Raises InputError where more than 1e-6 of the start or of the re-forming lies beyond every threshold, as such
     contacts cannot hold; for laws that cannot be combined, with the reason; for fresh thresholds where the final law
@@ -113,13 +113,12 @@ class Contacts:
         self.ageing, self.delay, self.stiffness = ageing, delay, stiffness
         self._check_laws()
         self.waiting_time = 0.0 if self.delay is None else self.delay.time
-        if self.growing is not None:
-            self.waiting_time += self.growing.first_pinning_time
+        if self.changing is not None:
+            self.waiting_time += self.changing.first_pinning_time
 
     def __repr__(self) -> str:
         """The laws that the contacts have, each by its own repr."""
-        named = ("thresholds", "start", "thermal", "ageing", "delay", "reforming", "stiffness")
-        laws = {name: getattr(self, name, None) for name in named}
+        laws = {name: getattr(self, name, None) for name in _ARGUMENTS}
         if self.growing is not None:
             laws["thresholds"] = self.growing
         said = (f"{name}={law!r}" for name, law in laws.items() if law is not None)
@@ -137,8 +136,35 @@ class Contacts:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """Names of the laws that these contacts have, in the order of origins.contacts.LAWS."""
+        """See Contacts; in the order of origins.contacts.LAWS."""
         return tuple(name for name in LAWS if getattr(self, name) not in (None, "independent"))
+
+    @property
+    def in_time(self) -> tuple[str, ...]:
+        """See Contacts."""
+        return tuple(name for name in self.laws if isinstance(getattr(self, name), TimedLaw))
+
+    @property
+    def held_in_time(self) -> tuple[str, ...]:
+        """See Contacts."""
+        return tuple(name for name in self.in_time if getattr(self, name).while_holding)
+
+    @property
+    def changing(self) -> ChangingThresholds | None:
+        """See Contacts."""
+        laws = (getattr(self, name) for name in self.in_time)
+        return next((law for law in laws if isinstance(law, ChangingThresholds)), None)
+
+    @property
+    def older_at_start(self) -> bool:
+        """Whether contacts of the start are older than those that have just formed."""
+        return self.changing is not None and self.changing.older_at_start
+
+    def oldest_threshold(self, duration: float) -> float:
+        """About the threshold (a length) that decides how far the oldest contacts are stretched after this time."""
+        if self.changing is None:
+            return self.mean_threshold
+        return self.changing.typical_threshold(self.mean_threshold, duration)
 
     def replace(self, **changes: Any) -> Contacts:
         """These contacts with some of the constructor's arguments replaced, by name.
@@ -146,10 +172,9 @@ class Contacts:
         None removes a law (stiffness: "independent"). Arguments not named stay. All are checked again: raises
         InputError as the constructor does, and for an unknown name.
         """
-        given = {name: getattr(self, name) for name in LAWS if name not in _GROWING}
+        given = {name: getattr(self, name) for name in _ARGUMENTS}
         given["reforming"] = None if self.reforming is None else self.reforming.law
         given["thresholds"] = self.thresholds if self.growing is None else self.growing
-        given["start"] = self.start
         for name, value in changes.items():
             if name not in given:
                 refuse(name, value, f"is not what contacts have; that is {', '.join(given)}")
@@ -189,9 +214,10 @@ class Contacts:
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
             there.add(MEAN_RATE)
-        if self.growing is not None:
-            there.add(GROWTH)
-        refuse_apart(there)
+        for name in self.in_time:
+            for other, reason in getattr(self, name).apart.items():
+                if other in there:
+                    raise InputError(reason)
         if self.ageing is not None:
             self.ageing.check_fresh(self.thresholds)
 

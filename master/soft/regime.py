@@ -8,10 +8,9 @@ import numpy as np
 from master.motion import drive_motion
 from master.outcome import outcome
 from master.stick_slip.extremes import extremes
-from master.survival.make import why_no_passage
+from master.survival.make import why_no_life
 from origins import Contacts
 from origins.brief import brief
-from origins.contacts import IN_TIME
 from origins.drive import SLIP_SHARE, Drive
 from origins.thresholds.law import Array
 
@@ -137,7 +136,7 @@ def regime(
     count, trend = slips.drive.size, _trend(slips.drop)
     motion = drive_motion(drive, found.balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
-    unsolved = bool(why_no_passage(contacts))  # on a rigid slider
+    unsolved = bool(why_no_life(contacts))  # on a rigid slider
     critical, error, latest = np.nan, np.inf, np.nan
     if not unsolved:
         found_along = extremes(contacts, fastest or drive.velocity, tolerance, until)
@@ -211,18 +210,14 @@ def _first_slip_repeats(contacts: Contacts, drive: Drive, found: Followed) -> bo
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
     out = drive.slip != "instant" or contacts.delay is not None
     held = abs(float(found.slips.force_after[0])) / contacts.mean_threshold
-    steadily = drive.forward and (drive.time is None or not IN_TIME.intersection(contacts.laws))
-    alike = relaxed and steadily and contacts.grains is None
+    steadily = drive.forward and (drive.time is None or not contacts.in_time)
+    alike = relaxed and steadily and not contacts.older_at_start
     return alike and out and held <= min(found.error, NONE_HOLDS)
 
 
 def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:
-    """About the mean threshold of the oldest contacts at the end of the path, of grains the largest (a length)."""
-    grains = contacts.grains
-    if grains is not None and grains.age is not None:
-        return float(grains.quantile(1.0, grains.age + drive.arrival_times(found.balance)[-1]))
-    final = 0.0 if contacts.ageing is None else contacts.ageing.final.mean()
-    return max(contacts.mean_threshold, final)
+    """See Contacts.oldest_threshold: that at the end of the path."""
+    return contacts.oldest_threshold(float(drive.arrival_times(found.balance)[-1]))
 
 
 def _lacking(
@@ -235,7 +230,7 @@ def _lacking(
     never slip. With ageing, contacts under a slider that runs ahead have no time to age: F drops more steeply than on a
     rigid slider, and K* decides nothing. Once all contacts of the start have broken, the first, steepest drop is over.
     """
-    ages = bool({"ageing", "grains"}.intersection(contacts.laws))
+    ages = contacts.changing is not None
     spring = float(drive.spring or 0.0)
     if not ages and spring >= critical:
         return ""

@@ -16,7 +16,6 @@ from master.soft.in_time.refining import balance_of, refined
 from master.soft.regime import Followed, Regime, Slips, regime
 from origins import Contacts
 from origins.brief import brief
-from origins.contacts import IN_TIME
 from origins.drive import Drive
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
@@ -79,8 +78,7 @@ def solve_soft(
         contacts = idle.contacts
     else:
         idle = Idle(contacts)
-    in_time = IN_TIME.intersection(contacts.laws)
-    if in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
+    if contacts.in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
         if contacts.thresholds.atoms[0].size and not contacts.start.is_single:
             fault = "with a width reach exact thresholds one after the other, which steps in time do not resolve"
             raise InputError(

@@ -63,7 +63,7 @@ class Cycle(Straight):
         self.resolution_length = float(table.widths @ lost / lost.sum())
         units = np.array([1.0, self.scale])
         self.length, self.area = (table.integrals() * units).tolist()
-        if not {"grains", "thermal", "ageing", "reforming"}.intersection(contacts.laws):
+        if not contacts.held_in_time and contacts.reforming is None:
             # at T = 0 both are moments of P_c; the difference from the integrals counts as their error
             law, power = contacts.thresholds, power_of(contacts)
             length, area = self.length, self.area
@@ -117,9 +117,10 @@ def power_of(contacts: Contacts) -> int:
 
 def check_finite(contacts: Contacts) -> None:
     """Raise InputError where the kinetic force is infinite. Heat does not help, as strong contacts hardly break before
-    their threshold. Thresholds that diffuse or grow are exempt: their tail does not last, or they have a largest."""
-    power, changing = power_of(contacts), {"ageing", "grains"}.intersection(contacts.laws)
-    if not changing and not np.isfinite(contacts.thresholds.moment(power)):
+    their threshold. Some thresholds that change are exempt: their tail does not last, or they have a largest."""
+    power, changing = power_of(contacts), contacts.changing
+    stays = changing is None or changing.keeps_tail
+    if stays and not np.isfinite(contacts.thresholds.moment(power)):
         fault = f"<x_s^{power}> is infinite, and with it the kinetic force: it grows for ever"
         hint = f"use a law whose tail falls faster than x^-{power + 1}"
         raise InputError(f"thresholds: {fault}; {hint}")

@@ -153,10 +153,10 @@ def kinetic_curve(
         these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
         steady[:, these] = _at_once(points.contacts(*laws), cases[these, 0])
     force, force_error, length, length_error = steady[:, which.ravel()].reshape(4, *points.shape)
-    # contacts with grains are out until these pin again, in addition to the delay
-    pinned = contacts.replace(delay=None).waiting_time
+    # in addition to the delay new contacts may have to wait until they can hold
+    out = contacts.replace(delay=None).waiting_time
     speeds, _, _, waits = points.rows.T.reshape(4, *points.shape)
-    holding = length / (length + speeds * (waits + pinned))
+    holding = length / (length + speeds * (waits + out))
     off = holding * (1.0 - holding) * length_error / length
     force, force_error = force * holding, force_error * holding + np.abs(force) * off
     return KineticCurve(
@@ -170,7 +170,7 @@ def kinetic_curve(
 
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed without delay, shape (4, n)."""
-    laws, unit = set(contacts.laws), contacts.mean_threshold
+    unit = contacts.mean_threshold
     out = np.full((4, speeds.size), np.nan)
     if is_summed(contacts):
         out[2:], area = summed(contacts, speeds)
@@ -178,7 +178,7 @@ def _at_once(contacts: Contacts, speeds: Array) -> Array:
         out[1] = (area[1] + out[0] * out[3]) / out[2]
     # points not known well enough from these sums are solved individually, with one life
     rest = np.flatnonzero(~(out[1] < SURE * out[0]))
-    life = steady_life(contacts, 1.0) if rest.size and not laws & {"ageing", "grains"} else None
+    life = steady_life(contacts, 1.0) if rest.size and contacts.changing is None else None
     solved = rest[:1] if life and life.timeless else rest  # at T = 0 the speed does not matter
     for i in solved:
         state = state_at(contacts, float(speeds[i]), life)

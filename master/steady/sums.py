@@ -44,8 +44,8 @@ def is_summed(contacts: Contacts) -> bool:
     hold. `steady_state` takes them where they are more accurate than the integrals of a table of E (`Cycle`), which it
     needs for Q(x) anyhow; `kinetic_curve` makes no table where the sums are SURE.
     """
-    others = {"ageing", "grains", "reforming"}.intersection(contacts.laws)
-    return contacts.thermal is not None and contacts.thermal.closure == "exact" and not others
+    by_itself = contacts.thermal is not None and contacts.thermal.closure == "exact"
+    return by_itself and contacts.changing is None and contacts.reforming is None
 
 
 def summed(contacts: Contacts, speeds: Array) -> Array:

@@ -116,9 +116,9 @@ def forward_march(cycle: Cycle, horizon: float, tolerance: float, until: float =
 
 def unit_of(cycle: Cycle) -> float:
     """The unit of the tolerance of F_s, a length: the mean threshold, or with heat the mean travel C, which is no
-    measure with growing grains: contacts of the start are older and live far longer."""
+    measure where contacts of the start are older and live far longer."""
     contacts = cycle.contacts
-    plain = contacts.thermal is None or contacts.grains is not None
+    plain = contacts.thermal is None or contacts.older_at_start
     return contacts.mean_threshold if plain else cycle.length
 
 

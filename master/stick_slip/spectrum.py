@@ -112,8 +112,8 @@ def decoherence_spectrum(
     roots, searched = leading_roots(transform, n_roots + 1)
     s, of_start = roots[:n_roots], transform
     next_decay = float(-roots[n_roots].real) if roots.size > n_roots else searched
-    # at X = 0 grains are older than those just pinned, at the same stretch, too
-    if contacts.grains is not None or not (start.is_single and start.span == cycle.born.span):
+    # at X = 0 contacts may be older than those just formed, at the same stretch, too
+    if contacts.older_at_start or not (start.is_single and start.span == cycle.born.span):
         from_start = Cycle(contacts, cycle.life, velocity, born=start)
         of_start = Transform(from_start, -float(s.real.min(initial=0.0)))
     root_error = transform(s).root_error()
@@ -145,8 +145,8 @@ def _deepest(cycle: Cycle) -> float:
     """The decay rate to which roots are searched; InputError where none can be resolved."""
     contacts, wait = cycle.contacts, cycle.wait
     if wait > LONGEST_DELAY * cycle.length:
-        grown = "grains grow, unpinned, for so long that " if contacts.grains is not None else ""
-        fault = f"{grown}contacts wait for {wait / cycle.length:.3g} times as long as they hold"
+        why = "" if contacts.changing is None else contacts.changing.waiting
+        fault = f"{why}contacts wait for {wait / cycle.length:.3g} times as long as they hold"
         refuse("velocity", cycle.velocity, f"{fault}; roots are told to {LONGEST_DELAY:g} times")
     crowd, tail = crowding(cycle), tail_rate(contacts.thresholds)[0]
     if crowd * cycle.birth_to_birth < LEAST_CROWDING:

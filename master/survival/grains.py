@@ -15,15 +15,19 @@ With heat a contact whose quantile has the hazard η, and so the threshold x_s(�
 A(η), the integrated rate, being the integral over time of the rate h(|x|; x_s).
 """
 
+from __future__ import annotations
+
 from copy import copy
 
 import numpy as np
 
-from master.motion import History
+from master.motion import History, Motion
 from master.numerics.averages import integrals_above
 from master.numerics.polynomials import Rows
-from master.survival.life import MARGIN, Life, Survivors
+from master.survival.changing import ChangingLife
+from master.survival.life import MARGIN, Survivors
 from origins import Contacts, GrainContact
+from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
 
@@ -37,9 +41,11 @@ COEFFICIENT_LIMIT = 1e-6
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
 WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 1000
+# Largest hazard lost right after pinning: the survival e^-300 is close to underflow.
+MOST_LOST = 300.0
 
 
-class GrainLife(Life):
+class GrainLife(ChangingLife):
     """Life (see master.survival.life) of contacts with growing grains; with heat, on one leg only.
 
     longest : the latest time > 0 at which `survival_and_force` is called
@@ -51,6 +57,9 @@ class GrainLife(Life):
     error = 1e-13  # of the survival, by rounding of the hazards
     neglected = NEGLECTED
     start_as_births = False
+    no_density = (
+        "contacts.grains: Q(x;X) is not known yet along paths of several legs where thresholds grow"
+    )
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         """Find how far contacts may be stretched, and how finely their survival varies."""
@@ -69,6 +78,40 @@ class GrainLife(Life):
         if contacts.thermal is not None:
             self.pair_work = WARM_WORK
             self.coefficient_limit = WARM_COEFFICIENT_LIMIT
+
+    @classmethod
+    def made(cls, contacts: Contacts, tolerance: float, motion: Motion, until: float) -> GrainLife:
+        """See ChangingLife."""
+        return cls(contacts, float(motion.times[-1]))
+
+    @classmethod
+    def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
+        """See ChangingLife: with heat a survival is known on one leg alone."""
+        if contacts.thermal is None or one_leg:
+            return ""
+        fault = (
+            "heat beside thresholds that grow is taken at one speed alone, by the master equation"
+        )
+        instead = "use eq_model.simulate, which takes a rigid slider that turns or rests"
+        return f"contacts.thermal: {fault}; {instead}"
+
+    @classmethod
+    def longest(cls, contacts: Contacts, velocity: float) -> float:
+        """See ChangingLife: until even the strongest contacts of the start are broken."""
+        grains = contacts.grains
+        assert grains is not None and grains.age is not None
+        grains.check_speed(velocity)
+        lost = grains.lost_hazard(velocity)
+        if lost > MOST_LOST:
+            few = f"none holds but a fraction exp(-{lost:.4g})"
+            why = "they are stretched before their grains have grown"
+            hint = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
+            refuse("velocity", velocity, hint)
+        longest = grains.growth.first_pinning_time
+        to_0 = max(-contacts.start.span[0], 0.0)  # distance that the start has to go to x = 0
+        while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - to_0:
+            longest *= 1.5
+        return longest
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """See Life."""

@@ -85,6 +85,7 @@ class Life:
     coefficient_limit : last coefficients, on a piece of the stretches at birth, below which it is not halved
     start_as_births : whether contacts of the start survive as those born later at the same stretch
     has_strands : whether births of earlier legs have to be followed, since `survival_and_force` does not know them
+    no_density : why Q(x;X) is not known on paths of several legs; "" where it is
     """
 
     largest_stretch: float
@@ -94,6 +95,7 @@ class Life:
     quick = False
     timeless = False
     has_strands = False
+    no_density = ""
     start_as_births = True
     pair_work = 1
     error = 0.0

@@ -7,6 +7,7 @@ from origins.errors import positive, refuse
 from origins.grains.film import GrainGrowth
 from origins.grains.lifshitz_slyozov import hazard_beyond, invert_beyond
 from origins.laws.growing import GrowingThresholds
+from origins.laws.timed_law import LINKED
 from origins.thresholds.law import Array, Thresholds
 
 _FASTEST = 1e50  # in units of 1/(B^(1/2) tau_m): powers of speeds must stay finite
@@ -25,6 +26,8 @@ class GrainContact(GrowingThresholds):
     """
 
     law = "grains"
+    waiting = "grains grow, unpinned, for so long that "
+    older_at_start = True
 
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
@@ -33,6 +36,29 @@ class GrainContact(GrowingThresholds):
         self.first_pinning_time = self.time_unit = growth.first_pinning_time
         if age is not None and positive("age", age) <= growth.first_pinning_time:
             refuse("age", age, f"no grain pins before {growth.first_pinning_time:.12g}")
+
+    @property
+    def apart(self) -> dict[str, str]:
+        """See TimedLaw."""
+        form_at_0 = "reforming: contacts form again as their grains pin, where all thresholds are 0"
+        at_birth = "thresholds that grow: <x_s> at birth is 0"
+        return super().apart | {
+            "stiffness": f'{LINKED} {at_birth}; use "independent"',
+            "reforming": f"{form_at_0}; leave it out",
+        }
+
+    def __str__(self) -> str:
+        """The law in words."""
+        return f"thresholds that grow from the age {self.age:.4g} on"
+
+    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
+        """See ChangingThresholds: that of the largest grain, at the age of the oldest contacts."""
+        return max(fresh, self.typical_threshold(fresh, duration))
+
+    def typical_threshold(self, fresh: float, duration: float) -> float:
+        """See ChangingThresholds: the largest one, as all up to it are typical. InputError without an age at X = 0."""
+        assert self.age is not None
+        return float(self.quantile(1.0, self.age + duration))
 
     @property
     def at_start(self) -> Thresholds:

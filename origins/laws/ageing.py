@@ -9,13 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError, non_negative, one_of, refuse
+from origins.laws.timed_law import EXACT, LINKED, MEAN_RATE, ChangingThresholds
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
 
 @dataclass(eq=False)
-class Ageing:
+class Ageing(ChangingThresholds):
     """Fresh thresholds P_ci diffuse towards P_cf ~ exp(-Ũ): ∂P/∂t = D ∂_x (Ũ' + ∂_x) P (paper, Eq. B).
 
     final : P_cf, of contacts that have held for a long time: Thresholds or a frozen scipy.stats distribution on x >= 0.
@@ -32,6 +33,8 @@ class Ageing:
     final: Thresholds
     rate: float
     closure: Literal["exact", "paper"] = "exact"
+
+    law = "ageing"
 
     def __post_init__(self) -> None:
         self.final = as_thresholds(self.final, "final")
@@ -53,6 +56,36 @@ class Ageing:
             return None
         mean, std = self.final.parent_mean, self.final.parent_std
         return OrnsteinUhlenbeck(mean, std, self.rate / std**2)
+
+    @property
+    def apart(self) -> dict[str, str]:
+        """See TimedLaw."""
+        averages = (
+            'thermal: closure = "paper" averages over one P_c, and contacts that age have none'
+        )
+        follows = "ageing: nothing says whether k_i follows the threshold"
+        return {
+            "stiffness": f'{LINKED} {follows}; use "independent"',
+            MEAN_RATE: f"{averages}; {EXACT}",
+        }
+
+    @property
+    def further_laws(self) -> dict[str, Thresholds]:
+        """See ChangingThresholds."""
+        return {"final": self.final}
+
+    def __str__(self) -> str:
+        """The law without P_cf."""
+        return f"Ageing(rate={self.rate:.4g})"
+
+    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
+        """See ChangingThresholds; less than one threshold in 1e17 diffuses by more than 9 standard deviations."""
+        largest = max(fresh, float(self.final.isf(share)))
+        return largest + (9.0 * self.normal.std if self.normal is not None else 0.0)
+
+    def typical_threshold(self, fresh: float, duration: float) -> float:
+        """See ChangingThresholds: the mean one of old contacts, if it is above that of fresh ones."""
+        return max(fresh, self.final.mean())
 
     def check_fresh(self, fresh: Thresholds) -> None:
         """InputError unless all fresh thresholds lie where P_cf has weight."""

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
+from origins.laws.timed_law import EXACT, MEAN_RATE, ChangingThresholds
 from origins.thresholds.law import Array, Thresholds
 
 
-class GrowingThresholds(ABC):
+class GrowingThresholds(ChangingThresholds, ABC):
     """Contacts whose thresholds grow with their age; each keeps its quantile in the law of thresholds for life.
 
     A contact's quantile is told by its hazard η = -ln of the share of contacts whose thresholds are larger. η is
@@ -22,18 +23,16 @@ class GrowingThresholds(ABC):
     `first_pinning_time` before. While |x| changes at one speed, the hazard at the contact's stretch first falls and
     then rises, or only one of the two, so that the largest is that at one end of the leg.
 
-    law : name in origins.contacts.LAWS. age : of all contacts at X = 0, since their last break, a time; None: not
+    age : of all contacts at X = 0, since their last break, a time; None: not
     given, which origins.Contacts refuses. interface : the rough surface behind them, or None. time_unit : a time, over
     which fresh thresholds grow. quick_width : a length over which breaks of contacts that have just pinned change, inf
     where the law at X = 0 says it. bends : sorted finite hazards above 0 at which thresholds are no smooth function of
     the hazard; thresholds there, at an age, are threshold_at(bends, age).
     """
 
-    law: ClassVar[str]
     age: float | None
     interface: Any = None
     time_unit: float
-    first_pinning_time: float = 0.0
     quick_width: float = np.inf
     bends: Array = np.empty(0)
 
@@ -41,6 +40,22 @@ class GrowingThresholds(ABC):
     @abstractmethod
     def at_start(self) -> Thresholds:
         """P_c of all contacts at X = 0, of the age `age`. InputError where that is not given."""
+
+    @property
+    def apart(self) -> dict[str, str]:
+        """See TimedLaw."""
+        averages = 'thermal: closure = "paper" averages over one P_c, and each age has another'
+        of_their_own = "ageing: thresholds that grow with their age do age, by a law of their own"
+        return {MEAN_RATE: f"{averages}; {EXACT}", "ageing": f"{of_their_own}; leave one out"}
+
+    def __str__(self) -> str:
+        """The law in words."""
+        return f"thresholds that grow from the age {self.age:.4g} on"
+
+    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
+        """See ChangingThresholds: that of contacts of the start, the oldest."""
+        oldest = self.threshold_at(np.array([-np.log(share)]), self.start_pinned_for + duration)
+        return max(fresh, float(oldest[0]))
 
     @property
     def start_pinned_for(self) -> float:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from origins.errors import between, non_negative, refuse
 from origins.laws.growing import GrowingThresholds
+from origins.laws.timed_law import LINKED
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.powered import Powered, straight
 from origins.thresholds.scipy_laws import as_thresholds
@@ -32,6 +33,7 @@ class Strengthening(GrowingThresholds):
     """
 
     law = "strengthening"
+    keeps_tail = True
 
     def __init__(self, fresh: Thresholds, beta: float, time: float, age: float = 0.0) -> None:
         self.fresh, self.beta = fresh, non_negative("beta", beta)
@@ -39,10 +41,26 @@ class Strengthening(GrowingThresholds):
             hint = f"must be at most {_MOST:g}, the growth in an e-fold of time; 0.01 to 0.1 are measured"
             refuse("beta", beta, hint)
         self.time_unit = between("time", time, 1e-100, 1e100)
-        self.age = non_negative("age", age)
+        self.age = age = non_negative("age", age)
+        self.older_at_start = age > 0.0
         if not self.age <= _LONGEST * self.time_unit:
             refuse("age", age, f"must be at most {_LONGEST:g} times time = {self.time_unit:g}")
         self.interface = fresh.interface
+
+    @property
+    def apart(self) -> dict[str, str]:
+        """See TimedLaw."""
+        grows = "thresholds that grow: nothing says whether k_i grows, too"
+        relaxed = "contacts whose thresholds grow are taken as they form again relaxed alone"
+        return super().apart | {
+            "stiffness": f'{LINKED} {grows}; use "independent"',
+            "reforming": f"reforming: {relaxed}; leave it out",
+        }
+
+    def typical_threshold(self, fresh: float, duration: float) -> float:
+        """See ChangingThresholds: the mean one of contacts of the start, the oldest."""
+        pinned_for = self.start_pinned_for
+        return fresh * float(self.factor(pinned_for + duration) / self.factor(pinned_for))
 
     def __repr__(self) -> str:
         """Its arguments, such as strengthening(Gaussian(...), beta=0.03, time=1)."""

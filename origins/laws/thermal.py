@@ -12,6 +12,7 @@ from origins.laws.eyring import EyringRates
 from origins.laws.rate_law import Array, Numbers, RateLaw
 from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
+from origins.laws.timed_law import EXACT, LINKED, TimedLaw
 
 # The laws that Thermal and scene files take by name. The parameters of the class are those of the law there; each is
 # an attribute, too, as in a dataclass.
@@ -22,7 +23,7 @@ RATE_LAWS: dict[str, Callable[..., RateLaw]] = {
 }
 
 
-class BreakingRate:
+class BreakingRate(TimedLaw):
     """A RateLaw with checked arguments, for stretches of either sign; in Contacts also a law of the user's own.
 
     rates : the RateLaw for stretches 0 <= x <= x_s, which solvers use.
@@ -47,6 +48,14 @@ class BreakingRate:
         own = type(self.rates)
         law = f"{own.__name__}()" if own.__repr__ is object.__repr__ else repr(self.rates)
         return f"{type(self).__name__}({law})"
+
+    @property
+    def apart(self) -> dict[str, str]:
+        """See TimedLaw."""
+        if self.closure == "exact":
+            return {}
+        one_rate = f'{LINKED} thermal closure = "paper", one mean rate for all contacts'
+        return {"stiffness": f"{one_rate}; {EXACT}"}
 
     def rate(self, x: Numbers, threshold: Numbers, stiffness: Numbers = 1.0) -> Array:
         """h(x; x_s), per time."""

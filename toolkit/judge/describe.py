@@ -154,11 +154,8 @@ def _slide(
 
 def conditions(contacts: Contacts, velocity: float) -> list[str]:
     """The speed and the laws of contacts on which F_k and the propensity depend, in words."""
-    laws = [str(own) for own in (contacts.thermal, contacts.delay) if own is not None]
-    if contacts.ageing is not None:
-        laws.append(f"Ageing(rate={contacts.ageing.rate:.4g})")
-    if contacts.grains is not None and contacts.grains.age is not None:
-        laws.append(f"thresholds that grow from the age {contacts.grains.age:.4g} on")
+    timed = contacts.thermal, contacts.delay, contacts.changing
+    laws = [str(own) for own in timed if own is not None]
     if contacts.stiffness == "linked":
         laws.append("linked stiffness")
     unit = "length per time" if contacts.interface is None else "m/s"

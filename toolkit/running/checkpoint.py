@@ -165,8 +165,9 @@ def identity(scene: Scene) -> dict[str, str]:
     table = msgspec.to_builtins(read_table(tomllib.loads(scene.text)))
     run_keys = {key: text for key, text in _flat(table, "") if not key.startswith(_BESIDE)}
     run_keys["contacts.thresholds as drawn"] = _drawn(scene.contacts.thresholds)
-    if scene.contacts.ageing is not None:
-        run_keys["contacts.ageing.final as drawn"] = _drawn(scene.contacts.ageing.final)
+    if (changing := scene.contacts.changing) is not None:
+        for name, law in changing.further_laws.items():
+            run_keys[f"contacts.{changing.law}.{name} as drawn"] = _drawn(law)
     return {**run_keys, "eq.blocks": "philox-7 by lanes, 2^15, b", "version": __version__}
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from origins.contacts import IN_TIME, Contacts, Thermal, too_hot
+from origins.contacts import Contacts, Thermal, too_hot
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
@@ -161,7 +161,7 @@ def of_so_many(scene: Scene, regime: Any) -> str:
     held = surface.contact_density * scene.area
     if smooth and held * spring**3 < 50.0:
         said += f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
-        if not (IN_TIME - {"delay"}).intersection(scene.contacts.laws):
+        if not scene.contacts.held_in_time:
             said += f"; run [eq] contacts = {held:.0f}"
     return said
 

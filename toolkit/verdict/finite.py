@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from origins.contacts import IN_TIME, Contacts
+from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
@@ -81,7 +81,7 @@ def follow_finite(
             "unknown",
             message=f"some {breaks:.1g} breaks are more than are followed here",
         )
-    if (IN_TIME - {"delay"}).intersection(contacts.laws):
+    if contacts.held_in_time:
         why = "single contacts are followed on a spring without heat and age only"
         return Finite(rule, held, "unknown", message=why)
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, end, POINTS)

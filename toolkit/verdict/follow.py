@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from origins.contacts import IN_TIME, Contacts
+from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
@@ -106,10 +106,9 @@ def follow(
 
     loading = static / machine.spring + contacts.mean_threshold
     begin = contacts.start.mean() / machine.spring
-    in_time = IN_TIME.intersection(contacts.laws)
-    tolerance = TOLERANCE_IN_TIME if in_time else TOLERANCE
-    if rule == "mass" and in_time - {"delay"}:
-        held = " and ".join(f"[contacts.{law}]" for law in sorted(in_time - {"delay"}))
+    tolerance = TOLERANCE_IN_TIME if contacts.in_time else TOLERANCE
+    if rule == "mass" and contacts.held_in_time:
+        held = " and ".join(f"[contacts.{law}]" for law in sorted(contacts.held_in_time))
         return _refused(rule, f"no solver takes a mass beside {held}: leave one of them out")
     alone = not _by_contacts(machine, contacts, rule)
     found, until = _refused(rule, "no time was left"), time.monotonic()
@@ -137,7 +136,7 @@ def _by_contacts(machine: Machine, contacts: Contacts, rule: str) -> bool:
     """Whether the ensemble may take the place of the master equation: with a mass and a delay far above the time of a
     slip, π (M/K)^(1/2). Else contacts re-form while it goes on, and break again at every threshold that it passes."""
     slip_time = np.pi * np.sqrt((machine.mass or 0.0) / machine.spring)
-    others = (IN_TIME - {"delay"}).intersection(contacts.laws)
+    others = contacts.held_in_time
     return rule == "mass" and not others and contacts.waiting_time >= LONG_DELAY * slip_time
 
 

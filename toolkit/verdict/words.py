@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origins.contacts import IN_TIME
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.finite import Finite
@@ -185,8 +184,7 @@ def dependence(verdict: Verdict) -> list[str]:
         )
         for kind, names in _others(verdict).items():
             lines.append(f"of these, {kind}: {', '.join(names)}")
-    in_time = IN_TIME.intersection(own.contacts.laws)
-    if own.machine is not None and in_time:
+    if own.machine is not None and own.contacts.in_time:
         lines.append(
             "F_s, F_k and K* of the table are those of a slider as fast as the drive; one that sticks is slower, and "
             "contacts that wait, break by heat or age bear another force: before a slip it is that of the sentence"

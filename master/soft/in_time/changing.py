@@ -7,11 +7,14 @@ e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of th
 (master.survival.grains). With heat they also break earlier, see Memory: here the cells are those of the quantile.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.memory import Leg, Memory, Scales, warm_nodes
-from origins import Contacts
+from origins import Ageing, Contacts, GrainContact
+from origins.laws.timed_law import ChangingThresholds
 from origins.thresholds.law import Array
 
 # Columns of a group's record: largest hazard, hazard at birth, time since pinning, and from there A.
@@ -27,12 +30,12 @@ LARGEST_ROOT, COARSEST_CELLS = 5.6, 48
 
 
 class AgeingMemory(Memory):
-    """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each halving.
+    """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each halving, faster than others.
 
     fastest : speed at which an edge of the density is resolved
     """
 
-    error, finer_before_slips = 0.0, True
+    error, finer_before_slips, safety = 0.0, True, 1.0
 
     def __init__(self, contacts: Contacts, halvings: int, fastest: float) -> None:
         ageing = contacts.ageing
@@ -60,7 +63,7 @@ class GrainMemory(Memory):
 
     error, others = 1e-13, RATE_INTEGRAL
 
-    def __init__(self, contacts: Contacts, halvings: int) -> None:
+    def __init__(self, contacts: Contacts, halvings: int, fastest: float) -> None:
         """Choose the instants at which grains pin in the start, and how far births are apart."""
         super().__init__(contacts, halvings)
         grains = contacts.grains
@@ -111,3 +114,11 @@ class GrainMemory(Memory):
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         passed = np.maximum(record[:, LARGEST_HAZARD] - record[:, BIRTH_HAZARD], 0.0)
         return self._summed(record[:, RATE_INTEGRAL:], stretch, np.sqrt(passed), np.exp(-passed))
+
+
+# The memory of contacts whose thresholds change, by the class of the law: made of the contacts, how often steps are
+# halved, and the drive's largest speed.
+MEMORIES: dict[type[ChangingThresholds], Callable[[Contacts, int, float], Memory]] = {
+    Ageing: AgeingMemory,
+    GrainContact: GrainMemory,
+}

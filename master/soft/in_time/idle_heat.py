@@ -104,8 +104,8 @@ def largest_effect(contacts: Contacts, duration: float, early: float) -> float:
     <x_s^2>, the largest true effect was 0.25 of the result, with linked stiffness 0.75.
     """
     thermal, law = contacts.thermal, contacts.thresholds
-    others = {"grains", "ageing"}.intersection(contacts.laws)
-    if thermal is None or thermal.closure == "paper" or others or law.atoms[0].size:
+    known = thermal is not None and thermal.closure == "exact" and contacts.changing is None
+    if not known or law.atoms[0].size:
         return np.inf
     unit = contacts.mean_threshold
     threshold = law.isf(np.linspace(1.0 - TAIL, TAIL, THRESHOLDS))

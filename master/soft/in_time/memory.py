@@ -85,11 +85,14 @@ class Memory:
     width : length of a group's record, of which all but the first `others` numbers are A
     starts : most nodes for a start with a width; they differ from halving to halving, so that their error shows
     finer_before_slips : whether steps become finer towards a slip
+    safety : times the last change in the error estimate, see `refining`: changes of the answers fall irregularly
+        where births jump or P_c bends, and by a half where thresholds grow
     exact : whether there are exact thresholds
     resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
     """
 
     error, others, finer_before_slips, exact, resolves_heat = 1e-15, 0, False, False, True
+    safety = 3.0
 
     def __init__(self, contacts: Contacts, halvings: int) -> None:
         """Choose the cells of thresholds, and over what births and steps change."""

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from master.motion import drive_motion
 from master.outcome import Progress, StoppedError
-from master.soft.in_time.changing import AgeingMemory, GrainMemory
+from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.cohorts import MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.idle_heat import unresolved_heat
 from master.soft.in_time.memory import MeanRateMemory, Memory
@@ -33,9 +33,6 @@ from origins.thresholds.law import Array
 COMPARED = 3
 # Errors fall by 4 with each halving as the square of the steps: 1/3 of the last change is left, and is added.
 REST_OF_CHANGE = 1.0 / 3.0
-# Times the last change in the error estimate: changes fall irregularly where births jump or P_c bends, and by a half
-# where thresholds grow; once with ageing, where errors fall faster.
-SAFETY, SAFETY_OF_AGEING = 3.0, 1.0
 # Instants at which the error is looked for beside the points of the path: few points would hardly tell it.
 INSTANTS = 65
 # A drive that begins this near the balance, in mean thresholds, begins there: the difference is rounding.
@@ -51,10 +48,9 @@ MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
 
 def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
     """The memory of contacts on a drive of at most this speed; its meshes are halved as often as the steps."""
-    if contacts.ageing is not None:
-        return AgeingMemory(contacts, halvings, fastest)
-    if contacts.grains is not None:
-        return GrainMemory(contacts, halvings)
+    for law, made in MEMORIES.items():
+        if isinstance(contacts.changing, law):
+            return made(contacts, halvings, fastest)
     if contacts.thermal is not None and contacts.thermal.closure == "paper":
         return MeanRateMemory(contacts, halvings)
     return Memory(contacts, halvings)
@@ -162,7 +158,7 @@ def extrapolated(
         counted = np.append(np.tile(~beside, 2), np.ones(change.size - 2 * n, dtype=bool))
         change_of_extrapolated = change + REST_OF_CHANGE * (change - change_before)
         changes = np.abs([change, change_of_extrapolated]) * counted
-        safety = SAFETY if contacts.ageing is None else SAFETY_OF_AGEING
+        safety = cohorts.memory.safety
         of_force, of_holding = np.delete(changes, np.s_[n : 2 * n], axis=1), changes[:, n : 2 * n]
         error, error_of_holding = (
             safety * float(part.max(axis=1, initial=0.0).min()) for part in (of_force, of_holding)

@@ -5,6 +5,8 @@ or changes its speed, contacts of the start, and births of earlier legs, are str
 Both come from the integral equation of the first passage (`Passage`).
 """
 
+from __future__ import annotations
+
 import time as clock
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -17,11 +19,20 @@ from master.numerics.averages import StretchNodes, stretch_nodes
 from master.survival.age.extent import highest, narrowest
 from master.survival.age.passage import Passage
 from master.survival.age.passages import Passages, over_root
-from master.survival.life import MARGIN, Life, Survivors
+from master.survival.changing import ChangingLife
+from master.survival.life import MARGIN, Survivors
 from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
 
+# Error of the survival of contacts that age, in tolerances of the force, of which it is one part of several; and the
+# least, to which first passages are solved in a time that users wait for.
+PART, FINEST = 0.2, 1e-10
+# Power of the density of fresh thresholds at 0 below which panels of the first passage, which follow the breaks right
+# after a birth, would have to be shorter than rounding allows (measured).
+STEEPEST_ONSET = -0.15
+# Longest time for which contacts are followed, in mean thresholds divided by the speed: as long as any holds.
+LONGEST_AGE = 1e9
 # Resolution of panels at first, divided by the narrowest width of the laws.
 RESOLUTION = 0.25
 # Instants on each leg that are compared, divided by its duration: 20 early ones, and even in the root of time.
@@ -54,7 +65,7 @@ class BirthStretches(NamedTuple):
     error: float
 
 
-class AgeingLife(Life):
+class AgeingLife(ChangingLife):
     """Life (see master.survival.life) of contacts that age, closure "exact", towards a normal law and without heat.
 
     With more than one leg `survival_and_force` is for contacts of the start, and for those that have moved straight
@@ -66,6 +77,9 @@ class AgeingLife(Life):
     """
 
     error_is_relative = False
+    no_density = (
+        "contacts.ageing: Q(x;X) is not known yet along paths of several legs where contacts age"
+    )
 
     def __init__(
         self, contacts: Contacts, motion: Motion, accuracy: float, until: float = np.inf
@@ -91,6 +105,42 @@ class AgeingLife(Life):
             followed = list(self.follow(strand, 0))
             self._start = [over_root(times, found[..., 0]) for times, found in followed]
             self.error += stretches.error + strand.error
+
+    @classmethod
+    def made(cls, contacts: Contacts, tolerance: float, motion: Motion, until: float) -> AgeingLife:
+        """See ChangingLife."""
+        return cls(contacts, motion, max(PART * tolerance, FINEST), until)
+
+    @classmethod
+    def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
+        """See ChangingLife: no first passage is solved for the paper's closure, beside heat, towards a law that is not
+        normal, and of fresh thresholds whose density diverges at 0. The ensemble takes all but the first."""
+        ageing, fresh = contacts.ageing, contacts.thresholds
+        assert ageing is not None
+        if ageing.closure == "paper":
+            fault = 'closure = "paper" (Q15) has one P_c for all contacts at each X, and none for single ones'
+            hint = 'use closure = "exact", or ask steady_state or critical_velocity, which take it'
+            return f"contacts.ageing: {fault}; {hint}"
+        instead = "use eq_model.simulate, which takes these contacts"
+        if contacts.thermal is not None:
+            fault = "on a rigid slider the master equation takes no heat beside ageing"
+            return f"contacts.thermal: {fault}; leave one out, or {instead}"
+        if ageing.normal is None:
+            fault = (
+                "on a rigid slider the master equation takes ageing towards a gaussian law alone"
+            )
+            return f"contacts.ageing: final is no gaussian, and {fault}; {instead}"
+        # breaks right after a birth diverge as the density does
+        if fresh.support()[0] == 0.0 and fresh.onset_power < STEEPEST_ONSET:
+            power = f"as x^{fresh.onset_power:.3g}"
+            fault = f"their density diverges at 0 {power}, where contacts that age break as they are born"
+            return f"contacts.thresholds: {fault}; {instead}"
+        return ""
+
+    @classmethod
+    def longest(cls, contacts: Contacts, velocity: float) -> float:
+        """See ChangingLife."""
+        return LONGEST_AGE * contacts.mean_threshold / velocity
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """Those of contacts at any stretch; see Life.survival_and_force."""
