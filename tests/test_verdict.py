@@ -230,6 +230,23 @@ def test_one_number_has_the_same_digits_wherever_it_stands(capsys: Any) -> None:
     assert f"smooth at {said}" in page and re.split(" {2,}", row)[1] == said
 
 
+def test_where_the_readings_decide_their_kinds_are_counted(capsys: Any) -> None:
+    """K lies between the two readings' K*, far enough from both."""
+    readings = {"readings": ["gw/amontons", "persson/amontons"], "rules": ["reset"]}
+    _, _, found = judged(capsys, thresholds=ROUGH, drive={}, verdict=readings)
+    surface = load_scene("mine.toml", solved=False).contacts.interface
+    assert surface is not None
+    springs = [one["critical_spring"]["value"] for one in found["readings"]]
+    assert max(springs) > 2.0 * min(springs)
+    between = np.sqrt(np.prod(springs)) / surface.per_area(1.0)
+    drive = {"spring": f"{between:.6g} N_c<k>"}
+    _, page, _ = judged(capsys, thresholds=ROUGH, drive=drive, verdict=readings)
+    kinds = {"smooth by gw/amontons", "stick-slip by 1 of 1 others"}
+    if springs[0] > springs[1]:
+        kinds = {"stick-slip by gw/amontons", "smooth by 1 of 1 others"}
+    assert all(kind in page for kind in kinds)
+
+
 def test_few_samples_are_told_on_the_page(capsys: Any) -> None:
     tables = {"thresholds": {"kind": "from-samples", "x_s": [0.9, 1.0, 1.3]}}
     _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET, **tables)

@@ -17,6 +17,8 @@ MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
 POINTS = 100
+# of the force before a slip: a smaller one after it is none
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ def follow_finite(
         found.slips.mean(f"force_{when}", last) if counts.any() else (np.nan, np.nan)
         for when in ("before", "after")
     )
+    if abs(after) < ROUNDING * before:
+        after = 0.0
     drive, force = trace_of(found, 0)
     mean = float(counts.mean())
     return Finite(rule, held, kind, before, error, after, after_error, mean, "", drive, force)

@@ -182,8 +182,8 @@ def follow_by_contacts(
         found = sliders(
             machine, contacts, rule, path, CONTACTS, until - time.monotonic(), or_fewer=True
         )
-    except InputError as error:
-        return _refused(rule, str(error))
+    except InputError as refused:
+        return _refused(rule, str(refused))
     slips, unit = found.slips, contacts.mean_threshold
     drive, force = trace_of(found, 0)
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())

@@ -143,26 +143,23 @@ def _left_out(verdict: Verdict) -> list[tuple[str, str]]:
 
 def _of_finite(verdict: Verdict, finite: Finite) -> str:
     """What so many contacts do, in words."""
-    scale, rule = verdict.own.scale, NAMED[finite.rule]
-    if finite.kind == "unknown":
-        return f"the number of contacts was not looked at if {rule}: {finite.message}"
-    said = f"{finite.contacts:,} contacts, if {rule}: {finite.kind}"
+    said = f"{finite.contacts:,} contacts, if {NAMED[finite.rule]}: {finite.kind}"
     if finite.kind == "smooth":
         return said
-    force, unit = scale.force, scale.force_unit
-    before = with_uncertainty(finite.before * force, _known(finite.before_error) * force, unit)
-    after = with_uncertainty(finite.after * force, _known(finite.after_error) * force, unit)
-    each = (
-        ""
-        if finite.kind == "stick-slip"
-        else f", {finite.slips:.2g} times a slider on the way that was followed"
+    force, size = verdict.own.scale.force, abs(finite.before)
+    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
+    ends = (
+        with_uncertainty(
+            mean * force,
+            error * force if 1e-9 * size < error < np.inf else 0.0,
+            verdict.own.scale.force_unit,
+        )
+        for mean, error in means
     )
-    return f"{said}, from {before} down to {after}{each}"
-
-
-def _known(error: float) -> float:
-    """The error, or 0 for one that a single slip leaves unknown, which is not written then."""
-    return error if np.isfinite(error) else 0.0
+    said += f", from {' down to '.join(ends)}"
+    if finite.kind == "stick-slip":
+        return said
+    return f"{said}, {finite.slips:.2g} times a slider on the way that was followed"
 
 
 def named(rules: Sequence[str]) -> str:

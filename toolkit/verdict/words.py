@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import Behaviour
-from toolkit.verdict.hangs_on import dependence, named
+from toolkit.verdict.hangs_on import dependence, named, others
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.table import numerical_errors, share_of, speed_unit, table
 
@@ -47,10 +47,10 @@ def _kinds(verdict: Verdict) -> list[str]:
     groups = _groups(verdict.own)
     if len(groups) > 1:
         return [f"{kind} if {_rules(alike)}" for kind, alike in groups.items()]
-    others = len(verdict.answers) - 1
+    many = len(verdict.answers) - 1
     own = [f"{kind} by {verdict.own.name}" for kind in groups]
     return own + [
-        f"{kind} by {len(names)} of {others} others" for kind, names in others(verdict).items()
+        f"{kind} by {len(names)} of {many} others" for kind, names in others(verdict).items()
     ]
 
 
