@@ -93,8 +93,9 @@ def by_law(choose: Callable[[type], Any]) -> Any:
 
 BREAKS: dict[type, Callable[..., Any]] = {}
 AGED: dict[type, Callable[..., Any]] = {}
-# functions by the class of their law: engine.law_of fills RATES; BREAKS and AGED are filled below and in laws/*.py
+# functions by the class of their law: laws.settings.law_of fills RATES; the others are filled below and in laws/*.py
 RATES: dict[type, CompiledRates] = {}
+ROWS: dict[type, Callable[..., Any]] = {}
 # break_of(law, contact, drive, counts): the break of a contact
 break_of = by_law(BREAKS.__getitem__)
 # aged_threshold(law, contact, drive, instant): its threshold at a later instant; below 0 if `break_of` counts it itself
@@ -272,6 +273,7 @@ def _by_rate(law, contact, drive, counts):  # type: ignore[no-untyped-def]
 
 BREAKS |= {Cold: _at_threshold, Warm: _by_rate}
 AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, drive, instant: real(contact.threshold))
+ROWS[Warm] = _in_row
 # breaks_in_row(law, n, x, breaks_at, lanes, work): the stretches at which contacts break in steady motion, or their
 # thresholds x under laws that do not give them
-breaks_in_row = by_law(lambda law: _in_row if law is Warm else lambda law, n, x, *rest: x)
+breaks_in_row = by_law(lambda law: ROWS.get(law, lambda law, n, x, *rest: x))

@@ -8,11 +8,10 @@ import numpy.typing as npt
 from eq_model.blocks import BLOCK, Blocks, State, Whole
 from eq_model.draws.tables import DEEPEST
 from eq_model.result import BINS, chosen_points, histogram, make_edges
-from eq_model.whole_drive import STIFFNESS_UNIT, TIE, WholeDrive, durations, whole_drive
-from origins import Contacts, Drive, Thermal
+from eq_model.whole_drive import STIFFNESS_UNIT, TIE, durations, whole_drive
+from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
-from origins.laws.compiled import CompiledRates, called
 from origins.thresholds.law import Array
 
 
@@ -35,17 +34,17 @@ class Engine:
         self, contacts: Contacts, drive: Drive, blocks: Blocks, seed: int, histograms: npt.ArrayLike
     ) -> None:
         """Choose unit, bins, law and smaller blocks; InputError for contacts and drives that cannot be followed."""
-        taken = tuple({*LAWS} - {"strengthening"})
-        check_contacts(contacts, "eq_model.simulate", taken, own_rates=True)
+        check_contacts(contacts, "eq_model.simulate", LAWS, own_rates=True)
         if contacts.each_by_itself() is not contacts:
             name = "thermal" if getattr(contacts.thermal, "closure", "") == "paper" else "ageing"
             raise InputError(
-                f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single '
-                'contacts do not know; use closure = "exact"'
+                f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single contacts '
+                'do not know; use closure = "exact"'
             )
         from eq_model.contact import Work
         from eq_model.draws.births import births_of, exposures
         from eq_model.lanes import Forward
+        from eq_model.laws.settings import law_of
 
         self.contacts, self._seed, self._drive = contacts, seed, drive
         # the same law all along the path: without laws nothing depends on time
@@ -81,7 +80,8 @@ class Engine:
             drive=in_units,
             mean=scale / in_units.unit,
             wait=contacts.waiting_time,
-            needs_exposure=contacts.thermal is not None or contacts.grains is not None,
+            needs_exposure=contacts.grains is not None
+            or (contacts.thermal is not None and contacts.growing is None),
             linked=linked,
             measured=False,
         )
@@ -123,8 +123,8 @@ class Engine:
         if measured > 1:
             variance = self._with_unseen(self._moments(measured, sums[:, 1]).variance, n)
         # where contacts may be out, the error includes one that happened not to be
-        waits = contacts.delay is not None or contacts.grains is not None
-        varies = np.maximum(found.holding * (1.0 - found.holding), 1.0 / n if waits else 0.0)
+        least = 1.0 / n if contacts.waiting_time else 0.0
+        varies = np.maximum(found.holding * (1.0 - found.holding), least)
         order = np.argsort(self._order)[: len(state.counts)]  # none where they are not wanted
         counts = zip(self._points.tolist(), state.counts[order], strict=False)
         return {
@@ -170,7 +170,7 @@ class Engine:
         contacts, reach, start = self.contacts, self._reach, self.contacts.start
         stretch = np.minimum(reach.span + reach.furthest, reach.longest)
         law, again, share = contacts.thresholds, contacts.reforming, np.full(seen.size, 1.0 / n)
-        constant = contacts.ageing is None and contacts.grains is None
+        constant = contacts.ageing is None and contacts.growing is None
         if constant and contacts.thermal is None:
             alike = start.is_single and not np.diff(law.support())[0]
             if alike and (again is None or again.law.is_single):
@@ -205,30 +205,6 @@ class Engine:
         return (np.abs(coarse.force - fine.force) + doubt) / (self.COARSER - 1.0)
 
 
-def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
-    """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
-    from eq_model import contact
-
-    # without a thermal law, the rates of any law stand in: kernels do not use them then
-    rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
-    found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
-    contact.RATES.setdefault(type(found.law), found)
-    heat = contacts.thermal is not None, found.law, drive.unit
-    grains, ageing = contacts.grains, contacts.ageing
-    if ageing is not None:
-        from eq_model.laws.diffusing import make_diffusing
-
-        return make_diffusing(ageing, contacts.thresholds, *heat)
-    if grains is not None and grains.age is not None:
-        from eq_model.laws.growing import make_growing
-
-        return make_growing(grains, drive, *heat)
-    if contacts.thermal is None:
-        return contact.Cold(np.int64(tie))
-    # in holds, where the value is not used, only the logarithm of 0 is avoided
-    return contact.Warm(*heat[1:], np.log(np.maximum(drive.paces / drive.unit, 1e-300)))
-
-
 class Reach:
     """How far contacts may be stretched on a drive, lengths.
 
@@ -248,10 +224,14 @@ class Reach:
         self.largest = tables_of(contacts)["thresholds"].largest
         born = max(abs(end) for law in laws_of(contacts).values() for end in law.span)
         self.furthest = min(born, self.largest)
-        if (grains := contacts.grains) is not None and grains.age is not None:
-            # at the end of the drive, for contacts of the start, the oldest
-            oldest = grains.age + float(durations(drive).sum())
-            self.largest = max(self.largest, float(grains.quantile(1.0, oldest)))
+        if (growing := contacts.growing) is not None:
+            # of contacts of the start, the oldest, at the end of the drive
+            hazard = np.inf
+            if not np.isfinite(growing.at_start.support()[1]):
+                hazard = float(growing.hazard_at(self.largest, growing.start_pinned_for))
+            oldest = (growing.age or 0.0) + float(durations(drive).sum())
+            oldest -= growing.first_pinning_time
+            self.largest = max(self.largest, float(growing.threshold_at(hazard, oldest)))
         if (ageing := contacts.ageing) is not None:
             # less than one threshold in 1e17 diffuses by more than 9 standard deviations
             self.largest = max(self.largest, float(ageing.final.isf(DEEPEST)))
@@ -273,6 +253,8 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
         stretch, thresholds = abs(again.law.mean()), contacts.thresholds
         distance = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
         often["reforming"] = travel / max(distance, 1e-300)
+    if contacts.strengthening is not None:
+        often["strengthening"] = travel / contacts.mean_threshold
     if thermal is not None and grains is None and total > 0.0:
         fresh = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
         # contacts hold longest while they are relaxed, so the number of breaks may be underestimated

@@ -49,7 +49,7 @@ def simulate(
     path : array of shape (n,)
         Positions X (lengths, in the unit of the thresholds), from X = 0 on; it may turn round. See origins.Drive.
     velocity : float
-        Speed along the path (length per time); only rates, ageing, grains and delay depend on it.
+        Speed along the path (length per time); only rates, ageing, growing thresholds and delay depend on it.
     time : array of shape (n,), optional
         When each point is reached, instead of the velocity: for holds and velocity steps.
     spring : float, optional

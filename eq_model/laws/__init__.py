@@ -1,1 +1,1 @@
-"""Laws of breaking with thresholds that diffuse (ageing) or grow (grains)."""
+"""Laws of breaking with thresholds that diffuse (ageing) or grow (grains, strengthening)."""

@@ -73,7 +73,7 @@ class GrainContact(GrowingThresholds):
         pinned_for = np.maximum(np.asarray(age) - self.first_pinning_time, 0.0)
         return self.hazard_at(np.asarray(x, dtype=float), pinned_for)[()]
 
-    def hazard_at(self, x: Array, pinned_for: Array | float) -> Array:
+    def hazard_at(self, x: Array | float, pinned_for: Array | float) -> Array:
         """See GrowingThresholds."""
         # of the largest grain's diameter over the film's thickness, beyond 1
         x, excess = np.broadcast_arrays(x, self.growth.excess_after(pinned_for))

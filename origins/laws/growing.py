@@ -64,7 +64,7 @@ class GrowingThresholds(ChangingThresholds, ABC):
         return self.age - self.first_pinning_time
 
     @abstractmethod
-    def hazard_at(self, x: Array, pinned_for: Array | float) -> Array:
+    def hazard_at(self, x: Array | float, pinned_for: Array | float) -> Array:
         """-ln of the share of contacts of this age since pinning (times) whose thresholds exceed |x| (lengths); shapes
         broadcast. inf where none exceeds it."""
 

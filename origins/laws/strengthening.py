@@ -88,7 +88,7 @@ class Strengthening(GrowingThresholds):
         hazards = -self.fresh.logsf(self.fresh.breakpoints)
         return np.unique(hazards[(hazards > 0.0) & np.isfinite(hazards)])
 
-    def hazard_at(self, x: Array, pinned_for: Array | float) -> Array:
+    def hazard_at(self, x: Array | float, pinned_for: Array | float) -> Array:
         """See GrowingThresholds."""
         return np.asarray(-self.fresh.logsf(np.abs(x) / self.factor(pinned_for))) + 0.0
 

@@ -1,0 +1,205 @@
+"""Contacts that strengthen with their age, in the ensemble: held to quadratures and to a plain twin."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from solving import gauss
+
+import eq_model
+import origins
+from origins import Contacts, Delay, InputError, Thermal, strengthening
+
+PC = origins.gaussian(mean=1.0, std=0.2)
+TIME = 2.0  # τ_0
+
+
+def growth(beta, age):
+    """g."""
+    return 1.0 + beta * np.log1p(age / TIME)
+
+
+def kinetic(beta, velocity, thermal=None):
+    """F_k = ∫xE/∫E, E(x) = S(x/g(x/v)); with heat E = ∫P_c(ξ) exp[-(1/v)∫h(y; ξ g(y/v))dy]dξ, x < ξ g(x/v)."""
+    largest = 2.7 * growth(beta, 9.0 / velocity)
+    x, weights = gauss(np.linspace(0.0, largest, 41 if thermal is None else 201), 8)
+    factor = growth(beta, x / velocity)
+    if thermal is None:
+        held = PC.sf(x / factor)
+    else:
+        fresh, shares = gauss(np.linspace(1e-3, 2.7, 7), 40)
+        threshold = fresh[:, None] * factor
+        rate = thermal.rates.rate(np.minimum(x, threshold), threshold, 1.0)
+        # of the piece up to each node half of its weight counts
+        passed = np.cumsum(rate * weights, axis=1) - 0.5 * rate * weights
+        left = np.where(x < threshold, np.exp(-passed / velocity), 0.0)
+        held = (shares * PC.pdf(fresh)) @ left
+    return float(weights @ (x * held) / (weights @ held))
+
+
+UNAGED = PC.moment(2) / (2.0 * PC.mean())  # F_k of thresholds that do not grow
+EYRING = Thermal("eyring", width=0.03, attempt_frequency=1.0)
+
+
+def slope(beta, velocity, thermal=None):
+    """(dF_k/d ln v), in units of F_k without growth and heat."""
+    up, down = (kinetic(beta, velocity * factor, thermal) for factor in (1.1, 1.0 / 1.1))
+    return (up - down) / (2.0 * np.log(1.1)) / UNAGED
+
+
+@pytest.mark.parametrize("beta", [0.02, 0.03, 0.05])
+def test_the_force_falls_by_beta_for_each_e_fold_of_the_speed(beta):
+    """(dF_k/d ln v)/F_k(0) = -β within 4 %, while v τ_0 is below 0.02 <x_s>; -0.0306 at β = 0.03."""
+    for velocity in (1e-8, 1e-4, 0.01):
+        assert slope(beta, velocity) == pytest.approx(-beta, rel=0.04)
+    assert kinetic(beta, 1e8) == pytest.approx(UNAGED, rel=1e-7)
+    assert slope(0.03, 1e-8) == pytest.approx(-0.0306, abs=5e-5)
+
+
+def test_the_two_logarithms_of_heat_and_growth_multiply():
+    """F_k = F AB, A = 1 + α ln(v/v_0), B = 1 + β ln(<x_s>/vτ_0): the slope αB - βA is not 0 where α = β."""
+    width = beta = 0.03
+    for velocity in (1e-6, 1e-5, 1e-4):
+        a = 1.0 + width * np.log(velocity / (width * PC.mean()))
+        b = 1.0 + beta * np.log(PC.mean() / (velocity * TIME))
+        found = slope(beta, velocity, EYRING)
+        assert found == pytest.approx(width * b - beta * a, abs=0.0025)
+        assert found > 0.012
+
+
+def standard_errors(found, exact):
+    """The largest difference of the force from what it should be, in standard errors."""
+    return float((np.abs(found.force - exact) / found.force_error).max())
+
+
+SLIDING = np.linspace(30.0, 31.0, 3)
+
+
+@pytest.mark.parametrize(
+    ("beta", "velocity", "thermal", "number"),
+    [(0.03, 1e-4, None, 60_000), (0.5, 0.01, None, 60_000), (0.03, 1e-4, EYRING, 12_000)],
+)
+def test_steady_sliding(beta, velocity, thermal, number):
+    """F_k is that of the quadrature; one without growth, or at a tenth of the speed, is told apart."""
+    contacts = Contacts(strengthening(PC, beta, TIME), thermal=thermal)
+    found = eq_model.simulate(contacts, SLIDING, velocity=velocity, n_contacts=number, seed=4)
+    assert standard_errors(found, kinetic(beta, velocity, thermal)) < 4.0
+    assert standard_errors(found, kinetic(0.0, velocity, thermal)) > 10.0
+    assert standard_errors(found, kinetic(beta, 0.1 * velocity, thermal)) > 5.0
+
+
+def test_a_rest_strengthens_contacts_by_the_logarithm_of_its_time():
+    """After a rest t: F = X S(X/g(t + X/v)) and those born again, and its peak grows by β per ln t."""
+    narrow, beta, velocity = origins.gaussian(mean=1.0, std=0.1), 0.05, 0.1
+    contacts = Contacts(strengthening(narrow, beta, TIME))
+    x = np.linspace(0.0, 1.5, 31)[1:]
+    peaks = []
+    for rest in (1e2, 1e4, 1e6):
+
+        def left(x, since):
+            return narrow.sf(x / growth(beta, since + x / velocity))
+
+        # breaks of the first contacts from piece to piece, and those born there, none of which breaks twice
+        edges = np.linspace(0.0, 1.5, 1501)
+        broken = -np.diff(left(edges, rest))
+        beyond = np.maximum(x[:, None] - 0.5 * (edges[1:] + edges[:-1]), 0.0)
+        exact = x * left(x, rest) + (beyond * left(beyond, 0.0)) @ broken
+        times = np.concatenate([[0.0, rest], rest + x / velocity])
+        path = np.concatenate([[0.0, 0.0], x])
+        found = eq_model.simulate(contacts, path, time=times, n_contacts=30_000, seed=2)
+        peaks.append(found.force.max())
+        assert np.abs((found.force[2:] - exact) / found.force_error[2:]).max() < 4.0
+        shifted = np.interp(x, x * 1.02, exact)  # a growth by 2 % more would be seen
+        assert np.abs((found.force[2:] - shifted) / found.force_error[2:]).max() > 8.0
+    rises = np.diff(peaks) / np.log(100.0) / peaks[0] * growth(beta, 1e2)
+    np.testing.assert_allclose(rises, beta, rtol=0.1)
+
+
+def plain(thresholds, beta, path, times, count, seed, age=0.0, start=None, delay=0.0):
+    """Forces at the points of a path of contacts that are followed one leg after the other, shape (points, count)."""
+    generator = np.random.default_rng(seed)
+    x = np.zeros(count) if start is None else start(generator, count)
+    fresh = thresholds.isf(thresholds.sf(np.abs(x) / growth(beta, age)) * generator.random(count))
+    at, born = np.zeros(count), np.full(count, -age)  # the instant of x, and of the birth
+    out, place, clock = [], 0.0, 0.0
+    for to, until in zip(path, times, strict=True):
+        speed = (to - place) / (until - clock) if until > clock else 0.0
+        while (at < until).any():
+            live = at < until
+            end = x + speed * (until - at)
+            breaks = live & (np.abs(end) >= fresh * growth(beta, until - np.minimum(born, until)))
+            low, high = at.copy(), np.full(count, until)
+            inward = breaks & (x * speed < 0.0)  # such contacts pass x = 0 before they break
+            low[inward] -= x[inward] / speed
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                there = np.abs(x + speed * (middle - at))
+                beyond = there >= fresh * growth(beta, np.maximum(middle - born, 0.0))
+                low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+            x, at = np.where(live, end, x), np.where(live, until, at)
+            at[breaks] = born[breaks] = high[breaks] + delay
+            x[breaks], fresh[breaks] = 0.0, thresholds.rvs(int(breaks.sum()), generator)
+        out.append(np.where(born < until, x, 0.0))
+        place, clock = to, until
+    return np.array(out)
+
+
+PLACES = np.array([0.9, 1.4, 0.2, 0.2, -1.1, -1.1, 0.6, 2.5])
+TIMES = np.array([9.0, 9.5, 21.5, 400.0, 413.0, 413.4, 430.4, 630.0])
+
+
+@pytest.mark.parametrize(
+    ("age", "start", "delay"), [(0.0, 0.0, 0.0), (30.0, 0.2, 0.0), (0.0, 0.0, 5.0)]
+)
+def test_a_path_that_turns_rests_and_changes_its_speed(age, start, delay):
+    """The ensemble agrees with contacts that are followed one by one; those that do not age in rests do not."""
+    beta, count = 0.3, 20_000
+    contacts = Contacts(
+        strengthening(PC, beta, TIME, age=age),
+        start=origins.gaussian_start(0.1, start),
+        delay=Delay(delay),
+    )
+    found = eq_model.simulate(contacts, PLACES, time=TIMES, n_contacts=100_000, seed=7)
+
+    def away(beta, times, seed):
+        drawn = plain(
+            PC, beta, PLACES, times, count, seed, age, lambda g, n: g.normal(0.1, start, n), delay
+        )
+        scatter = drawn.std(axis=1, ddof=1) / np.sqrt(count)
+        return np.abs(found.force - drawn.mean(axis=1)) / np.hypot(scatter, found.force_error)
+
+    assert away(beta, TIMES, 1).max() < 4.0
+    no_rest = TIMES - np.where(TIMES > 100.0, 378.0, 0.0)
+    assert away(beta, no_rest, 1).max() > 10.0 and away(0.9 * beta, TIMES, 1).max() > 8.0
+
+
+def test_thresholds_counted_at_a_point_have_grown():
+    """At rest nothing breaks, and every threshold is g times what it was."""
+    contacts = Contacts(strengthening(PC, 0.1, TIME, age=3.0))
+    found = eq_model.simulate(
+        contacts, [0.0, 0.0], time=[1.0, 1e5], n_contacts=50_000, seed=3, histograms=[0, 1]
+    )
+    assert found.breaks == 0
+    for histogram, age in zip(found.histograms, (4.0, 3.0 + 1e5), strict=True):
+        middles = 0.5 * (histogram.threshold_edges[1:] + histogram.threshold_edges[:-1])
+        shares = histogram.thresholds * np.diff(histogram.threshold_edges)
+        mean = growth(0.1, age) * PC.mean()
+        assert middles @ shares == pytest.approx(mean, abs=4.0 * 0.2 * mean / np.sqrt(50_000))
+
+
+def test_exact_thresholds_grow_all_alike():
+    """Contacts of one threshold break together where x = x_s0 g(x/v)."""
+    contacts, velocity = Contacts(strengthening(origins.identical(1.0), 0.05, TIME)), 0.01
+    at = 1.0
+    for _ in range(60):
+        at = 1.0 + 0.05 * np.log1p(at / velocity / TIME)
+    path = np.array([at - 1e-9, at + 1e-9, 2.0 * at - 1e-9, 2.0 * at + 1e-9])
+    found = eq_model.simulate(contacts, path, velocity=velocity, n_contacts=1000, seed=1)
+    np.testing.assert_allclose(found.force, [at, 0.0, at, 0.0], atol=2e-9)
+
+
+def test_a_spring_refuses_them():
+    """As it does other laws of coupled contacts that depend on time."""
+    contacts = Contacts(strengthening(PC, 0.03, TIME))
+    with pytest.raises(InputError, match=r"contacts\.strengthening: .*does not take it yet"):
+        eq_model.simulate(contacts, [1.0], spring=0.5)
